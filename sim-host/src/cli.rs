@@ -1,0 +1,34 @@
+//! The command line: one file a command, one door for output, one place where errors become exit statuses.
+
+mod failure;
+mod output;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+pub(crate) use failure::Failure;
+
+/// Firmware, control core and host tool for hydraulic shake tables.
+#[derive(Debug, Parser)]
+#[command(version, about, propagate_version = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+/// What can be asked for; nothing given is `demo`.
+#[derive(Debug, Subcommand)]
+enum Command {}
+
+/// Runs what the command line asks for and turns its outcome into an exit status.
+pub(crate) fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let outcome: Result<(), Failure> = match arguments.command {
+        None => Ok(()),
+        Some(command) => match command {},
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

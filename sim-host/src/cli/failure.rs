@@ -1,0 +1,24 @@
+//! Errors are handled once: here they become one message and an exit status.
+
+use std::process::ExitCode;
+
+/// Why a command ended early.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The input or the command line is wrong: exit status 2. Names the file, the place and the remedy.
+    Input(String),
+    /// The work failed: exit status 1.
+    Work(String),
+}
+
+impl Failure {
+    /// Prints the one message and gives the exit status.
+    pub(crate) fn report(&self) -> ExitCode {
+        let (Self::Input(message) | Self::Work(message)) = self;
+        eprintln!("error: {message}");
+        ExitCode::from(match self {
+            Self::Input(_) => 2,
+            Self::Work(_) => 1,
+        })
+    }
+}

@@ -1,0 +1,84 @@
+//! The one door for output: text and JSON to standard output or a file, written whole or not at all.
+
+use super::Failure;
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// `--json` and `--report`, the same on every command.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub(crate) struct Outputs {
+    /// Writes the result as JSON; `-` is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    /// Writes one HTML page that opens with no network.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+impl Outputs {
+    /// Writes `value`, with the version and the inputs' fingerprints added, where `--json` asks for it.
+    pub(crate) fn write_json(&self, mut value: serde_json::Value, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let Some(path) = &self.json else { return Ok(()) };
+        if let Some(object) = value.as_object_mut() {
+            object.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+            object.insert("inputs".into(), fingerprints(inputs)?);
+        }
+        let text = serde_json::to_string_pretty(&value).map_err(|e| Failure::Work(e.to_string()))? + "\n";
+        if path.as_os_str() == "-" {
+            print(&text);
+            return Ok(());
+        }
+        write_whole(path, text.as_bytes())
+    }
+
+    /// True where standard output belongs to JSON and no table may be printed.
+    pub(crate) fn quiet(&self) -> bool {
+        self.json.as_deref() == Some(Path::new("-"))
+    }
+}
+
+/// Each file's SHA-256 by its name.
+pub(crate) fn fingerprints(inputs: &[PathBuf]) -> Result<serde_json::Value, Failure> {
+    let mut map = serde_json::Map::new();
+    for path in inputs {
+        map.insert(path.display().to_string(), sha256(path)?.into());
+    }
+    Ok(map.into())
+}
+
+/// A file's SHA-256 in hexadecimal.
+pub(crate) fn sha256(path: &Path) -> Result<String, Failure> {
+    let mut file = std::fs::File::open(path).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        let n = std::io::Read::read(&mut file, &mut buffer)
+            .map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
+        if n == 0 {
+            break;
+        }
+        hash.update(&buffer[..n]);
+    }
+    Ok(hash.finalize().iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    }))
+}
+
+/// Writes a file whole or not at all: beside its place first, then renamed.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let fail = |e: std::io::Error| Failure::Work(format!("{}: cannot write: {e}", path.display()));
+    let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(directory).map_err(fail)?;
+    file.write_all(bytes).map_err(fail)?;
+    file.persist(path).map_err(|e| fail(e.error))?;
+    Ok(())
+}
+
+/// Prints to standard output; a closed pipe is no error.
+pub(crate) fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}

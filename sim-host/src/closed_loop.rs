@@ -1,0 +1,1 @@
+//! The plant's clock drives the control core: one closed-loop run.

@@ -1,0 +1,1 @@
+//! Where a model and recordings part, and what physics was left out.

@@ -1,0 +1,11 @@
+//! Host side of shakedown: plant models, ground motions, recordings, identification and diagnosis of hydraulic shake
+//! tables, around the same control core that the firmware runs.
+
+pub mod closed_loop;
+pub mod diagnose;
+pub mod identify;
+pub mod motion;
+pub mod plant;
+pub mod recording;
+pub mod report;
+pub mod scalar;

@@ -1,0 +1,1 @@
+//! Ground motions: reading, conditioning, fitting to a table's limits, spectra and metrics.

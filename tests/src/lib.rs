@@ -1,0 +1,1 @@
+//! What the tests share: the data folder, the binary under test, small helpers.

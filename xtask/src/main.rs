@@ -1,0 +1,3 @@
+//! Every chore has one name: `cargo xtask test`.
+
+fn main() {}
