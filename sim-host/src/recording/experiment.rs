@@ -1,0 +1,177 @@
+//! An experiment: the model, the channels and the runs of one TOML file, read, checked and brought to SI.
+
+use super::channel::{Channel, PerChannel};
+use super::document::{Section, Source, parse};
+use super::error::{Place, Problem, RecordingError};
+use super::holdout::{HeldBack, assign};
+use super::law::Law;
+use super::model::{Baseline, Model, read_text};
+use super::run::{Run, Use};
+use std::path::{Path, PathBuf};
+
+mod channels;
+mod load;
+
+pub use channels::{ChannelSource, Origin};
+
+/// Fewest samples of a run.
+pub const LEAST_SAMPLES: usize = 16;
+
+/// One experiment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// What it is called.
+    pub name: String,
+    /// The TOML file.
+    pub path: PathBuf,
+    /// The model the user believes in.
+    pub model: Model,
+    /// Where each channel comes from.
+    pub sources: PerChannel<ChannelSource>,
+    /// The runs, in the order given, in SI.
+    pub runs: Vec<Run>,
+    /// How it was decided which runs judge.
+    pub held_back: HeldBack,
+    /// Every file that was read, for fingerprints.
+    pub inputs: Vec<PathBuf>,
+}
+
+/// One entry of `[[runs]]`, before its file is read.
+#[derive(Debug, Clone)]
+struct RunEntry {
+    file: String,
+    law: Law,
+    controller_rate_hz: Option<f64>,
+    stated: Option<Use>,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    place: Place,
+}
+
+impl Experiment {
+    /// Reads an experiment and every recording it names.
+    pub fn load(path: &Path) -> Result<Self, RecordingError> {
+        let text = read_text(path)?;
+        let source = Source::new(path, &text);
+        let document = parse(&source, &text)?;
+        let root = Section::root(&source, &document);
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let mut inputs = vec![path.to_path_buf()];
+
+        let name = root.string("name")?.unwrap_or_else(|| stem(path));
+        let model = Model::read(&root, &folder, &mut inputs)?;
+        let sources = channels::read(&root)?;
+        let entries = run_entries(&root, &folder)?;
+        root.finish()?;
+        let channels_at = root.required("channels", "")?.place();
+        for entry in &entries {
+            check_needs(&model, &entry.law, &sources, &channels_at)?;
+        }
+        let runs = load::runs(&entries, &sources, &folder)?;
+        for run in &runs {
+            add_inputs(&mut inputs, &run.0);
+        }
+        let (runs, held_back) = assign(runs);
+        Ok(Self { name, path: path.to_path_buf(), model, sources, runs, held_back, inputs })
+    }
+
+    /// The runs of one use.
+    pub fn runs_for(&self, purpose: Use) -> impl Iterator<Item = &Run> {
+        self.runs.iter().filter(move |r| r.purpose == purpose)
+    }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+}
+
+fn add_inputs(inputs: &mut Vec<PathBuf>, run: &Run) {
+    let settings = match &run.law {
+        Law::Core { path, .. } => Some(path.clone()),
+        _ => None,
+    };
+    for path in std::iter::once(run.path.clone()).chain(settings) {
+        if !inputs.contains(&path) {
+            inputs.push(path);
+        }
+    }
+}
+
+fn run_entries(root: &Section<'_>, folder: &Path) -> Result<Vec<RunEntry>, RecordingError> {
+    let list = root.required("runs", "write a [[runs]] table with its `file` for every recording")?;
+    let entries = list.list()?.iter().map(|e| run_entry(&e.section()?, folder)).collect::<Result<Vec<_>, _>>()?;
+    if entries.is_empty() {
+        let problem = Problem::Missing { key: "runs", remedy: "name at least one recording" };
+        return Err(list.refuse(problem));
+    }
+    Ok(entries)
+}
+
+fn run_entry(section: &Section<'_>, folder: &Path) -> Result<RunEntry, RecordingError> {
+    let file = section.required("file", "name the recording, relative to the experiment")?;
+    let entry = RunEntry {
+        file: file.string()?.to_owned(),
+        law: section.get("controller").map_or(Ok(Law::Open), |e| Law::read(&e, folder))?,
+        controller_rate_hz: section.get("controller_rate_hz").map(|e| e.positive()).transpose()?,
+        stated: section.get("use").map(|e| purpose(&e)).transpose()?,
+        from_s: section.number("from_s")?,
+        to_s: section.number("to_s")?,
+        place: file.place(),
+    };
+    if let (Some(from), Some(to), Some(at)) = (entry.from_s, entry.to_s, section.get("to_s"))
+        && to <= from
+    {
+        return Err(at.refuse(Problem::OutOfRange { value: to, expected: "it must be after `from_s`" }));
+    }
+    section.finish()?;
+    Ok(entry)
+}
+
+fn purpose(entry: &super::document::Entry<'_>) -> Result<Use, RecordingError> {
+    match entry.string()? {
+        "fit" => Ok(Use::Fit),
+        "holdout" => Ok(Use::HoldOut),
+        other => Err(entry.refuse(Problem::NotAChoice {
+            found: other.to_owned(),
+            choices: "\"fit\", \"holdout\"".to_owned(),
+            suggestion: super::error::nearest(other, ["fit", "holdout"]),
+        })),
+    }
+}
+
+/// Refuses an experiment without the channels that its model and its controller take.
+fn check_needs(
+    model: &Model,
+    law: &Law,
+    sources: &PerChannel<ChannelSource>,
+    place: &Place,
+) -> Result<(), RecordingError> {
+    let missing = |channel: Channel| sources.get(channel).is_none();
+    let refuse = |key, remedy| Err(place.clone().refuse(Problem::Missing { key, remedy }));
+    if let Baseline::ForceBalance(_) = model.baseline {
+        if missing(Channel::PressureDifference) {
+            return refuse("pressure_difference", "it is what a force balance explains");
+        }
+        if missing(Channel::Displacement) && missing(Channel::Acceleration) {
+            return refuse("acceleration", "a force balance is driven by the measured motion");
+        }
+        return Ok(());
+    }
+    match law {
+        Law::Open if missing(Channel::Command) => {
+            return refuse("command", "no controller is given, so the recorded command must drive the model");
+        }
+        Law::Open => {}
+        _ if missing(Channel::Reference) => {
+            return refuse("reference", "the simulation closes the loop from it; without it leave `controller` out");
+        }
+        _ => {}
+    }
+    if [Channel::Displacement, Channel::Acceleration, Channel::Velocity].into_iter().all(missing) {
+        return refuse("displacement", "a measured motion is needed to compare the model with");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

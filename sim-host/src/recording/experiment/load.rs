@@ -1,0 +1,146 @@
+//! From the files of `[[runs]]` to runs in SI on an even grid.
+
+use super::{ChannelSource, LEAST_SAMPLES, Origin, RunEntry};
+use crate::recording::channel::{Channel, PerChannel};
+use crate::recording::clock::{self, Clock, Grid, NoGrid};
+use crate::recording::error::{Place, Problem, RecordingError};
+use crate::recording::run::{Run, Use};
+use crate::recording::table::{Heading, Table};
+use crate::recording::{file, unit};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Reads every run; a file that several runs share is read once.
+pub(super) fn runs(
+    entries: &[RunEntry],
+    sources: &PerChannel<ChannelSource>,
+    folder: &Path,
+) -> Result<Vec<(Run, Option<Use>)>, RecordingError> {
+    let mut tables: BTreeMap<PathBuf, Table> = BTreeMap::new();
+    let mut runs = Vec::with_capacity(entries.len());
+    for entry in entries {
+        let path = folder.join(&entry.file);
+        if !tables.contains_key(&path) {
+            tables.insert(path.clone(), table(&path, sources, &entry.place)?);
+        }
+        let Some(table) = tables.get(&path) else { continue };
+        let shared = entries.iter().filter(|e| e.file == entry.file).count() > 1;
+        runs.push((run(entry, &path, table, sources, shared)?, entry.stated));
+    }
+    Ok(runs)
+}
+
+/// The channels that have a column, in the order of the table's columns.
+fn columns(sources: &PerChannel<ChannelSource>) -> Vec<(Channel, &str, unit::Unit)> {
+    sources
+        .iter()
+        .filter_map(|(channel, source)| match &source.origin {
+            Origin::Column(name) => Some((channel, name.as_str(), source.unit)),
+            Origin::Step(_) => None,
+        })
+        .collect()
+}
+
+fn table(path: &Path, sources: &PerChannel<ChannelSource>, stated: &Place) -> Result<Table, RecordingError> {
+    let columns = columns(sources);
+    let wanted: Vec<&str> = columns.iter().map(|(_, name, _)| *name).collect();
+    if !path.exists() {
+        let problem =
+            format!("there is no file {}; correct `file`, which is relative to the experiment", path.display());
+        return Err(stated.clone().refuse(Problem::Contradiction(problem)));
+    }
+    let table = file::read(path, &wanted)?;
+    for ((_, name, unit), heading) in columns.iter().zip(&table.headings) {
+        Heading::agrees(heading, *unit, Place::line(path, 1).column(name))?;
+    }
+    Ok(table)
+}
+
+fn run(
+    entry: &RunEntry,
+    path: &Path,
+    table: &Table,
+    sources: &PerChannel<ChannelSource>,
+    shared: bool,
+) -> Result<Run, RecordingError> {
+    let rows = table.columns.first().map_or(0, Vec::len);
+    let stamps = stamps(table, sources, rows);
+    let (from, to) = window(entry, &stamps);
+    if to - from < LEAST_SAMPLES {
+        let place = if entry.from_s.is_some() || entry.to_s.is_some() {
+            let (first, last) = (stamps.first().unwrap_or(&0.0), stamps.last().unwrap_or(&0.0));
+            format!("between `from_s` and `to_s` (the file runs from {first} to {last} s)")
+        } else {
+            format!("in {}", path.display())
+        };
+        return Err(entry.place.clone().refuse(Problem::TooShort { found: to - from, least: LEAST_SAMPLES, place }));
+    }
+    let grid = clock::lay(&stamps[from..to]).map_err(|e| no_grid(e, path))?;
+    let mut channels = PerChannel::default();
+    let mut noise = PerChannel::default();
+    for ((channel, _, unit), column) in columns(sources).into_iter().zip(&table.columns) {
+        if channel != Channel::Time {
+            channels.set(channel, on_grid(&grid, &column[from..to], unit.factor));
+        }
+        if let Some(stated) = sources.get(channel).and_then(|s| s.noise) {
+            noise.set(channel, stated);
+        }
+    }
+    let Grid { start, dt, rows, clock } = grid;
+    let time: Vec<f64> = (0..rows.len()).map(|k| start + k as f64 * dt).collect();
+    Ok(Run {
+        name: if shared { part_name(entry, &time, dt) } else { entry.file.clone() },
+        path: path.to_path_buf(),
+        dt,
+        time,
+        channels,
+        noise,
+        law: entry.law.clone(),
+        controller_rate_hz: entry.controller_rate_hz,
+        purpose: entry.stated.unwrap_or(Use::Fit),
+        cut: from > 0,
+        clock: Clock { ..clock },
+    })
+}
+
+fn part_name(entry: &RunEntry, time: &[f64], dt: f64) -> String {
+    let first = entry.from_s.or_else(|| time.first().copied()).unwrap_or(0.0);
+    let last = entry.to_s.or_else(|| time.last().map(|t| t + dt)).unwrap_or(0.0);
+    format!("{} ({first} to {last} s)", entry.file)
+}
+
+fn stamps(table: &Table, sources: &PerChannel<ChannelSource>, rows: usize) -> Vec<f64> {
+    match sources.get(Channel::Time).map(|s| (&s.origin, s.unit)) {
+        Some((Origin::Step(step), _)) => (0..rows).map(|k| k as f64 * step).collect(),
+        // Time is the first channel, so the table's first column is its.
+        Some((Origin::Column(_), unit)) => {
+            table.columns.first().map_or_else(Vec::new, |c| c.iter().map(|t| t * unit.factor).collect())
+        }
+        None => Vec::new(),
+    }
+}
+
+/// The rows from the first stamp at or after `from_s` up to, not including, the first at or after `to_s`.
+fn window(entry: &RunEntry, stamps: &[f64]) -> (usize, usize) {
+    let at = |limit: f64| stamps.iter().position(|&t| t >= limit).unwrap_or(stamps.len());
+    let from = entry.from_s.map_or(0, at);
+    let to = entry.to_s.map_or(stamps.len(), at);
+    (from.min(to), to)
+}
+
+fn on_grid(grid: &Grid, column: &[f64], factor: f64) -> Vec<f64> {
+    grid.rows.iter().map(|row| row.map_or(f64::NAN, |r| column[r] * factor)).collect()
+}
+
+fn no_grid(reason: NoGrid, path: &Path) -> RecordingError {
+    let text = match reason {
+        NoGrid::TooFew => "holds fewer than two times; is the right column given for `time`?".to_owned(),
+        NoGrid::Still { first, last } => {
+            format!("runs from {first} s to {last} s and does not advance; is the right column given for `time`?")
+        }
+        NoGrid::TooSparse { step, span } => format!(
+            "covers {span} s in steps of {step} s with most of them missing; cut the file with `from_s` and `to_s`"
+        ),
+    };
+    Place::file(path).column("time").refuse(Problem::NoTimeStep(text))
+}

@@ -1,0 +1,99 @@
+//! The controller that ran while a recording was made.
+
+use super::document::{Entry, Section};
+use super::error::{Place, Problem, RecordingError, nearest};
+use super::model::read_text;
+use shakedown_core::Settings;
+use std::path::{Path, PathBuf};
+
+/// The loop that ran; a simulation closes the same loop from the reference.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Law {
+    /// No controller: the recorded command drives the model.
+    Open,
+    /// `u[k] = kp e[k] + ki dt (e[0] + ... + e[k])`, plain: no anti-windup, no limits.
+    ProportionalIntegral {
+        /// Proportional gain, unit of u per m.
+        kp: f64,
+        /// Integral gain, unit of u per m s.
+        ki: f64,
+    },
+    /// `u[k] = kv (kp e[k] - velocity[k])`, the velocity being the backward difference of the measured displacement.
+    Cascade {
+        /// Position gain, 1/s.
+        kp: f64,
+        /// Velocity gain, unit of u per m/s.
+        kv: f64,
+    },
+    /// The whole control core.
+    Core {
+        /// Its settings.
+        settings: Box<Settings>,
+        /// Where they were read.
+        path: PathBuf,
+    },
+}
+
+impl Law {
+    /// Reads a run's `controller`; a settings file is looked for beside the experiment.
+    pub(crate) fn read(entry: &Entry<'_>, folder: &Path) -> Result<Self, RecordingError> {
+        const CHOICES: &str = "{ kp, ki }, { kind = \"cascade\", kp, kv }, { core = \"settings.toml\" }, \"none\"";
+        if entry.is_string() {
+            return match entry.string()? {
+                "none" => Ok(Self::Open),
+                other => Err(entry.refuse(Problem::NotAChoice {
+                    found: other.to_owned(),
+                    choices: CHOICES.to_owned(),
+                    suggestion: nearest(other, ["none"]),
+                })),
+            };
+        }
+        let section = entry.section()?;
+        let law =
+            if let Some(core) = section.get("core") { Self::core(&core, folder)? } else { Self::gains(&section)? };
+        section.finish()?;
+        Ok(law)
+    }
+
+    fn gains(section: &Section<'_>) -> Result<Self, RecordingError> {
+        let kind = section.get("kind");
+        let name = kind.as_ref().map_or(Ok("pi"), Entry::string)?;
+        let kp = section.required("kp", "write the proportional gain, or leave `controller` out where none ran")?;
+        match (name, kind) {
+            ("cascade", _) => {
+                let kv = section.required("kv", "a cascade needs its velocity gain")?.number()?;
+                Ok(Self::Cascade { kp: kp.number()?, kv })
+            }
+            ("pi", _) => Ok(Self::ProportionalIntegral { kp: kp.number()?, ki: section.number("ki")?.unwrap_or(0.0) }),
+            (other, kind) => Err(kind.as_ref().unwrap_or(&kp).refuse(Problem::NotAChoice {
+                found: other.to_owned(),
+                choices: "\"pi\", \"cascade\"".to_owned(),
+                suggestion: nearest(other, ["pi", "cascade"]),
+            })),
+        }
+    }
+
+    fn core(entry: &Entry<'_>, folder: &Path) -> Result<Self, RecordingError> {
+        let path = folder.join(entry.string()?);
+        let text = read_text(&path)?;
+        let settings: Settings = toml::from_str(&text).map_err(|error| {
+            let line = error.span().map(|s| 1 + text[..s.start.min(text.len())].matches('\n').count());
+            let place = Place { line, ..Place::file(&path) };
+            place.refuse(Problem::Syntax(error.message().to_owned()))
+        })?;
+        settings.validate().map_err(|error| {
+            Place::file(&path).refuse(Problem::Contradiction(format!("settings refused: {error:?}")))
+        })?;
+        Ok(Self::Core { settings: Box::new(settings), path })
+    }
+
+    /// In a sentence, for reports.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Open => "no controller: the recorded command drives".to_owned(),
+            Self::ProportionalIntegral { kp, ki } => format!("PI, kp = {kp}, ki = {ki} 1/s"),
+            Self::Cascade { kp, kv } => format!("cascade, kp = {kp} 1/s, kv = {kv}"),
+            Self::Core { path, .. } => format!("control core, {}", path.display()),
+        }
+    }
+}

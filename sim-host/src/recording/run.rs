@@ -1,0 +1,75 @@
+//! One run: channels in SI on an even grid, the controller that ran, and what the run is used for.
+
+use super::channel::{Channel, PerChannel};
+use super::clock::Clock;
+use super::law::Law;
+use std::path::PathBuf;
+
+/// What a run is used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Use {
+    /// Parameters may be fitted to it.
+    Fit,
+    /// It only judges.
+    HoldOut,
+}
+
+/// One recording, or a part of one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The file as the experiment names it; where several runs share a file, with the part in seconds.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+    /// Sampling step, s.
+    pub dt: f64,
+    /// Time of each sample by the file's clock, evenly `dt` apart, s.
+    pub time: Vec<f64>,
+    /// The other channels in SI, each as long as `time`; NaN where a sample is missing.
+    pub channels: PerChannel<Vec<f64>>,
+    /// Stated standard deviation of each channel's noise, SI, quantisation included.
+    pub noise: PerChannel<f64>,
+    /// The controller that ran.
+    pub law: Law,
+    /// Rate of that controller, Hz; the recording's where the experiment does not say.
+    pub controller_rate_hz: Option<f64>,
+    /// What the run is used for.
+    pub purpose: Use,
+    /// True where the run is a part of its file that does not begin with the file: it need not start at rest.
+    pub cut: bool,
+    /// What the time stamps were like.
+    pub clock: Clock,
+}
+
+impl Run {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// True where there is no sample; a loaded run always has some.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// A channel's samples in SI.
+    pub fn channel(&self, channel: Channel) -> Option<&[f64]> {
+        self.channels.get(channel).map(Vec::as_slice)
+    }
+
+    /// Length of the run, s.
+    pub fn duration(&self) -> f64 {
+        self.dt * self.len() as f64
+    }
+
+    /// The run from sample `from` up to, not including, `to`.
+    #[must_use]
+    pub fn part(&self, from: usize, to: usize) -> Self {
+        let (to, from) = (to.min(self.len()), from.min(to).min(self.len()));
+        let mut channels = PerChannel::default();
+        for (channel, samples) in self.channels.iter() {
+            channels.set(channel, samples[from..to].to_vec());
+        }
+        Self { time: self.time[from..to].to_vec(), channels, cut: self.cut || from > 0, ..self.clone() }
+    }
+}
