@@ -2,6 +2,7 @@
 
 mod failure;
 mod output;
+mod progress;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -3,6 +3,7 @@
 
 pub mod closed_loop;
 pub mod diagnose;
+pub mod files;
 pub mod identify;
 pub mod motion;
 pub mod plant;

@@ -3,6 +3,13 @@
 //! Everything flows one way: a command fills a [`Page`] with values in SI or display units of its choice, every axis
 //! and column naming its unit, and writes it.
 
+mod curve;
+mod escape;
+mod figure;
+mod html;
+mod matrix;
+pub mod terminal;
+
 use std::path::Path;
 
 /// One HTML page under construction.
@@ -40,6 +47,8 @@ pub enum Item {
     Table(Table),
     /// A figure.
     Plot(Plot),
+    /// Counts or shares in two directions, shaded.
+    Matrix(Matrix),
 }
 
 /// A table; numbers arrive formatted, with units in the header.
@@ -51,6 +60,21 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
     /// What the table shows.
     pub caption: String,
+}
+
+/// A table of numbers in two directions, each cell shaded by its share of its row: a confusion matrix.
+#[derive(Debug, Clone, Default)]
+pub struct Matrix {
+    /// What it shows.
+    pub caption: String,
+    /// What the rows are, for instance `truth`.
+    pub rows_are: String,
+    /// What the columns are, for instance `answer`.
+    pub columns_are: String,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Name of each row and one value a column; NaN leaves a cell empty.
+    pub rows: Vec<(String, Vec<f64>)>,
 }
 
 /// A figure: curves over one abscissa.
@@ -118,12 +142,13 @@ pub struct Band {
 }
 
 impl Page {
+    /// The whole page as text: style, scripts and data inside, no request leaves it.
+    pub fn html(&self) -> String {
+        html::page(self)
+    }
+
     /// Writes the page, whole or not at all.
     pub fn write(&self, path: &Path) -> std::io::Result<()> {
-        let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::NamedTempFile::new_in(directory)?;
-        std::io::Write::write_all(&mut file, self.title.as_bytes())?;
-        file.persist(path).map_err(|e| e.error)?;
-        Ok(())
+        crate::files::write_whole(path, self.html().as_bytes())
     }
 }

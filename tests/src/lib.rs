@@ -1,1 +1,4 @@
 //! What the tests share: the data folder, the binary under test, small helpers.
+
+pub mod browser;
+pub mod sample;

@@ -2,8 +2,9 @@
 
 use super::Failure;
 use sha2::{Digest, Sha256};
+use shakedown::report::{Page, Table, terminal};
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
 /// `--json` and `--report`, the same on every command.
@@ -31,6 +32,19 @@ impl Outputs {
             return Ok(());
         }
         write_whole(path, text.as_bytes())
+    }
+
+    /// Writes the page where `--report` asks for it and says where it is; the version and the inputs' fingerprints are
+    /// added to what the page says of its origin.
+    pub(crate) fn write_report(&self, page: &mut Page, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let Some(path) = &self.report else { return Ok(()) };
+        page.provenance.insert(0, ("version".into(), env!("CARGO_PKG_VERSION").into()));
+        for input in inputs {
+            page.provenance.push((input.display().to_string(), sha256(input)?));
+        }
+        page.write(path).map_err(|e| Failure::Work(format!("{}: cannot write: {e}", path.display())))?;
+        eprintln!("report: {}", path.display());
+        Ok(())
     }
 
     /// True where standard output belongs to JSON and no table may be printed.
@@ -69,12 +83,14 @@ pub(crate) fn sha256(path: &Path) -> Result<String, Failure> {
 
 /// Writes a file whole or not at all: beside its place first, then renamed.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let fail = |e: std::io::Error| Failure::Work(format!("{}: cannot write: {e}", path.display()));
-    let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(directory).map_err(fail)?;
-    file.write_all(bytes).map_err(fail)?;
-    file.persist(path).map_err(|e| fail(e.error))?;
-    Ok(())
+    shakedown::files::write_whole(path, bytes)
+        .map_err(|e| Failure::Work(format!("{}: cannot write: {e}", path.display())))
+}
+
+/// Prints a table to standard output, as wide as the window where there is one.
+pub(crate) fn print_table(table: &Table) {
+    let window = std::io::stdout().is_terminal().then(terminal_size::terminal_size).flatten();
+    print(&terminal::table(table, window.map(|(width, _)| usize::from(width.0))));
 }
 
 /// Prints to standard output; a closed pipe is no error.

@@ -1,0 +1,151 @@
+//! A page in headless Chromium, spoken to over its debugging pipe: no driver, no port, no network.
+
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Error, ErrorKind, Result, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+/// A running Chromium with one page open.
+pub struct Browser {
+    process: Child,
+    to: ChildStdin,
+    from: BufReader<ChildStdout>,
+    session: Option<String>,
+    sent: u64,
+    events: Vec<Value>,
+    _profile: tempfile::TempDir,
+}
+
+/// The name under which Chromium is installed, if it is.
+pub fn chromium() -> Option<&'static str> {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success()))
+}
+
+impl Browser {
+    /// Starts Chromium and opens a blank page of `width` by `height` pixels.
+    pub fn start(program: &str, width: u32, height: u32) -> Result<Self> {
+        let profile = tempfile::tempdir()?;
+        let flags = "--headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run \
+                     --disable-background-networking --disable-component-update --remote-debugging-pipe";
+        // Chromium speaks on descriptors 3 and 4; the shell ties them to this process' two pipes.
+        let line = format!("exec {program} {flags} --user-data-dir=\"$0\" about:blank 3<&0 4>&1 1>/dev/null 2>&1");
+        let mut process = Command::new("sh")
+            .args(["-c", &line])
+            .arg(profile.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()?;
+        let missing = || Error::other("the browser's pipes are missing");
+        let to = process.stdin.take().ok_or_else(missing)?;
+        let from = BufReader::new(process.stdout.take().ok_or_else(missing)?);
+        let mut browser = Self { process, to, from, session: None, sent: 0, events: Vec::new(), _profile: profile };
+        let target = browser.call("Target.createTarget", &json!({"url": "about:blank"}))?;
+        let attached =
+            browser.call("Target.attachToTarget", &json!({"targetId": target["targetId"], "flatten": true}))?;
+        browser.session = attached["sessionId"].as_str().map(String::from);
+        for domain in ["Page", "Runtime", "Network", "Log"] {
+            browser.call(&format!("{domain}.enable"), &json!({}))?;
+        }
+        browser.resize(width, height)?;
+        Ok(browser)
+    }
+
+    /// Makes the window `width` by `height` pixels.
+    pub fn resize(&mut self, width: u32, height: u32) -> Result<()> {
+        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        self.call("Emulation.setDeviceMetricsOverride", &size)?;
+        self.settle()
+    }
+
+    /// Opens a file and waits until it is loaded and has drawn.
+    pub fn open(&mut self, path: &Path) -> Result<()> {
+        self.call("Page.navigate", &json!({"url": format!("file://{}", path.display())}))?;
+        while !self.events.iter().any(|e| e["method"] == "Page.loadEventFired") {
+            let event = self.receive()?;
+            self.events.push(event);
+        }
+        self.settle()
+    }
+
+    /// Waits for two frames, so that what was asked for is on the screen.
+    pub fn settle(&mut self) -> Result<()> {
+        self.value("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
+            .map(drop)
+    }
+
+    /// What a script in the page comes to; a promise is waited for.
+    pub fn value(&mut self, script: &str) -> Result<Value> {
+        let asked = json!({"expression": script, "awaitPromise": true, "returnByValue": true});
+        let answer = self.call("Runtime.evaluate", &asked)?;
+        if answer["exceptionDetails"].is_null() {
+            return Ok(answer["result"]["value"].clone());
+        }
+        Err(Error::other(format!("{script}: {}", answer["exceptionDetails"])))
+    }
+
+    /// Presses, moves or releases the mouse: `kind` is `mousePressed`, `mouseMoved` or `mouseReleased`.
+    pub fn mouse(&mut self, kind: &str, x: f64, y: f64, clicks: u32) -> Result<()> {
+        let pressed = u32::from(kind != "mouseReleased");
+        let event = json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": pressed, "clickCount": clicks});
+        self.call("Input.dispatchMouseEvent", &event).map(drop)
+    }
+
+    /// Shows the page as a reader with this colour scheme sees it: `light` or `dark`.
+    pub fn scheme(&mut self, scheme: &str) -> Result<()> {
+        let feature = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
+        self.call("Emulation.setEmulatedMedia", &feature)?;
+        self.settle()
+    }
+
+    /// Every address the page asked for, itself first.
+    pub fn requests(&self) -> Vec<String> {
+        let asked = self.events.iter().filter(|e| e["method"] == "Network.requestWillBeSent");
+        asked.filter_map(|e| e["params"]["request"]["url"].as_str().map(String::from)).collect()
+    }
+
+    /// Every exception, console message and browser complaint.
+    pub fn complaints(&self) -> Vec<String> {
+        let bad = ["Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"];
+        let complaints = self.events.iter().filter(|e| e["method"].as_str().is_some_and(|m| bad.contains(&m)));
+        complaints.map(|e| e["params"].to_string()).collect()
+    }
+
+    fn call(&mut self, method: &str, parameters: &Value) -> Result<Value> {
+        self.sent += 1;
+        let mut message = json!({"id": self.sent, "method": method, "params": parameters});
+        if let Some(session) = &self.session {
+            message["sessionId"] = session.clone().into();
+        }
+        self.to.write_all(format!("{message}\0").as_bytes())?;
+        self.to.flush()?;
+        loop {
+            let mut answer = self.receive()?;
+            if answer["id"] != self.sent {
+                self.events.push(answer);
+            } else if answer["error"].is_null() {
+                return Ok(answer["result"].take());
+            } else {
+                return Err(Error::other(format!("{method}: {}", answer["error"])));
+            }
+        }
+    }
+
+    fn receive(&mut self) -> Result<Value> {
+        let mut bytes = Vec::new();
+        self.from.read_until(0, &mut bytes)?;
+        if bytes.pop() != Some(0) {
+            return Err(Error::new(ErrorKind::UnexpectedEof, "the browser went away"));
+        }
+        Ok(serde_json::from_slice(&bytes)?)
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        self.session = None;
+        let _ = self.call("Browser.close", &json!({}));
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
