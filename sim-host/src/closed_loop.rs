@@ -1,6 +1,6 @@
 //! The plant's clock drives the control core: one closed-loop run.
 //!
-//! Timing. At t_k the sensors are read and the law decides; its command acts from t_k to t_k+1, with no delay. The
+//! Timing. At `t_k` the sensors are read and the law decides; its command acts from `t_k` to `t_k+1`, with no delay. The
 //! accelerometer gives the mean over the tick that just ended, `(v(t_k) - v(t_k-1)) / dt`, taken before the new command
 //! acts, so that it is causal. Traces hold the true motion beside what was measured: `velocity[k]` is taken after the
 //! command's update and `acceleration[k] = (v(t_k + dt/2) - v(t_k - dt/2)) / dt`, the mean over a sample: the command

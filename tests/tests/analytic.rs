@@ -60,9 +60,8 @@ impl ClosedLoop {
         let steady = at(&self.numerator, q) / at(&self.denominator, q);
         let mode = |p: C| (p + 1.0, at(&self.numerator, p) / slope(p) / (p - q));
         let modes: Vec<(C, C)> = self.poles().into_iter().map(mode).collect();
-        let value = |k: usize| {
-            (q + 1.0).powu(k as u32) * steady + modes.iter().map(|(z, r)| z.powu(k as u32) * r).sum::<C>()
-        };
+        let value =
+            |k: usize| (q + 1.0).powu(k as u32) * steady + modes.iter().map(|(z, r)| z.powu(k as u32) * r).sum::<C>();
         (0..n).map(value).collect()
     }
 }
