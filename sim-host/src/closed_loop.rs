@@ -6,6 +6,7 @@
 //! command's update and `acceleration[k] = (v(t_k + dt/2) - v(t_k - dt/2)) / dt`, the mean over a sample: the command
 //! feeds straight through into velocity, so that a point derivative would hold spikes that depend on the rate.
 
+pub mod frequency;
 mod law;
 
 pub use law::{Actuation, Law, Measured, PlainPi};

@@ -1,8 +1,10 @@
 //! Models of the table, and the effects a model may be missing.
 
+pub mod oil_column;
 pub mod paper;
 pub mod rigid_mass;
 pub mod sensors;
+pub mod slew_rate;
 
 /// A table that moves under a command held between steps. The plant owns the clock of every simulation.
 pub trait Plant {
