@@ -6,12 +6,17 @@
 //! command's update and `acceleration[k] = (v(t_k + dt/2) - v(t_k - dt/2)) / dt`, the mean over a sample: the command
 //! feeds straight through into velocity, so that a point derivative would hold spikes that depend on the rate.
 
+pub mod bode;
+pub mod feedforward;
 pub mod frequency;
 mod law;
+pub mod published;
+pub mod saw_tooth;
 
 pub use law::{Actuation, Law, Measured, PlainPi};
 
 use crate::plant::Plant;
+use crate::plant::paper::ParameterError;
 use crate::plant::sensors::Sensors;
 
 /// The rates of one run.
@@ -52,6 +57,26 @@ impl Clock {
     /// Length of one plant step, s.
     pub fn plant_step(&self) -> f64 {
         0.5 / (self.rate * self.half_steps as f64)
+    }
+}
+
+/// Why a loop could not be set up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ClosedLoopError {
+    /// The plant's parameters do not hold.
+    #[error("plant: {0}")]
+    Plant(#[from] ParameterError),
+    /// The clock does not hold.
+    #[error("clock: {0}")]
+    Clock(#[from] ClockError),
+    /// The core refused its settings.
+    #[error("controller: {0:?}")]
+    Settings(shakedown_core::SettingsError),
+}
+
+impl From<shakedown_core::SettingsError> for ClosedLoopError {
+    fn from(error: shakedown_core::SettingsError) -> Self {
+        Self::Settings(error)
     }
 }
 

@@ -89,8 +89,7 @@ impl Plant for Loaded {
             let [[p, q], [r, s]] = self.step;
             let (next_slip, next_a) = (p * slip + q * a, r * slip + s * a);
             // The equation of a, integrated over the step, gives the integral of the slip.
-            self.displacement +=
-                mean * dt - (next_a - a + self.damping_rate * (next_slip - slip)) / self.square;
+            self.displacement += mean * dt - (next_a - a + self.damping_rate * (next_slip - slip)) / self.square;
             (self.velocity, self.acceleration) = (mean + next_slip, next_a);
         }
     }
