@@ -1,1 +1,24 @@
 //! Models of the table, and the effects a model may be missing.
+
+pub mod oil_column;
+pub mod paper;
+pub mod rigid_mass;
+pub mod sensors;
+pub mod slew_rate;
+
+/// A table that moves under a command held between steps. The plant owns the clock of every simulation.
+pub trait Plant {
+    /// Length of one step, s.
+    fn step_length(&self) -> f64;
+    /// Moves on by `steps` steps with `command` held (m for a servo axis, N for a rigid mass).
+    fn advance(&mut self, command: f64, steps: usize);
+    /// Displacement of the table from centre, m.
+    fn displacement(&self) -> f64;
+    /// Velocity of the table with `command` acting, m/s: where the command feeds straight through, the velocity jumps
+    /// with it.
+    fn velocity(&self, command: f64) -> f64;
+    /// Whether the velocity is at its limit with `command` acting.
+    fn saturated(&self, _command: f64) -> bool {
+        false
+    }
+}
