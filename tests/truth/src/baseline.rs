@@ -2,6 +2,7 @@
 //! the instants at which it is met. The truth without any flaw must agree with it, and strengths are measured against it.
 
 use crate::closed_loop::{Loop, Run};
+use crate::noise::Noise;
 use crate::plant::Machine;
 
 /// What the model says the perfect sensors give.
@@ -19,17 +20,29 @@ pub struct Prediction {
 
 /// Simulates the model in the loop of `run`.
 pub fn predict(machine: &Machine, run: &Run) -> Prediction {
+    solve(machine, run, None)
+}
+
+/// The same with noise on the sensors, and in the loop.
+pub fn predict_noisy(machine: &Machine, run: &Run, noise: &Noise) -> Prediction {
+    solve(machine, run, Some(noise))
+}
+
+fn solve(machine: &Machine, run: &Run, noise: Option<&Noise>) -> Prediction {
+    let mut sensing = noise.map(|n| n.start(run.number));
     let mut control = Loop::new(run.controller);
     let mut out = Prediction::default();
     let (mut slow, mut x, mut before) = (0.0, run.reference.first().copied().unwrap_or(0.0), 0.0);
     let half = 0.5 * run.dt;
     let mut saturated = 0_usize;
-    for &reference in &run.reference {
-        let u = control.step(reference, x, run.dt);
+    for (k, &reference) in run.reference.iter().enumerate() {
+        let measured = sensing.as_mut().map_or(x, |s| s.displacement(x));
+        let u = control.step(reference, measured, run.dt);
         let stretch = Stretch::of(machine, slow, u);
         let after = stretch.velocity(half);
-        out.displacement.push(x);
-        out.acceleration.push((after - before) / run.dt);
+        out.displacement.push(measured);
+        let a = (after - before) / run.dt;
+        out.acceleration.push(sensing.as_mut().map_or(a, |s| s.acceleration(a, k as f64 * run.dt)));
         out.command.push(u);
         saturated += usize::from(stretch.demand(half).abs() > stretch.limit);
         before = after;
