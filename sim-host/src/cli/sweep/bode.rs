@@ -16,6 +16,7 @@ pub(super) const RATE: f64 = 1000.0;
 
 /// Amplitudes, frequencies and gains.
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 pub(super) struct Args {
     /// Amplitudes of the reference, mm.
     #[arg(long, value_name = "MM,...", value_delimiter = ',', default_values_t = [1.0, 5.0, 10.0, 20.0, 50.0, 75.0, 100.0, 120.0])]
@@ -118,8 +119,7 @@ fn table((kp, ki): (f64, f64), curves: &[Curve]) -> Table {
 
 /// Gain and phase over frequency, the linear loop dashed.
 fn plots((kp, ki): (f64, f64), curves: &[Curve]) -> [Plot; 2] {
-    let frequencies: Vec<f64> =
-        curves.first().map_or(Vec::new(), |c| c.points.iter().map(|p| p.frequency).collect());
+    let frequencies: Vec<f64> = curves.first().map_or(Vec::new(), |c| c.points.iter().map(|p| p.frequency).collect());
     let exact: Vec<_> = frequencies.iter().map(|&f| linear(&Paper::default(), (kp, ki), f)).collect();
     let plot = |what: &str, unit: &str, line: Vec<f64>, of: &dyn Fn(&Curve) -> Vec<f64>| {
         let series = |c: &Curve| Series {
@@ -141,7 +141,9 @@ fn plots((kp, ki): (f64, f64), curves: &[Curve]) -> [Plot; 2] {
     let gain = exact.iter().map(|h| 20.0 * h.norm().log10()).collect();
     let phase = exact.iter().map(|h| h.arg().to_degrees()).collect();
     [
-        plot("Gain", "dB", gain, &|c| c.points.iter().map(shakedown::closed_loop::frequency::Point::decibels).collect()),
+        plot("Gain", "dB", gain, &|c| {
+            c.points.iter().map(shakedown::closed_loop::frequency::Point::decibels).collect()
+        }),
         plot("Phase", "deg", phase, &Curve::unwrapped_degrees),
     ]
 }

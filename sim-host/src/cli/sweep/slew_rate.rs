@@ -8,13 +8,15 @@ use shakedown::report::{Item, Section};
 
 /// The valve and the piston.
 #[derive(Debug, clap::Args)]
+#[group(skip)]
 pub(super) struct Args {
-    /// Flow of the valves at their rated pressure drop, L/s.
-    #[arg(long, value_name = "L/S", default_value_t = Valve::PAPER.rated_flow * 1e3)]
-    flow: f64,
-    /// Pressure drop across the valves at work over the rated one; the flow goes with its square root.
-    #[arg(long, value_name = "RATIO", default_value_t = Valve::PAPER.drop_ratio)]
-    drop_ratio: f64,
+    /// Flow of the valves, L/s [default: the paper's 7.7, brought to 6.57 by the pressure drop at work].
+    #[arg(long, value_name = "L/S")]
+    flow: Option<f64>,
+    /// Pressure drop across the valves at work over the one `--flow` is rated at; the flow goes with its square root
+    /// [default: 1 with --flow].
+    #[arg(long, value_name = "RATIO")]
+    drop_ratio: Option<f64>,
     /// Effective area of the piston, cm2.
     #[arg(long, value_name = "CM2", default_value_t = Valve::PAPER.area * 1e4)]
     area: f64,
@@ -22,15 +24,18 @@ pub(super) struct Args {
 
 /// Works Eq. 8 out.
 pub(super) fn run(args: &Args) -> Result<Part, Failure> {
-    for (name, value) in [("--flow", args.flow), ("--drop-ratio", args.drop_ratio), ("--area", args.area)] {
+    let (paper, own) = (Valve::PAPER, args.flow.is_some());
+    let flow = args.flow.unwrap_or(paper.rated_flow * 1e3);
+    let drop_ratio = args.drop_ratio.unwrap_or(if own { 1.0 } else { paper.drop_ratio });
+    for (name, value) in [("--flow", flow), ("--drop-ratio", drop_ratio), ("--area", args.area)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(Failure::Input(format!("sweep: {name} {value}: expected a number above zero")));
         }
     }
-    let valve = Valve { rated_flow: args.flow * 1e-3, drop_ratio: args.drop_ratio, area: args.area * 1e-4 };
+    let valve = Valve { rated_flow: flow * 1e-3, drop_ratio, area: args.area * 1e-4 };
     let items = vec![
         Item::Tiles(vec![
-            ("rated flow".into(), format!("{:.2} L/s", args.flow)),
+            ("rated flow".into(), format!("{flow:.2} L/s")),
             ("flow at work".into(), format!("{:.2} L/s", valve.flow() * 1e3)),
             ("piston area".into(), format!("{:.0} cm2", args.area)),
             ("largest speed".into(), format!("{:.3} m/s", valve.slew_rate())),
