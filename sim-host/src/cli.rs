@@ -2,7 +2,9 @@
 
 mod failure;
 mod output;
+mod present;
 mod progress;
+mod sweep;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -19,14 +21,18 @@ struct Arguments {
 
 /// What can be asked for; nothing given is `demo`.
 #[derive(Debug, Subcommand)]
-enum Command {}
+enum Command {
+    Sweep(sweep::Args),
+}
 
 /// Runs what the command line asks for and turns its outcome into an exit status.
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome: Result<(), Failure> = match arguments.command {
         None => Ok(()),
-        Some(command) => match command {},
+        Some(command) => match command {
+            Command::Sweep(args) => sweep::run(&args),
+        },
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -10,6 +10,7 @@ pub mod bode;
 pub mod feedforward;
 pub mod frequency;
 mod law;
+pub mod named;
 pub mod published;
 pub mod saw_tooth;
 

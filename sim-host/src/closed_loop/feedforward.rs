@@ -59,3 +59,23 @@ impl Law for PassThrough {
         Actuation { valve: measured.reference, reference: measured.reference, saturated: false, held: false }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::closed_loop::{Clock, run};
+    use crate::plant::paper::{FixedStep, Paper};
+    use crate::plant::sensors::{SensorModel, Sensors};
+
+    /// With nothing outside, the hard-wired loop at unity gain is the paper's Eq. 4: it settles on what it is sent.
+    #[test]
+    fn the_hard_wired_loop_tracks_what_it_is_sent() {
+        let clock = Clock::new(1000.0, 10).unwrap();
+        let plant = FixedStep::new(Paper::default(), clock.plant_step(), 0.05).unwrap();
+        let mut table = HardWired::new(plant, 1.0, 0.0);
+        let sensors = &mut Sensors::new(SensorModel::default());
+        let trace = run(&mut table, &mut PassThrough, sensors, &vec![0.02; 10_000], clock);
+        assert!((trace.displacement[9999] - 0.02).abs() < 1e-9);
+        assert_eq!(trace.displacement[0], 0.05);
+    }
+}

@@ -23,7 +23,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// The paper's cylinder, 240 cm2 over a stroke of 0.3 m, in oil of 1 GPa, damped 10 % at 5 t; only the area is the
+    /// The paper's cylinder, 240 cm2 over a stroke of 0.3 m, in oil of 1e9 Pa, damped 10 % at 5 t; only the area is the
     /// paper's own figure, the others are usual ones.
     pub fn usual(mass: f64) -> Self {
         let stiffness = 4.0 * 1e9 * 0.024 / 0.3;

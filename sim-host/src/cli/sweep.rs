@@ -1,0 +1,83 @@
+//! `shakedown sweep`: what the paper's diagrams show, computed.
+
+mod bode;
+mod mass;
+mod saw_tooth;
+mod slew_rate;
+
+use super::Failure;
+use super::output::Outputs;
+use super::present::{self, Part};
+use clap::ValueEnum;
+use shakedown::report::Page;
+
+/// The table's diagrams: Bode curves by amplitude, the saw-tooth, slew rate.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  shakedown sweep                                  every part, at the paper's amplitudes and gains
+  shakedown sweep bode --gains 3.7,0.6 --amplitudes 1,10,50 --report bode.html
+  shakedown sweep slew-rate --flow 6.5 --area 240
+  shakedown sweep saw-tooth --json -")]
+pub(crate) struct Args {
+    /// What to compute; everything, where nothing is named.
+    #[arg(value_enum)]
+    parts: Vec<What>,
+    #[command(flatten)]
+    bode: bode::Args,
+    #[command(flatten)]
+    slew_rate: slew_rate::Args,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// A part of the sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum What {
+    /// Bode diagrams at several amplitudes (Figs. 4, 5, 10).
+    Bode,
+    /// The diagram with 5 t more on the table (Fig. 4).
+    Mass,
+    /// The saw-tooth of a sine beyond the velocity limit (Fig. 6).
+    SawTooth,
+    /// Largest speed from flow, pressure drop and area (Eq. 8).
+    SlewRate,
+}
+
+impl What {
+    /// In the order of the page.
+    const ALL: [Self; 4] = [Self::Bode, Self::Mass, Self::SawTooth, Self::SlewRate];
+
+    fn run(self, args: &Args) -> Result<Part, Failure> {
+        match self {
+            Self::Bode => bode::run(&args.bode),
+            Self::Mass => mass::run(&args.bode),
+            Self::SawTooth => saw_tooth::run(),
+            Self::SlewRate => slew_rate::run(&args.slew_rate),
+        }
+    }
+}
+
+/// Computes the parts asked for, prints their tables, writes `--json` and `--report`.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let mut page = Page {
+        title: "Sweep".into(),
+        lead: "The closed loop of control core and plant (Eq. 7 and the velocity limiter), measured as the paper \
+               measured its table."
+            .into(),
+        ..Page::default()
+    };
+    let mut json = serde_json::Map::new();
+    let wanted = What::ALL.into_iter().filter(|what| args.parts.is_empty() || args.parts.contains(what));
+    let mut inputs = Vec::new();
+    for what in wanted {
+        let part = what.run(args)?;
+        if !args.outputs.quiet() {
+            present::print_section(&part.section);
+        }
+        json.insert(part.key.into(), part.json);
+        inputs.extend(part.inputs);
+        page.sections.push(part.section);
+    }
+    args.outputs.write_json(json.into(), &inputs)?;
+    args.outputs.write_report(&mut page, &inputs)
+}

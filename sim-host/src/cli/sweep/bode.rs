@@ -1,0 +1,161 @@
+//! Bode diagrams at several amplitudes (Figs. 4, 5, 10).
+
+use super::super::present::Part;
+use super::super::{Failure, progress};
+use serde_json::json;
+use shakedown::closed_loop::bode::{Curve, Grid, survey};
+use shakedown::closed_loop::frequency::linear;
+use shakedown::closed_loop::published::Gains;
+use shakedown::closed_loop::{Clock, ClosedLoopError, named};
+use shakedown::plant::paper::{FixedStep, Paper};
+use shakedown::report::{Axis, Item, Plot, Section, Series, Style, Table};
+use shakedown_core::Controller;
+
+/// Control rate of the sweep, Hz.
+pub(super) const RATE: f64 = 1000.0;
+
+/// Amplitudes, frequencies and gains.
+#[derive(Debug, clap::Args)]
+#[group(skip)]
+pub(super) struct Args {
+    /// Amplitudes of the reference, mm.
+    #[arg(long, value_name = "MM,...", value_delimiter = ',', default_values_t = [1.0, 5.0, 10.0, 20.0, 50.0, 75.0, 100.0, 120.0])]
+    pub(super) amplitudes: Vec<f64>,
+    /// Lowest frequency and step between frequencies, Hz.
+    #[arg(long, value_name = "HZ", default_value_t = 0.1)]
+    pub(super) step: f64,
+    /// Highest frequency, Hz.
+    #[arg(long, value_name = "HZ", default_value_t = 6.0)]
+    pub(super) to: f64,
+    /// Gains Kp,Ki (1, 1/s) of the displacement loop; may stand several times.
+    #[arg(long, value_name = "KP,KI", value_parser = gains, default_values = ["1,0", "3.70205,0.61701", "10,1"])]
+    gains: Vec<(f64, f64)>,
+}
+
+/// Reads `Kp,Ki`.
+fn gains(text: &str) -> Result<(f64, f64), String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|word| word.trim().parse().ok()).collect();
+    match numbers[..] {
+        [kp, ki] if kp.is_finite() && ki.is_finite() => Ok((kp, ki)),
+        _ => Err("expected two numbers Kp,Ki, for instance 3.7,0.6".into()),
+    }
+}
+
+impl Args {
+    /// The grid asked for.
+    pub(super) fn grid(&self) -> Result<Grid, Failure> {
+        let wrong = |what: &str| Err(Failure::Input(format!("sweep: {what}")));
+        if !(self.step > 0.0 && self.to >= self.step && self.to <= RATE / 20.0) {
+            return wrong("--step and --to: expected 0 < step <= to <= 50 Hz, for instance --step 0.1 --to 6");
+        }
+        if self.to / self.step > 10_000.0 {
+            return wrong("--step: more than 10,000 frequencies; take a wider step");
+        }
+        if self.amplitudes.is_empty() || self.amplitudes.iter().any(|a| !(*a > 0.0 && *a <= 1000.0)) {
+            return wrong("--amplitudes: expected amplitudes between 0 and 1000 mm, for instance --amplitudes 1,10,50");
+        }
+        let steps = (self.to / self.step + 1e-9).floor() as u32;
+        Ok(Grid {
+            amplitudes: self.amplitudes.iter().map(|mm| mm * 1e-3).collect(),
+            frequencies: (1..=steps).map(|i| f64::from(i) * self.step).collect(),
+        })
+    }
+}
+
+/// Measures the diagram at every pair of gains.
+pub(super) fn run(args: &Args) -> Result<Part, Failure> {
+    let grid = args.grid()?;
+    let mut items = vec![Item::Text(
+        "Sine by sine, each from rest: gain and phase of the displacement's fundamental over the reference, once the \
+         transient has died out. Dashed: the linear loop H G / (1 + H G)."
+            .into(),
+    )];
+    let mut json = Vec::new();
+    let bar = progress::bar((grid.len() * args.gains.len()) as u64, "Bode points");
+    for &pair in &args.gains {
+        let curves = measure(pair, &grid, || bar.inc(1)).map_err(|e| Failure::Input(format!("sweep: {e}")))?;
+        items.push(Item::Table(table(pair, &curves)));
+        items.extend(plots(pair, &curves).map(Item::Plot));
+        json.push(json!({"kp": pair.0, "ki": pair.1, "curves": curves.iter().map(curve_json).collect::<Vec<_>>()}));
+    }
+    bar.finish_and_clear();
+    let section = Section { heading: "Bode diagrams by amplitude (Figs. 4, 5, 10)".into(), items };
+    Ok(Part { key: "bode", json: json.into(), section, inputs: Vec::new() })
+}
+
+/// The core's displacement loop with these gains against the paper's plant.
+fn measure(pair: (f64, f64), grid: &Grid, done: impl Fn() + Sync) -> Result<Vec<Curve>, ClosedLoopError> {
+    let clock = Clock::new(RATE, 2)?;
+    let settings = named::settings(Gains { displacement: pair, acceleration: (0.0, 0.0), velocity: (0.0, 0.0) }, RATE);
+    let make = || Ok((FixedStep::new(Paper::default(), clock.plant_step(), 0.0)?, Controller::new(&settings)?));
+    survey(grid, clock, make, done)
+}
+
+fn table((kp, ki): (f64, f64), curves: &[Curve]) -> Table {
+    let or_none = |hz: Option<f64>| hz.map_or("-".into(), |hz| format!("{hz:.2}"));
+    let row = |curve: &Curve| {
+        let last = curve.points.last();
+        vec![
+            format!("{:.0}", curve.amplitude * 1e3),
+            or_none(curve.bandwidth()),
+            or_none(curve.saturates_from()),
+            last.map_or(String::new(), |p| format!("{:.1}", p.decibels())),
+            curve.unwrapped_degrees().last().map_or(String::new(), |d| format!("{d:.0}")),
+        ]
+    };
+    let top = curves.iter().find_map(|c| c.points.last()).map_or(0.0, |p| p.frequency);
+    Table {
+        caption: format!("Kp = {kp}, Ki = {ki} 1/s"),
+        columns: vec![
+            "amplitude [mm]".into(),
+            "-3 dB at [Hz]".into(),
+            "saturates from [Hz]".into(),
+            format!("gain at {top:.1} Hz [dB]"),
+            format!("phase at {top:.1} Hz [deg]"),
+        ],
+        rows: curves.iter().map(row).collect(),
+    }
+}
+
+/// Gain and phase over frequency, the linear loop dashed.
+fn plots((kp, ki): (f64, f64), curves: &[Curve]) -> [Plot; 2] {
+    let frequencies: Vec<f64> = curves.first().map_or(Vec::new(), |c| c.points.iter().map(|p| p.frequency).collect());
+    let exact: Vec<_> = frequencies.iter().map(|&f| linear(&Paper::default(), (kp, ki), f)).collect();
+    let plot = |what: &str, unit: &str, line: Vec<f64>, of: &dyn Fn(&Curve) -> Vec<f64>| {
+        let series = |c: &Curve| Series {
+            name: format!("{:.0} mm", c.amplitude * 1e3),
+            x: frequencies.clone(),
+            y: of(c),
+            style: Style::Line,
+        };
+        let linear = Series { name: "linear".into(), x: frequencies.clone(), y: line, style: Style::Dashed };
+        Plot {
+            title: format!("{what}, Kp = {kp}, Ki = {ki} 1/s"),
+            x: Axis { label: "frequency [Hz]".into(), log: true },
+            y: Axis { label: format!("{} [{unit}]", what.to_lowercase()), log: false },
+            series: curves.iter().map(series).chain([linear]).collect(),
+            bands: Vec::new(),
+            group: Some(format!("bode-{kp}-{ki}")),
+        }
+    };
+    let gain = exact.iter().map(|h| 20.0 * h.norm().log10()).collect();
+    let phase = exact.iter().map(|h| h.arg().to_degrees()).collect();
+    [
+        plot("Gain", "dB", gain, &|c| {
+            c.points.iter().map(shakedown::closed_loop::frequency::Point::decibels).collect()
+        }),
+        plot("Phase", "deg", phase, &Curve::unwrapped_degrees),
+    ]
+}
+
+/// A curve in the units of its keys.
+pub(super) fn curve_json(curve: &Curve) -> serde_json::Value {
+    json!({
+        "amplitude_m": curve.amplitude,
+        "bandwidth_hz": curve.bandwidth(),
+        "saturates_from_hz": curve.saturates_from(),
+        "points": curve.points.iter().map(|p| json!({
+            "frequency_hz": p.frequency, "gain_db": p.decibels(), "phase_deg": p.degrees(), "saturated": p.saturated,
+        })).collect::<Vec<_>>(),
+    })
+}
