@@ -94,7 +94,8 @@ fn component(package: &Value, checksums: &BTreeMap<(String, String), String>) ->
         "purl": address(package),
     });
     if let Some(licence) = package["license"].as_str() {
-        component["licenses"] = json!([{"expression": licence.replace('/', " OR ")}]);
+        component["licenses"] =
+            json!([{"expression": licence.split('/').map(str::trim).collect::<Vec<_>>().join(" OR ")}]);
     }
     if let Some(checksum) = checksums.get(&(name.to_owned(), version.to_owned())) {
         component["hashes"] = json!([{"alg": "SHA-256", "content": checksum}]);
