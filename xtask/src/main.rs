@@ -1,3 +1,65 @@
-//! Every chore has one name: `cargo xtask test`.
+//! Every chore has one name: `cargo xtask help` lists them. One file a chore, one line in [`CHORES`].
 
-fn main() {}
+mod deny;
+mod figures;
+mod house;
+mod output;
+mod reproduce;
+mod sbom;
+mod setup;
+mod shell;
+mod test;
+mod toolchain;
+
+use output::say;
+use shell::Problem;
+use std::process::ExitCode;
+
+/// A chore: its name, what it does, and the function that does it with the words behind the name.
+struct Chore {
+    name: &'static str,
+    does: &'static str,
+    run: fn(&[String]) -> Result<(), Problem>,
+}
+
+const CHORES: &[Chore] = &[
+    Chore {
+        name: "test",
+        does: "installs what the tests need, says what, and runs all of them [STEP...]",
+        run: test::run,
+    },
+    Chore { name: "setup", does: "only installs what the tests need", run: setup::run },
+    Chore { name: "house", does: "checks file lengths, the direction of dependencies, stray paths", run: house::run },
+    Chore {
+        name: "figures",
+        does: "lists every figure the project claims, with the command that prints it",
+        run: figures::run,
+    },
+    Chore { name: "deny", does: "checks licences, sources and banned crates (cargo-deny)", run: deny::run },
+    Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
+    Chore { name: "reproduce", does: "builds the host tool twice and compares the bytes", run: reproduce::run },
+    Chore { name: "help", does: "prints this", run: help },
+];
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let (name, rest) = words.split_first().map_or(("help", &[][..]), |(name, rest)| (name.as_str(), rest));
+    let known = CHORES.iter().find(|chore| chore.name == name.trim_start_matches('-'));
+    let outcome = match known {
+        Some(chore) => (chore.run)(rest),
+        None => Err(Problem::Usage(format!("there is no chore `{name}`; `cargo xtask help` lists them"))),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => problem.report(),
+    }
+}
+
+fn help(words: &[String]) -> Result<(), Problem> {
+    shell::no_words(words)?;
+    say("cargo xtask CHORE\n");
+    for chore in CHORES {
+        say(&format!("  {:10} {}", chore.name, chore.does));
+    }
+    Ok(())
+}

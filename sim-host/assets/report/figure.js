@@ -94,6 +94,7 @@ const figures = (() => {
       width: faint ? 1 : 1.6,
       dash: curve.style === "dashed" ? [6, 4] : undefined,
       points: { show: false },
+      pxAlign: 0,
       ...(curve.free ? { paths: pathOf(curve) } : {}),
     };
   }
@@ -140,12 +141,31 @@ const figures = (() => {
     u.ctx.fillRect(u.bbox.left, y, u.bbox.width, Math.max(1, Math.round(uPlot.pxRatio)));
   }
 
-  // Every whole step of every decade in sight; uPlot would count from the edge of a zoomed axis.
+  // Every whole step of every decade in sight, or, zoomed far in, the steps of a plain axis.
   function decades(u, _, low, high) {
     const splits = [];
     for (let p = Math.floor(Math.log10(low)); p <= Math.log10(high); p++)
       for (let k = 1; k < 10; k++) splits.push(Number(`${k}e${p}`));
-    return splits.filter((v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9));
+    const inside = splits.filter((v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9));
+    if (inside.length > 2) return inside;
+    const step = 10 ** Math.floor(Math.log10((high - low) / 2));
+    const first = Math.ceil(low / step);
+    return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, i) => Number(((first + i) * step).toPrecision(6)));
+  }
+
+  // Of these ticks as many get a number as have room: all, then 1 2 5, then decades, then every so many.
+  function numbered(side) {
+    return (u, splits) => {
+      const room = side === 2 ? 38 : 20;
+      const place = (v) => u.valToPos(v, side === 2 ? "x" : "y");
+      const roomy = (kept) => kept.every((v, i) => i === 0 || Math.abs(place(v) - place(kept[i - 1])) >= room);
+      const front = (v) => v.toExponential()[0];
+      const round = (v) => /^\de/.test(v.toExponential());
+      const decade = (every) => (v) => round(v) && front(v) === "1" && Math.round(Math.log10(v)) % every === 0;
+      const choices = [() => true, (v) => round(v) && "125".includes(front(v)), ...[1, 2, 3, 6].map(decade)];
+      const chosen = choices.find((choice) => roomy(splits.filter(choice))) ?? (() => false);
+      return splits.map((v) => (chosen(v) ? v : null));
+    };
   }
 
   // The end of a logarithmic axis: a little further, then on to 1, 2 or 5 of its decade.
@@ -167,7 +187,7 @@ const figures = (() => {
       grid: { stroke: () => paint("--grid"), width: 1 },
       ticks: { show: false },
       gap: 6,
-      ...(of.log ? { splits: decades } : {}),
+      ...(of.log ? { splits: decades, filter: numbered(side) } : {}),
       ...(side === 2
         ? { label: of.unit ? `${of.name} [${of.unit}]` : of.name, labelSize: 20, labelGap: 2, size: 26, space: 60 }
         : { size: (_, shown) => Math.max(50, 14 + 6.4 * Math.max(...(shown ?? []).map((v) => v?.length ?? 0))), space: 34 }),

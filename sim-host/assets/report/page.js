@@ -2,7 +2,7 @@
 "use strict";
 (() => {
   const drawn = [];
-  const HINT = "drag to zoom";
+  const HINT = matchMedia("(hover: hover)").matches ? "drag to zoom" : "";
 
   function element(tag, properties, ...children) {
     const made = Object.assign(document.createElement(tag), properties);

@@ -16,6 +16,8 @@ const SCRIPTS: [&str; 4] = [
 /// Forbids every request, whatever the page holds.
 const POLICY: &str =
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; base-uri 'none'";
+/// Cells with more characters than this wrap.
+const LONG: usize = 36;
 /// The mark beside the name: one pulse of a record, cut where the table can go no faster.
 const MARK: &str =
     r#"<svg class="mark" viewBox="0 0 48 24" aria-hidden="true"><path d="M1 12h8l4-7h7l5 14h7l4-7h11"/></svg>"#;
@@ -142,7 +144,11 @@ fn paragraphs(words: &str, class: &str) -> String {
 
 fn table(out: &mut String, table: &Table) {
     let numeric = terminal::numeric_columns(table);
-    let class = |column: usize| if numeric.get(column) == Some(&true) { " class=\"number\"" } else { "" };
+    let class = |column: usize, cell: &str| match numeric.get(column) {
+        Some(true) => " class=\"number\"",
+        _ if cell.chars().count() > LONG => " class=\"long\"",
+        _ => "",
+    };
     let _ = write!(
         out,
         "<div class=\"table\" role=\"region\" aria-label=\"{}\" tabindex=\"0\">\n<table>\n",
@@ -153,14 +159,14 @@ fn table(out: &mut String, table: &Table) {
     }
     out.push_str("<thead><tr>");
     for (i, name) in table.columns.iter().enumerate() {
-        let _ = write!(out, "<th scope=\"col\"{}>{}</th>", class(i), text(&units(name)));
+        let _ = write!(out, "<th scope=\"col\"{}>{}</th>", class(i, name), text(&units(name)));
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for row in &table.rows {
         out.push_str("<tr>");
         for (i, cell) in row.iter().enumerate() {
             let (tag, scope) = if i == 0 { ("th", " scope=\"row\"") } else { ("td", "") };
-            let _ = write!(out, "<{tag}{scope}{}>{}</{tag}>", class(i), prose(cell));
+            let _ = write!(out, "<{tag}{scope}{}>{}</{tag}>", class(i, cell), prose(cell));
         }
         out.push_str("</tr>\n");
     }

@@ -1,0 +1,51 @@
+//! The house rules a compiler does not know: lengths of files, the direction of dependencies, stray paths.
+
+mod direction;
+mod lengths;
+mod paths;
+
+use crate::output::say;
+use crate::shell::{Problem, command, no_words, read, top};
+use std::path::PathBuf;
+
+/// The chore: names every breach.
+pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
+    no_words(words)?;
+    let breaches = breaches()?;
+    for breach in &breaches {
+        say(&format!("  {breach}"));
+    }
+    match breaches.len() {
+        0 => Ok(()),
+        n => Err(Problem::Failed(format!("{n} breaches of the house rules"))),
+    }
+}
+
+fn breaches() -> Result<Vec<String>, Problem> {
+    let files = files()?;
+    Ok([lengths::check(&files), direction::crates()?, direction::modules(&files), paths::check(&files)].concat())
+}
+
+/// A file of the tree: its path from the top, and its text.
+struct File {
+    path: String,
+    text: String,
+}
+
+/// Every text file that is tracked, or new and not ignored.
+fn files() -> Result<Vec<File>, Problem> {
+    let listed = read(&mut command(&["git", "ls-files", "--cached", "--others", "--exclude-standard"]))?;
+    let text = |path: &str| std::fs::read_to_string(top().join(PathBuf::from(path))).ok();
+    Ok(listed.lines().filter_map(|path| Some(File { path: path.into(), text: text(path)? })).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_house_is_in_order() {
+        let breaches = breaches().unwrap();
+        assert!(breaches.is_empty(), "{}", breaches.join("\n"));
+    }
+}

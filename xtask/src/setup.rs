@@ -1,0 +1,115 @@
+//! Installs what the tests need: names it first, asks where a person is there to answer, says what it left out.
+
+use crate::output::say;
+use crate::shell::{Problem, command, no_words, run as execute, works};
+use crate::toolchain::{self, TARGET};
+use std::io::{BufRead as _, IsTerminal as _, Write as _};
+
+/// Something a test needs that Cargo does not bring.
+struct Need {
+    name: &'static str,
+    /// Which tests need it.
+    used_for: &'static str,
+    /// How it is installed, as a person would say it.
+    from: &'static str,
+    present: fn() -> bool,
+    install: fn() -> Result<(), Problem>,
+}
+
+const NEEDS: &[Need] = &[
+    Need {
+        name: "rustfmt and clippy",
+        used_for: "format and lints",
+        from: "rustup component add rustfmt clippy",
+        present: || works(&["cargo", "fmt", "--version"]) && works(&["cargo", "clippy", "--version"]),
+        install: || execute(&mut command(&["rustup", "component", "add", "rustfmt", "clippy"])),
+    },
+    Need {
+        name: "chromium",
+        used_for: "opening the reports as a reader does",
+        from: "apt",
+        present: || ["chromium", "chromium-browser", "google-chrome"].iter().any(|name| works(&[name, "--version"])),
+        install: || apt(&["chromium"]),
+    },
+    Need {
+        name: TARGET,
+        used_for: "building the firmware",
+        from: "rustup target add; without it Debian's rustc-web and rust-web-src",
+        present: || toolchain::find().is_some(),
+        install: toolchain::install,
+    },
+];
+
+/// What could not be installed, and what does not run for the want of it.
+pub(crate) struct LeftOut {
+    /// What is missing.
+    pub(crate) name: &'static str,
+    /// What it would have been used for.
+    pub(crate) used_for: &'static str,
+    /// Why it is missing.
+    pub(crate) why: String,
+}
+
+/// The chore: installs what is missing.
+pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
+    no_words(words)?;
+    report(&install());
+    Ok(())
+}
+
+/// Installs what is missing, as far as it can be had and is wanted.
+pub(crate) fn install() -> Vec<LeftOut> {
+    let missing: Vec<&Need> = NEEDS.iter().filter(|need| !(need.present)()).collect();
+    if missing.is_empty() {
+        say("Everything the tests need is here.");
+        return Vec::new();
+    }
+    say("The tests need what this machine does not have yet:");
+    for need in &missing {
+        say(&format!("  {:22} for {} ({})", need.name, need.used_for, need.from));
+    }
+    let wanted = agreed();
+    let left_out = |need: &&Need, why: String| LeftOut { name: need.name, used_for: need.used_for, why };
+    let outcome = |need: &&Need| if wanted { (need.install)().err().map(message) } else { Some("not wanted".into()) };
+    missing.iter().filter_map(|need| outcome(need).map(|why| left_out(need, why))).collect()
+}
+
+/// Says what is missing for good.
+pub(crate) fn report(left_out: &[LeftOut]) {
+    for one in left_out {
+        say(&format!("LEFT OUT: {} (for {}): {}", one.name, one.used_for, one.why));
+    }
+}
+
+/// Asks where a person is there to answer; a machine has agreed by running this.
+fn agreed() -> bool {
+    let person = std::io::stdin().is_terminal() && std::io::stdout().is_terminal();
+    if !person || std::env::var("CI").is_ok_and(|ci| ci == "true") {
+        return true;
+    }
+    let mut answer = String::new();
+    let _ = write!(std::io::stdout(), "Install it now? [Y/n] ").and_then(|()| std::io::stdout().flush());
+    let read = std::io::stdin().lock().read_line(&mut answer).is_ok();
+    read && matches!(answer.trim().to_lowercase().as_str(), "" | "y" | "yes")
+}
+
+/// Installs Debian packages, as root or by sudo.
+pub(crate) fn apt(packages: &[&str]) -> Result<(), Problem> {
+    if !works(&["apt-get", "--version"]) {
+        return Err(Problem::Failed(format!("no apt on this machine: install {} by hand", packages.join(", "))));
+    }
+    let root = crate::shell::read(&mut command(&["id", "-u"])).is_ok_and(|id| id.trim() == "0");
+    let apt: &[&str] = if root { &["apt-get"] } else { &["sudo", "apt-get"] };
+    let with = |words: &[&str]| {
+        let mut command = command(&[apt, words].concat());
+        command.env("DEBIAN_FRONTEND", "noninteractive");
+        execute(&mut command)
+    };
+    with(&["update", "-q"])?;
+    with(&[&["install", "-y", "-q", "--no-install-recommends"], packages].concat())
+}
+
+fn message(problem: Problem) -> String {
+    let (Problem::Usage(message) | Problem::Failed(message)) = problem;
+    message
+}

@@ -1,0 +1,88 @@
+//! Installs what the tests need and runs all of them; every step runs, whatever became of the one before.
+
+use crate::output::say;
+use crate::shell::{Problem, command, run as execute};
+use crate::toolchain::{self, Toolchain};
+use crate::{house, setup};
+use std::time::Instant;
+
+/// One step: its name and what it does.
+struct Step {
+    name: &'static str,
+    run: fn() -> Outcome,
+}
+
+/// What became of a step.
+enum Outcome {
+    Passed,
+    Failed(String),
+    LeftOut(String),
+}
+
+impl From<Result<(), Problem>> for Outcome {
+    fn from(result: Result<(), Problem>) -> Self {
+        match result {
+            Ok(()) => Self::Passed,
+            Err(Problem::Usage(message) | Problem::Failed(message)) => Self::Failed(message),
+        }
+    }
+}
+
+const STEPS: &[Step] = &[
+    Step { name: "format", run: || cargo(&["fmt", "--all", "--check"]) },
+    Step { name: "lints", run: || cargo(&["clippy", "--all-targets", "--locked", "--", "-D", "warnings"]) },
+    Step { name: "house", run: || house::run(&[]).into() },
+    Step { name: "tests", run: || cargo(&["test", "--locked"]) },
+    Step { name: "docs", run: docs },
+    Step { name: "core on the target", run: core_on_target },
+];
+
+/// The chore: all steps, or those named.
+pub(crate) fn run(wanted: &[String]) -> Result<(), Problem> {
+    if let Some(unknown) = wanted.iter().find(|name| !STEPS.iter().any(|step| step.name == *name)) {
+        let names: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
+        return Err(Problem::Usage(format!("there is no step `{unknown}`; there are: {}", names.join(", "))));
+    }
+    let missing = setup::install();
+    let chosen = STEPS.iter().filter(|step| wanted.is_empty() || wanted.iter().any(|name| name == step.name));
+    let results: Vec<(&str, Outcome, u64)> = chosen.map(timed).collect();
+    say("\nWhat ran:");
+    for (name, outcome, seconds) in &results {
+        let (word, why) = match outcome {
+            Outcome::Passed => ("passed", String::new()),
+            Outcome::Failed(why) => ("FAILED", format!(": {why}")),
+            Outcome::LeftOut(why) => ("LEFT OUT", format!(": {why}")),
+        };
+        say(&format!("  {name:20} {word}, {seconds} s{why}"));
+    }
+    setup::report(&missing);
+    let failed = results.iter().filter(|(_, outcome, _)| matches!(outcome, Outcome::Failed(_))).count();
+    if failed == 0 { Ok(()) } else { Err(Problem::Failed(format!("{failed} of {} steps failed", results.len()))) }
+}
+
+fn timed(step: &Step) -> (&'static str, Outcome, u64) {
+    say(&format!("\n== {}", step.name));
+    let start = Instant::now();
+    (step.name, (step.run)(), start.elapsed().as_secs())
+}
+
+fn cargo(words: &[&str]) -> Outcome {
+    execute(&mut command(&[&["cargo"], words].concat())).into()
+}
+
+fn docs() -> Outcome {
+    let mut cargo = command(&["cargo", "doc", "--no-deps", "--document-private-items", "--locked"]);
+    execute(cargo.env("RUSTDOCFLAGS", "-D warnings -A rustdoc::private_intra_doc_links")).into()
+}
+
+/// Runs `work` where the firmware's compiler is there.
+fn on_target(work: impl Fn(Toolchain) -> Result<(), Problem>) -> Outcome {
+    match toolchain::find() {
+        Some(found) => work(found).into(),
+        None => Outcome::LeftOut(format!("no compiler for {}", toolchain::TARGET)),
+    }
+}
+
+fn core_on_target() -> Outcome {
+    on_target(|found| execute(&mut found.cargo(&["build", "--release", "--locked", "--package", "shakedown-core"])?))
+}
