@@ -8,6 +8,7 @@
 
 pub mod controller;
 pub mod math;
+pub mod record;
 pub mod settings;
 
 pub use controller::{Command, Controller, Sample, Status};

@@ -1,0 +1,35 @@
+//! The reference as it arrives, made safe to differentiate.
+
+/// The last reference accepted and its last step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Input {
+    /// Displacement, m.
+    pub(super) displacement: f32,
+    /// Displacement moved in the last tick, m.
+    pub(super) step: f32,
+    /// The last reference was not a number, or leapt.
+    pub(super) held: bool,
+}
+
+impl Input {
+    /// At rest.
+    pub(super) fn at(displacement: f32) -> Self {
+        let displacement = if displacement.is_finite() { displacement } else { 0.0 };
+        Self { displacement, step: 0.0, held: false }
+    }
+
+    /// Takes the next reference, m. One that is not a number coasts to rest, `brake` (m per tick squared) at a time, so
+    /// that a sample lost costs neither a jerk now nor one when the next arrives. One that leaps more than `leap` (m)
+    /// moves the displacement and leaves the velocity to coast.
+    pub(super) fn accept(&mut self, reference: f32, leap: f32, brake: f32) {
+        let step = reference - self.displacement;
+        self.held = !(reference.is_finite() && step.abs() <= leap);
+        if !self.held {
+            self.step = step;
+            self.displacement = reference;
+            return;
+        }
+        self.step -= self.step.clamp(-brake, brake);
+        self.displacement = if reference.is_finite() { reference } else { self.displacement + self.step };
+    }
+}
