@@ -1,0 +1,1 @@
+//! The firmware image in the loop, on an emulated Cortex-M4F.
