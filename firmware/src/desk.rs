@@ -191,17 +191,17 @@ impl<'a> Desk<'a> {
         Report::Credit { next: self.next_point, room: self.room().saturating_sub(1) as u16 }
     }
 
-    /// Takes all of the points or none. One place stays free for the end of the record.
+    /// Takes all of the points or none, and says either way which is wanted next and how many there is room for. One place stays free for the end of the record.
     fn reference(&mut self, points: &Points, phase: Phase) -> Report {
         if !matches!(phase, Phase::Armed | Phase::Running) {
             return Report::Refused(RefusedBecause::Phase(phase));
         }
         if points.first != self.next_point {
-            return Report::Refused(RefusedBecause::OutOfOrder);
+            return self.credit();
         }
         if points.points.len() >= self.room() {
             self.credit_due = true;
-            return Report::Refused(RefusedBecause::Full);
+            return self.credit();
         }
         if points.points.iter().any(|&point| Point::new(point).is_none()) {
             return Report::Refused(RefusedBecause::Setup);

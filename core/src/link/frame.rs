@@ -32,7 +32,8 @@ pub enum Request {
     Stop,
     /// Clears a trip whose cause is gone. The only way out of one.
     ClearTrip,
-    /// Points of the reference, ahead of time. Refused when `first` is not the next point wanted.
+    /// Points of the reference, ahead of time. Answered by [`Report::Credit`], whether they were taken or not: they are
+    /// not when `first` is not the next point wanted, or when they do not all fit.
     Reference(Points),
     /// Puts a code on the output, for commissioning: only with the relay open, and until the next request.
     Probe(u16),
@@ -111,10 +112,8 @@ pub enum RefusedBecause {
     Challenge,
     /// The cause of the trip still stands.
     CauseStands(Trip),
-    /// The reference buffer has no room for these points.
+    /// Too much asked at once.
     Full,
-    /// Another point was wanted first.
-    OutOfOrder,
     /// The flash did not take it.
     Flash,
 }
