@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod controller;
+pub mod link;
 pub mod math;
 pub mod record;
 pub mod settings;

@@ -2,6 +2,7 @@
 //! tables, around the same control core that the firmware runs.
 
 pub mod closed_loop;
+pub mod device;
 pub mod diagnose;
 pub mod files;
 pub mod identify;

@@ -1,0 +1,194 @@
+//! The frames themselves.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+use super::{Challenge, Setup};
+
+/// Most points of a reference in one frame.
+pub const MAX_POINTS: usize = 64;
+
+/// Most records of telemetry in one frame.
+pub const MAX_BATCH: usize = 16;
+
+/// What a host asks of a device.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Request {
+    /// Who are you? Answered by [`Report::Identity`].
+    Identify,
+    /// Answered by [`Report::Setup`].
+    ReadSetup,
+    /// Takes effect whole, between two ticks, without a bump; refused while running, or when a field does not hold.
+    WriteSetup(Setup),
+    /// Keeps the setup now in force over a reset.
+    Save,
+    /// Answered by [`Report::Challenge`].
+    RequestArming,
+    /// The answer to the challenge: energises the relay and holds the table where it stands.
+    Arm(u64),
+    /// Starts the reference; refused unless armed.
+    Start,
+    /// Ramps to a stand, then to the safe output; always taken.
+    Stop,
+    /// Clears a trip whose cause is gone. The only way out of one.
+    ClearTrip,
+    /// Points of the reference, ahead of time. Answered by [`Report::Credit`], whether they were taken or not: they are
+    /// not when `first` is not the next point wanted, or when they do not all fit.
+    Reference(Points),
+    /// Puts a code on the output, for commissioning: only with the relay open, and until the next request.
+    Probe(u16),
+    /// Answered by [`Report::Vitals`].
+    ReadVitals,
+}
+
+/// Points of a reference, one a tick.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Points {
+    /// Index of the first of them, counted from the start of the record.
+    pub first: u32,
+    /// Displacement, m.
+    pub points: Vec<f32, MAX_POINTS>,
+    /// The record ends with the last of them.
+    pub last: bool,
+}
+
+/// Who a device is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Firmware version: major, minor, patch.
+    pub firmware: [u8; 3],
+    /// Largest code of the converters fitted.
+    pub full_scale: u16,
+    /// Points that the reference buffer holds.
+    pub buffer: u16,
+}
+
+/// Where a device stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Phase {
+    /// Relay open, safe output.
+    Idle,
+    /// Relay closed, the table held where it stood.
+    Armed,
+    /// The reference runs.
+    Running,
+    /// On the way from running to a stand.
+    Stopping,
+    /// Relay open, safe output, until the trip is cleared.
+    Tripped,
+}
+
+/// Why a device tripped, or stopped by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Trip {
+    /// The emergency-stop input is open.
+    EmergencyStop,
+    /// A tick was not done when the next began.
+    Overrun,
+    /// The converter gave no sample in time.
+    Converter,
+    /// An input stands at the end of its range.
+    Rail,
+    /// The core's guard tripped; the records' flags say which of its checks.
+    Guard,
+    /// The streamed reference ran dry.
+    Underrun,
+    /// The supply fell below its threshold.
+    SupplyLow,
+    /// The last reset came from the watchdog, or from a panic.
+    Restarted,
+}
+
+/// Why a request was not carried out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RefusedBecause {
+    /// Not in this phase.
+    Phase(Phase),
+    /// A field of the setup does not hold.
+    Setup,
+    /// The answer is wrong, late, or to no challenge.
+    Challenge,
+    /// The cause of the trip still stands.
+    CauseStands(Trip),
+    /// Too much asked at once.
+    Full,
+    /// The flash did not take it.
+    Flash,
+}
+
+/// One tick as the device saw it: the codes it read and wrote, and what lay between them.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Record {
+    /// Reference as it came, m.
+    pub reference: f32,
+    /// Reference after modification, m.
+    pub fitted: f32,
+    /// Codes read: reference, displacement, acceleration, existing controller's command.
+    pub inputs: [u16; 4],
+    /// Code written.
+    pub output: u16,
+    /// [`crate::Status`] as bits.
+    pub flags: u16,
+}
+
+/// Records of telemetry in the order of their ticks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Batch {
+    /// Tick of the first record, counted from the device's reset.
+    pub first: u32,
+    /// Ticks from one record to the next.
+    pub every: u16,
+    /// Where the device stood at the last record.
+    pub phase: Phase,
+    /// Records that found no room since the device's reset; what is missing between two batches is among them.
+    pub dropped: u32,
+    /// The records.
+    pub records: Vec<Record, MAX_BATCH>,
+}
+
+/// How a device fares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Vitals {
+    /// Where it stands.
+    pub phase: Phase,
+    /// Why it tripped or stopped by itself, since the trip was last cleared.
+    pub trip: Option<Trip>,
+    /// Ticks since its reset.
+    pub ticks: u32,
+    /// Records of telemetry that found no room.
+    pub dropped: u32,
+    /// Frames that came garbled.
+    pub garbled: u32,
+    /// Whether the setup came from flash; the defaults otherwise.
+    pub stored: bool,
+    /// Points of the reference in the buffer.
+    pub buffered: u16,
+}
+
+/// What a device says.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Report {
+    /// To [`Request::Identify`].
+    Identity(Identity),
+    /// To [`Request::ReadSetup`].
+    Setup(Setup),
+    /// To [`Request::RequestArming`].
+    Challenge(Challenge),
+    /// To [`Request::ReadVitals`], and of its own accord at every change of phase.
+    Vitals(Vitals),
+    /// The request was carried out.
+    Done,
+    /// It was not.
+    Refused(RefusedBecause),
+    /// To [`Request::Reference`], and of its own accord as the buffer empties: what may be sent.
+    Credit {
+        /// Index of the next point wanted.
+        next: u32,
+        /// How many there is room for.
+        room: u16,
+    },
+    /// Telemetry.
+    Telemetry(Batch),
+}

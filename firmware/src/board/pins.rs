@@ -1,0 +1,66 @@
+//! Relay and emergency stop, and the supply's own monitor.
+
+use stm32f4xx_hal::{
+    gpio::{Input, Output, PB0, PB1},
+    pac::PWR,
+};
+
+use shakedown_core::link::Trip;
+
+/// Relay, emergency stop and supply monitor.
+pub(crate) struct Pins {
+    relay: PB0<Output>,
+    stop: PB1<Input>,
+    power: PWR,
+}
+
+impl Pins {
+    /// With the relay open and the supply monitor at 2.9 V.
+    pub(crate) fn new(mut relay: PB0<Output>, stop: PB1<Input>, power: PWR) -> Self {
+        relay.set_low();
+        // SAFETY: 7 is the highest threshold the register is specified for.
+        power.cr().modify(|_, w| unsafe { w.pls().bits(7) }.pvde().set_bit());
+        Self { relay, stop, power }
+    }
+
+    /// Closes or opens the relay.
+    #[inline]
+    pub(crate) fn set_relay(&mut self, closed: bool) {
+        if closed {
+            self.relay.set_high();
+        } else {
+            self.relay.set_low();
+        }
+    }
+
+    /// Whether the emergency-stop circuit is open.
+    #[inline]
+    pub(crate) fn emergency_stop(&self) -> bool {
+        self.stop.is_high()
+    }
+
+    /// Whether the supply is below 2.9 V.
+    #[inline]
+    pub(crate) fn supply_low(&self) -> bool {
+        self.power.csr().read().pvdo().bit_is_set()
+    }
+}
+
+/// A cause of a trip that stands on the inputs now.
+pub(crate) fn standing_cause() -> Option<Trip> {
+    // SAFETY: both registers are read only.
+    let (stop, power) = unsafe { (stm32f4xx_hal::pac::GPIOB::steal(), PWR::steal()) };
+    if stop.idr().read().bits() & 1 << 1 != 0 {
+        Some(Trip::EmergencyStop)
+    } else if power.csr().read().pvdo().bit_is_set() {
+        Some(Trip::SupplyLow)
+    } else {
+        None
+    }
+}
+
+/// Opens the relay, whoever owns it: for the end of a program that has failed.
+pub(crate) fn open_relay() {
+    // SAFETY: a write to the set/reset register touches the one bit named, and nothing runs after it.
+    unsafe { stm32f4xx_hal::pac::GPIOB::steal() }.bsrr().write(|w| unsafe { w.bits(1 << 16) });
+}

@@ -1,0 +1,27 @@
+//! What the firmware asks of a pair of converters.
+
+pub mod outboard;
+
+/// Inputs of a tick, in order: reference, displacement, acceleration, the existing controller's command.
+pub const INPUTS: usize = 4;
+
+/// An analog-to-digital converter of four inputs and a digital-to-analog converter of one output.
+///
+/// An implementation promises:
+/// - all inputs of a tick are sampled within the same 100 microseconds, started by the timer and not by a program;
+/// - codes are unsigned with zero at the bottom of the range and `full_scale` at its top;
+/// - `read` and `write` take bounded time, allocate nothing and never wait for an event that may not come;
+/// - a failure is reported at the tick in which it is noticed, and the output then stays at the last code written.
+pub trait Converters {
+    /// Why a conversion failed.
+    type Error;
+
+    /// Largest code of inputs and output.
+    const FULL_SCALE: u16;
+
+    /// The codes sampled for this tick.
+    fn read(&mut self) -> Result<[u16; INPUTS], Self::Error>;
+
+    /// Puts `code` on the output.
+    fn write(&mut self, code: u16) -> Result<(), Self::Error>;
+}

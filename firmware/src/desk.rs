@@ -1,0 +1,258 @@
+//! The desk: takes requests off the link, answers them, and sends telemetry. It runs below the loop and may take its
+//! time; what the loop hears of it is an order in a queue.
+
+use shakedown_core::link::{
+    Batch, Challenge, Identity, MAX_BATCH, Phase, Points, RefusedBecause, Report, Request, Setup, Trip, Vitals, answer,
+};
+
+use crate::queues::{DeskEnd, Order, POINTS, Point, Standing};
+
+/// How long a challenge may be answered, ticks of the caller's millisecond clock.
+const CHALLENGE_LIFE: u32 = 1000;
+
+/// What the desk wants done that only the board can do.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "lives on the stack for one call")]
+pub enum Action {
+    /// Send this report.
+    Send(Report),
+    /// Write the setup in force to flash, then report what came of it.
+    Save(Setup),
+}
+
+/// What the loop published last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Seen {
+    /// Where the loop stands.
+    pub standing: Standing,
+    /// Ticks since the reset.
+    pub ticks: u32,
+    /// Records that found no room.
+    pub dropped: u32,
+    /// Whether a cause of a trip stands on the board's inputs.
+    pub cause: Option<Trip>,
+}
+
+/// The desk's own state.
+#[allow(missing_debug_implementations, reason = "the queues have none")]
+pub struct Desk<'a> {
+    queues: DeskEnd<'a>,
+    setup: Setup,
+    stored: bool,
+    entropy: u64,
+    challenge: Option<(Challenge, u32)>,
+    next_point: u32,
+    credit_due: bool,
+    told: Option<Standing>,
+    garbled: u32,
+}
+
+impl<'a> Desk<'a> {
+    /// A desk for a loop that runs `setup`. `entropy` differs from reset to reset; `stored` says that the setup came from flash.
+    pub const fn new(setup: Setup, stored: bool, entropy: u64, queues: DeskEnd<'a>) -> Self {
+        Self {
+            queues,
+            setup,
+            stored,
+            entropy,
+            challenge: None,
+            next_point: 0,
+            credit_due: false,
+            told: None,
+            garbled: 0,
+        }
+    }
+
+    /// Counts a frame that came garbled.
+    pub const fn count_garbled(&mut self) {
+        self.garbled = self.garbled.wrapping_add(1);
+    }
+
+    /// The setup in force is now the one in flash.
+    pub const fn saved(&mut self) {
+        self.stored = true;
+    }
+
+    /// `ticks` as milliseconds, for challenges.
+    pub fn milliseconds(&self, ticks: u32) -> u32 {
+        (u64::from(ticks) * 1000 / u64::from((self.setup.control.rate as u32).max(1))) as u32
+    }
+
+    /// What to do about `request`; `now` is in ms.
+    pub fn take(&mut self, request: Request, seen: Seen, now: u32) -> Action {
+        let phase = seen.standing.phase;
+        let report = match request {
+            Request::Identify => Report::Identity(self.identity()),
+            Request::ReadSetup => Report::Setup(self.setup),
+            Request::WriteSetup(setup) => self.write(setup, phase),
+            Request::Save if at_rest(phase) => return Action::Save(self.setup),
+            Request::RequestArming => self.challenge(phase, now),
+            Request::Arm(given) => self.arm(given, phase, now),
+            Request::Start if phase == Phase::Armed => self.order(Order::Start),
+            Request::Stop => self.order(Order::Stop),
+            Request::ClearTrip => match (phase, seen.cause) {
+                (Phase::Tripped, Some(cause)) => Report::Refused(RefusedBecause::CauseStands(cause)),
+                (Phase::Tripped, None) => self.order(Order::ClearTrip),
+                _ => Report::Refused(RefusedBecause::Phase(phase)),
+            },
+            Request::Reference(points) => self.reference(&points, phase),
+            Request::Probe(code) if phase == Phase::Idle => self.order(Order::Probe(Some(code))),
+            Request::ReadVitals => Report::Vitals(self.vitals(seen)),
+            Request::Save | Request::Start | Request::Probe(_) => Report::Refused(RefusedBecause::Phase(phase)),
+        };
+        Action::Send(report)
+    }
+
+    /// What the desk has to say of its own accord: a change of phase, room in the reference buffer, telemetry.
+    pub fn volunteer(&mut self, seen: Seen) -> Option<Report> {
+        if self.told != Some(seen.standing) {
+            let first = self.told.is_none();
+            self.told = Some(seen.standing);
+            if seen.standing.phase == Phase::Idle {
+                self.next_point = 0;
+            }
+            if !first {
+                return Some(Report::Vitals(self.vitals(seen)));
+            }
+        }
+        if self.credit_due && self.room() >= POINTS / 4 {
+            self.credit_due = false;
+            return Some(self.credit());
+        }
+        self.telemetry(seen.dropped)
+    }
+
+    fn identity(&self) -> Identity {
+        Identity { firmware: version(), full_scale: self.setup.wiring.full_scale, buffer: POINTS as u16 - 1 }
+    }
+
+    fn vitals(&self, seen: Seen) -> Vitals {
+        Vitals {
+            phase: seen.standing.phase,
+            trip: seen.standing.trip,
+            ticks: seen.ticks,
+            dropped: seen.dropped,
+            garbled: self.garbled,
+            stored: self.stored,
+            buffered: self.queues.points.len() as u16,
+        }
+    }
+
+    fn order(&mut self, order: Order) -> Report {
+        match self.queues.orders.enqueue(order) {
+            Ok(()) => Report::Done,
+            Err(_) => Report::Refused(RefusedBecause::Full),
+        }
+    }
+
+    fn write(&mut self, setup: Setup, phase: Phase) -> Report {
+        if !at_rest(phase) {
+            return Report::Refused(RefusedBecause::Phase(phase));
+        }
+        if setup.validate().is_err() || setup.wiring.full_scale != self.setup.wiring.full_scale {
+            return Report::Refused(RefusedBecause::Setup);
+        }
+        let report = self.order(Order::Setup(setup));
+        if report == Report::Done {
+            self.setup = setup;
+            self.stored = false;
+        }
+        report
+    }
+
+    fn challenge(&mut self, phase: Phase, now: u32) -> Report {
+        if phase != Phase::Idle {
+            return Report::Refused(RefusedBecause::Phase(phase));
+        }
+        self.entropy = self.entropy.wrapping_add(1);
+        let challenge = Challenge(answer(Challenge(self.entropy)) ^ u64::from(now));
+        self.challenge = Some((challenge, now));
+        Report::Challenge(challenge)
+    }
+
+    fn arm(&mut self, given: u64, phase: Phase, now: u32) -> Report {
+        match self.challenge.take() {
+            Some((challenge, asked)) if answer(challenge) == given && now.wrapping_sub(asked) < CHALLENGE_LIFE => {
+                if phase == Phase::Idle {
+                    self.order(Order::Arm)
+                } else {
+                    Report::Refused(RefusedBecause::Phase(phase))
+                }
+            }
+            _ => Report::Refused(RefusedBecause::Challenge),
+        }
+    }
+
+    fn room(&self) -> usize {
+        POINTS - 1 - self.queues.points.len()
+    }
+
+    fn credit(&self) -> Report {
+        Report::Credit { next: self.next_point, room: self.room().saturating_sub(1) as u16 }
+    }
+
+    /// Takes all of the points or none, and says either way which is wanted next and how many there is room for. One place stays free for the end of the record.
+    fn reference(&mut self, points: &Points, phase: Phase) -> Report {
+        if !matches!(phase, Phase::Armed | Phase::Running) {
+            return Report::Refused(RefusedBecause::Phase(phase));
+        }
+        if points.first != self.next_point {
+            return self.credit();
+        }
+        if points.points.len() >= self.room() {
+            self.credit_due = true;
+            return self.credit();
+        }
+        if points.points.iter().any(|&point| Point::new(point).is_none()) {
+            return Report::Refused(RefusedBecause::Setup);
+        }
+        for point in points.points.iter().filter_map(|&point| Point::new(point)) {
+            let _ = self.queues.points.enqueue(point);
+        }
+        if points.last {
+            let _ = self.queues.points.enqueue(Point::END);
+        }
+        self.next_point = self.next_point.wrapping_add(points.points.len() as u32);
+        self.credit_due = !points.last;
+        self.credit()
+    }
+
+    /// A batch of consecutive records, when enough wait or the loop is at rest.
+    fn telemetry(&mut self, dropped: u32) -> Option<Report> {
+        let every = self.setup.telemetry_every;
+        if self.queues.records.len() < MAX_BATCH {
+            return None;
+        }
+        let first = *self.queues.records.peek()?;
+        let mut batch =
+            Batch { first: first.tick, every, phase: first.phase, dropped, records: heapless::Vec::new() };
+        let mut tick = first.tick;
+        while let Some(entry) = self.queues.records.peek().copied() {
+            if entry.tick != tick || entry.phase != first.phase || batch.records.push(entry.record).is_err() {
+                break;
+            }
+            self.queues.records.dequeue();
+            tick = tick.wrapping_add(u32::from(every));
+        }
+        Some(Report::Telemetry(batch))
+    }
+}
+
+const fn at_rest(phase: Phase) -> bool {
+    matches!(phase, Phase::Idle | Phase::Tripped)
+}
+
+/// The crate's version; its three numbers are single bytes.
+const fn version() -> [u8; 3] {
+    [number(env!("CARGO_PKG_VERSION_MAJOR")), number(env!("CARGO_PKG_VERSION_MINOR")), number(env!("CARGO_PKG_VERSION_PATCH"))]
+}
+
+const fn number(digits: &str) -> u8 {
+    match u8::from_str_radix(digits, 10) {
+        Ok(number) => number,
+        Err(_) => u8::MAX,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,22 @@
+//! The parts of the firmware that no register knows of: what happens in a tick, what a request does, how a setup
+//! survives a reset. They build for the host as well, where their tests run, and where the same [`Loop`] that decides
+//! on the target is the reference that the emulated image is held against, bit for bit.
+//!
+//! Two contexts share the work and no memory:
+//!
+//! - the **loop** runs in the highest-priority task, once a tick, and owns everything that decides the output;
+//! - the **desk** runs below it, owns the serial link, and speaks to the loop through three queues that neither side
+//!   ever waits on: orders and points of the reference down, records of telemetry up.
+#![no_std]
+
+pub mod control_loop;
+pub mod converters;
+pub mod defaults;
+pub mod desk;
+pub mod queues;
+pub mod safe_output;
+pub mod store;
+pub mod stream;
+
+pub use control_loop::{Events, Loop, Outcome};
+pub use desk::Desk;

@@ -1,0 +1,66 @@
+//! shakedown on an STM32F407: resources and task signatures. What the tasks do is in `tasks`, what the registers need
+//! in `board`, and what decides the output in the library beside this file and in the core.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+#[cfg(target_os = "none")]
+mod tasks;
+
+#[cfg(target_os = "none")]
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+mod app {
+    use shakedown_firmware::queues::Queues;
+
+    use crate::tasks::{control::Control, link::Link, start};
+
+    #[shared]
+    struct Shared {}
+
+    #[local]
+    struct Local {
+        control: Control,
+        link: Link,
+    }
+
+    #[init(local = [queues: Queues = Queues::new()])]
+    fn init(context: init::Context) -> (Shared, Local) {
+        let (control, link) = start::start(context.core, context.device, context.local.queues);
+        (Shared {}, Local { control, link })
+    }
+
+    /// The converter has sampled every input of this tick.
+    #[task(binds = DMA2_STREAM0, priority = 15, local = [control])]
+    fn tick(context: tick::Context) {
+        context.local.control.tick();
+    }
+
+    /// Bytes have come and the line fell idle, or one of the others below asks for it.
+    #[task(binds = USART3, priority = 2, local = [link])]
+    fn link(context: link::Context) {
+        context.local.link.serve();
+    }
+
+    /// Half of the receive buffer is full.
+    #[task(binds = DMA1_STREAM1, priority = 3)]
+    fn received(_: received::Context) {
+        crate::tasks::link::received();
+    }
+
+    /// The frame has left.
+    #[task(binds = DMA1_STREAM3, priority = 3)]
+    fn sent(_: sent::Context) {
+        crate::tasks::link::sent();
+    }
+
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+}
+
+/// The firmware runs on its target only; on the host this package is its library and the tests of it.
+#[cfg(not(target_os = "none"))]
+fn main() {}

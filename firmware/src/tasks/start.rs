@@ -1,0 +1,59 @@
+//! From reset to the first tick.
+
+use defmt_rtt as _;
+use shakedown_core::Controller;
+use shakedown_core::link::Assembler;
+use shakedown_firmware::queues::Queues;
+use shakedown_firmware::{Desk, Loop, defaults, store};
+use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
+
+use super::{control::Control, link::Link};
+use crate::board::{
+    clock, converters::OnChip, entropy, failure, flash::Flash, line::Line, pins::Pins, ticker::Ticker, watchdog::Watchdog,
+};
+
+/// Sets everything up. The watchdog runs from here on; the first tick follows one period later.
+pub(crate) fn start(
+    core: rtic::export::Peripherals,
+    device: pac::Peripherals,
+    queues: &'static mut Queues,
+) -> (Control, Link) {
+    let mut rcc = clock::start(device.RCC);
+    let restarted = clock::restarted(&rcc);
+    let flash = Flash(LockedFlash::new(device.FLASH));
+    let (setup, stored) = match store::load(&flash) {
+        Some(found) => (found.setup, true),
+        None => (defaults::setup(), false),
+    };
+    let port_a = device.GPIOA.split(&mut rcc);
+    let port_b = device.GPIOB.split(&mut rcc);
+    let port_d = device.GPIOD.split(&mut rcc);
+    let _analog = (
+        port_a.pa0.into_analog(),
+        port_a.pa1.into_analog(),
+        port_a.pa2.into_analog(),
+        port_a.pa3.into_analog(),
+        port_a.pa4.into_analog(),
+    );
+    let _line = (port_d.pd8.into_alternate::<7>(), port_d.pd9.into_alternate::<7>());
+    let pins = Pins::new(port_b.pb0.into_push_pull_output(), port_b.pb1.into_pull_up_input(), device.PWR);
+    let converters = OnChip::new(device.ADC1, &device.ADC_COMMON, device.DAC, device.DMA2, &mut rcc);
+    let line = Line::new(device.USART3, device.DMA1, &mut rcc);
+    let ticker = Ticker::new(device.TIM2, setup.control.rate as u32, &mut rcc);
+    let (loop_end, desk_end) = queues.split();
+    let Ok(controller) = Controller::new(&setup.control) else { failure::park() };
+    let decide = Loop::new(controller, &setup, loop_end, restarted);
+    let desk = Desk::new(setup, stored, entropy::since_power_on(core.DWT.cyccnt.read()), desk_end);
+    defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
+    let control = Control {
+        decide,
+        converters,
+        pins,
+        ticker,
+        watchdog: Watchdog::start(device.IWDG),
+        inputs: [0; 4],
+        quiet: 0,
+    };
+    control.ticker.start();
+    (control, Link { desk, line, flash, assembler: Assembler::new(), answer: None })
+}

@@ -1,0 +1,75 @@
+//! The emulated F4. Everything that knows the emulator (`rigless` 0.4, young and not settled) is in this folder.
+//!
+//! Three things the emulator does not model are supplied here, from the firmware's own register writes: the DAC (its data
+//! register is watched), the trigger line from TIM2 to the converter (a conversion is started at each update, by the bit
+//! that software would set), and codes finer than a millivolt (the reference is set to 4095 "mV", so that a millivolt is
+//! a code). The part is an STM32F427, whose first megabyte of flash, RAM, timers, converters and DMA are the F407's.
+
+mod driver;
+mod wire;
+
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+
+use rigless::emulator::{self, Start};
+use rigless::image::Image;
+use rigless::machine::stm32f427_bench::Stm32f427Bench;
+use rigless::session::Session;
+use rigless::soc::stm32f427::peripherals::adc::Channel;
+use rigless::time::VirtualNanos;
+
+use crate::{ReplayError, World};
+use driver::Lockstep;
+use wire::Wire;
+
+/// Virtual time in which the firmware must start its timer, ms.
+const BOOT_LIMIT: u64 = 2000;
+/// USART3 in the emulator's list of ports.
+const PORT: usize = 2;
+/// Inputs of ADC1 that the firmware scans.
+const INPUTS: [u8; 4] = [0, 1, 2, 3];
+
+/// What a run leaves behind.
+#[derive(Debug)]
+pub struct Ran<W> {
+    /// The world, with what it has recorded.
+    pub world: W,
+    /// Instructions retired.
+    pub instructions: u64,
+    /// Virtual time, ns.
+    pub time: u64,
+    /// Resets, with the virtual time of each, ns.
+    pub resets: Vec<u64>,
+    /// Addresses that the firmware touched and the emulator has nothing at; a list that grows is a new blind spot.
+    pub blind_spots: Vec<String>,
+}
+
+/// Runs the image at `elf` in `world` until the world ends it.
+pub fn run<W: World>(elf: &Path, world: W) -> Result<Ran<W>, ReplayError> {
+    let image = Image::read(elf, None)
+        .map_err(|error| ReplayError::Image { path: elf.to_owned(), reason: error.to_string() })?;
+    let emulator = |error: &dyn std::error::Error| ReplayError::Emulator(error.to_string());
+    let mut board = Box::new(Stm32f427Bench::new().map_err(|error| emulator(&error))?);
+    for channel in INPUTS.iter().filter_map(|&number| Channel::new(number)) {
+        board.mcu.adc[0].set_input(channel, 0);
+    }
+    board.mcu.adc[0].set_reference(4095);
+    let wire = Arc::new(Mutex::new(crate::Line::default()));
+    board.mcu.usart[PORT].attach(Wire(Arc::clone(&wire)));
+    let until = VirtualNanos(BOOT_LIMIT * 1_000_000);
+    let session = Session::new(board, 0, until).map_err(|error| emulator(&error))?;
+    let images = [image];
+    let finished = emulator::run(session, &Start::new(&images), Lockstep::new(world, wire))
+        .map_err(|error| emulator(&error))?;
+    let stop = finished.stop;
+    if !finished.driver.ticked() {
+        return Err(ReplayError::NoTick(BOOT_LIMIT));
+    }
+    Ok(Ran {
+        instructions: stop.map_or(0, |stop| stop.instruction_count),
+        time: stop.map_or(0, |stop| stop.at.0),
+        resets: finished.session.resets().iter().map(|reset| reset.at.0).collect(),
+        blind_spots: finished.session.unmapped().iter().map(ToString::to_string).collect(),
+        world: finished.driver.into_world(),
+    })
+}

@@ -1,0 +1,201 @@
+//! Lock step: the world is asked at each update of the sampling timer, and at no other instant.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rigless::device::Level;
+use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
+use rigless::machine::stm32f427_bench::Stm32f427Bench;
+use rigless::mcu::Operate;
+use rigless::session::Session;
+use rigless::soc::Width;
+use rigless::soc::stm32f427::peripherals::adc::Channel;
+use rigless::soc::stm32f427::peripherals::gpio::Pin;
+use rigless::time::VirtualNanos;
+
+use crate::{Line, Tick, World};
+
+const TIM2_CR1: u64 = 0x4000_0000;
+const TIM2_ARR: u64 = 0x4000_002C;
+const DAC_DHR12R1: u64 = 0x4000_7408;
+const GPIOB_BSRR: u64 = 0x4002_0418;
+const ADC1_CR2: u64 = 0x4001_2008;
+const SWSTART: u64 = 1 << 30;
+const ADON: u64 = 1;
+/// Timer clock, Hz.
+const TIMER_HZ: u128 = 84_000_000;
+/// How long to wait before looking again while the timer stands, ns.
+const PATIENCE: u64 = 1_000_000;
+/// Port B, and the emergency stop on it.
+const PORT_B: usize = 1;
+const STOP_PIN: u8 = 1;
+
+/// The timer's updates, from its registers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Timer {
+    running: bool,
+    started: u64,
+    updates: u64,
+    reload: u64,
+    /// Counts before the first update of this start and since, at the reload in force then.
+    counts: u128,
+}
+
+impl Timer {
+    fn next(&mut self) -> u64 {
+        self.counts += u128::from(self.reload) + 1;
+        self.started + (self.counts * 1_000_000_000 / TIMER_HZ) as u64
+    }
+}
+
+/// The driver of a run.
+pub(super) struct Lockstep<W> {
+    world: W,
+    wire: Arc<Mutex<Line>>,
+    timer: Timer,
+    inputs: [u16; 4],
+    circuit_closed: bool,
+    supply: u32,
+    output: Option<u16>,
+    relay: bool,
+    resets: usize,
+    first: bool,
+    ticked: bool,
+}
+
+impl<W: World> Lockstep<W> {
+    pub(super) fn new(world: W, wire: Arc<Mutex<Line>>) -> Self {
+        Self {
+            world,
+            wire,
+            timer: Timer::default(),
+            inputs: [0; 4],
+            circuit_closed: true,
+            supply: 3300,
+            output: None,
+            relay: false,
+            resets: 0,
+            first: true,
+            ticked: false,
+        }
+    }
+
+    pub(super) const fn ticked(&self) -> bool {
+        self.ticked
+    }
+
+    pub(super) fn into_world(self) -> W {
+        self.world
+    }
+
+    /// A write of the firmware's that the emulator has no model for, or that moves the timer.
+    fn notice(&mut self, session: &mut Session<Stm32f427Bench>, access: Access, value: u64) {
+        match access.address {
+            DAC_DHR12R1 => self.output = Some((value & 0xFFF) as u16),
+            GPIOB_BSRR if value & 1 != 0 => self.relay = true,
+            GPIOB_BSRR if value & 1 << 16 != 0 => self.relay = false,
+            TIM2_ARR => self.timer.reload = value,
+            TIM2_CR1 => {
+                let running = value & 1 != 0;
+                if running && !self.timer.running {
+                    self.timer = Timer {
+                        running,
+                        started: access.virtual_time.0,
+                        updates: 0,
+                        counts: 0,
+                        reload: self.timer.reload,
+                    };
+                    session.run_until(VirtualNanos(self.timer.next()));
+                }
+                self.timer.running = running;
+            }
+            _ => {}
+        }
+    }
+
+    fn circuit(&self, session: &mut Session<Stm32f427Bench>, at: VirtualNanos) {
+        let level = if self.circuit_closed { Level::Low } else { Level::High };
+        if let Some(pin) = Pin::new(STOP_PIN) {
+            session
+                .board_mut()
+                .mcu
+                .drive_port(at, PORT_B, |port, registers, context| port.drive(pin, Some(level), registers, context));
+        }
+    }
+
+    /// Asks the world, then starts the conversion. None ends the run.
+    fn update(&mut self, session: &mut Session<Stm32f427Bench>, stop: Stop) -> Option<()> {
+        let wire = Arc::clone(&self.wire);
+        let mut line = wire.lock().unwrap_or_else(PoisonError::into_inner);
+        let (was_closed, supply, inputs) = (self.circuit_closed, self.supply, self.inputs);
+        let tick = Tick {
+            index: self.timer.updates,
+            time: stop.at.0,
+            instructions: stop.instruction_count,
+            output: self.output,
+            relay: self.relay,
+            resets: self.resets,
+            inputs: &mut self.inputs,
+            circuit_closed: &mut self.circuit_closed,
+            supply: &mut self.supply,
+            line: &mut line,
+        };
+        let go_on = self.world.tick(tick);
+        drop(line);
+        self.timer.updates += 1;
+        if self.circuit_closed != was_closed {
+            self.circuit(session, stop.at);
+        }
+        let mcu = &mut session.board_mut().mcu;
+        if self.supply != supply {
+            mcu.set_supply(self.supply);
+        }
+        for (number, (&code, was)) in (0..).zip(self.inputs.iter().zip(inputs)) {
+            if let Some(channel) = Channel::new(number).filter(|_| code != was || self.timer.updates == 1) {
+                mcu.adc[0].set_input(channel, u32::from(code));
+            }
+        }
+        if self.world.converts() {
+            let control = mcu.read(stop.at, ADC1_CR2, Width::W32).unwrap_or(0);
+            if control & ADON != 0 {
+                let _ = mcu.write(stop.at, ADC1_CR2, Width::W32, control | SWSTART);
+            }
+        }
+        go_on.then_some(())
+    }
+}
+
+impl<W: World> Driver<Stm32f427Bench> for Lockstep<W> {
+    fn on_settled(&mut self, session: &mut Session<Stm32f427Bench>, _: &mut dyn Host, settled: Settled) {
+        match settled {
+            Settled::Access { access, value } if access.kind == AccessKind::Write => {
+                self.notice(session, access, value);
+            }
+            Settled::Stop(stop) if self.first => {
+                self.first = false;
+                self.circuit(session, stop.at);
+            }
+            _ => {}
+        }
+    }
+
+    fn on_stop(
+        &mut self,
+        session: &mut Session<Stm32f427Bench>,
+        stop: Stop,
+        _: &mut dyn Host,
+    ) -> Option<VirtualNanos> {
+        let resets = session.resets().len();
+        if resets != self.resets {
+            self.resets = resets;
+            self.timer.running = false;
+            self.relay = false;
+            self.circuit(session, stop.at);
+        }
+        if !self.timer.running {
+            return self.ticked.then_some(VirtualNanos(stop.at.0 + PATIENCE));
+        }
+        self.ticked = true;
+        self.update(session, stop)?;
+        Some(VirtualNanos(self.timer.next()))
+    }
+}

@@ -1,0 +1,14 @@
+//! The firmware image in the loop: the very ELF that is flashed runs on an emulated STM32F4, and a world of the caller's
+//! stands at its converters, its pins and its serial line.
+//!
+//! The world owns time. At every update of the firmware's sampling timer the machine stops, asks the [`World`] what the
+//! inputs are, tells it what the output has been since the last update, and lets the processor run to the next. So the
+//! loop is in lock step whatever either side costs, and a run repeats to the last instruction.
+
+mod error;
+pub mod f4;
+pub mod world;
+
+pub use error::ReplayError;
+pub use f4::{Ran, run};
+pub use world::{Line, Tick, World};

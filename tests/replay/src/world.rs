@@ -1,0 +1,48 @@
+//! What stands around the board.
+
+use std::collections::VecDeque;
+
+/// The serial line as its far end sees it.
+#[derive(Debug, Default)]
+pub struct Line {
+    /// Bytes that the firmware has sent; the world takes them.
+    pub from_device: VecDeque<u8>,
+    /// Bytes for the firmware; they go out at the line's pace.
+    pub to_device: VecDeque<u8>,
+}
+
+/// One update of the sampling timer.
+#[derive(Debug)]
+pub struct Tick<'a> {
+    /// Updates since the firmware last started its timer.
+    pub index: u64,
+    /// Virtual time, ns.
+    pub time: u64,
+    /// Instructions retired since power-on.
+    pub instructions: u64,
+    /// Code last written to the converter's output; none before the first.
+    pub output: Option<u16>,
+    /// Whether the relay of the hydraulic block is closed.
+    pub relay: bool,
+    /// Resets since power-on.
+    pub resets: usize,
+    /// Codes that this update samples: reference, displacement, acceleration, existing command. Kept from tick to tick.
+    pub inputs: &'a mut [u16; 4],
+    /// Whether the emergency-stop circuit is closed. Kept from tick to tick.
+    pub circuit_closed: &'a mut bool,
+    /// Supply, mV. Kept from tick to tick.
+    pub supply: &'a mut u32,
+    /// The serial line.
+    pub line: &'a mut Line,
+}
+
+/// What closes the loop around the image.
+pub trait World: Send + 'static {
+    /// The sampling timer's update. False ends the run.
+    fn tick(&mut self, tick: Tick<'_>) -> bool;
+
+    /// Whether a conversion follows this update; a converter that is dead says no.
+    fn converts(&self) -> bool {
+        true
+    }
+}
