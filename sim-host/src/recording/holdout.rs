@@ -71,7 +71,8 @@ fn in_two(run: &Run) -> [Run; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::Law;
+    use crate::recording::clock::Clock;
+    use crate::recording::{Law, PerChannel};
     use Use::{Fit, HoldOut};
 
     fn run(n: usize) -> Run {
@@ -80,13 +81,13 @@ mod tests {
             path: "a.csv".into(),
             dt: 1.0,
             time: (0..n).map(|k| k as f64).collect(),
-            channels: Default::default(),
-            noise: Default::default(),
+            channels: PerChannel::default(),
+            noise: PerChannel::default(),
             law: Law::Open,
             controller_rate_hz: None,
             purpose: Fit,
             cut: false,
-            clock: Default::default(),
+            clock: Clock::default(),
         }
     }
 

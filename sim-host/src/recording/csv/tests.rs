@@ -77,10 +77,8 @@ proptest! {
 
     #[test]
     fn what_is_written_is_read_back(values in prop::collection::vec(-1e9..1e9f64, 1..50)) {
-        let mut text = String::from("t;x [mm]\n");
-        for (k, value) in values.iter().enumerate() {
-            text += &format!("{k};{value:?}\n");
-        }
+        let rows: Vec<String> = values.iter().enumerate().map(|(k, value)| format!("{k};{value:?}")).collect();
+        let text = format!("t;x [mm]\n{}", rows.join("\n"));
         prop_assert_eq!(&table(&text, &["x"]).unwrap().columns[0], &values);
     }
 }
