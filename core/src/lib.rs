@@ -6,11 +6,21 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod block;
+pub mod control;
 pub mod controller;
+pub mod filter;
+pub mod guard;
 pub mod link;
 pub mod math;
+mod modifier;
 pub mod record;
+pub mod sample;
+pub mod saturation;
+pub mod scalar;
 pub mod settings;
 
-pub use controller::{Command, Controller, Sample, Status};
-pub use settings::{Settings, SettingsError};
+pub use controller::Controller;
+pub use guard::{Refused, Request, State, Trip};
+pub use sample::{Channels, Command, Relay, Sample, Status};
+pub use settings::{Mode, Modification, Settings, SettingsError};

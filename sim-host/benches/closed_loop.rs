@@ -101,13 +101,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The paper's current gains in the core.
 fn core_settings() -> shakedown_core::Settings {
     use shakedown_core::settings::Gains;
-    let off = Gains { proportional: 0.0, integral: 0.0 };
     shakedown_core::Settings {
         rate: RATE as f32,
-        displacement: Gains { proportional: 3.70205, integral: 0.61701 },
-        velocity: off,
-        acceleration: off,
-        velocity_limit: 0.242,
+        displacement: Gains::new(3.70205, 0.61701),
         stroke: 0.15,
+        ..shakedown_core::Settings::default()
     }
 }

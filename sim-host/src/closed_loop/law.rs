@@ -38,11 +38,7 @@ impl Law for Controller {
     fn step(&mut self, measured: &Measured) -> Actuation {
         let command = Controller::step(
             self,
-            &Sample {
-                reference: measured.reference as f32,
-                displacement: measured.displacement as f32,
-                acceleration: measured.acceleration as f32,
-            },
+            &Sample::new(measured.reference as f32, measured.displacement as f32, measured.acceleration as f32),
         );
         Actuation {
             valve: f64::from(command.valve),

@@ -1,0 +1,88 @@
+//! The shape of every block: a validated, immutable configuration apart from its state.
+//!
+//! A block is two values. Its *configuration* is made once, from physical quantities, by a constructor that checks
+//! them and works out every coefficient; it never changes afterwards. Its *state* is what a tick remembers. So a law is
+//! retuned by exchanging one configuration for another between two ticks, whole, while the state goes on: nothing is
+//! ever half retuned, and what the state means (an integral in the output's unit, the last input, the last output)
+//! does not depend on the coefficients, so that the exchange makes no bump beyond the new gain on the present input.
+//!
+//! [`Block::advance`] is the bare recurrence, generic over [`Scalar`]; it trusts its input. [`Block::step`] is the same
+//! recurrence behind a wall: an input that is not a finite number within the block's range leaves the state as it
+//! was, and the last good output is given again, marked [`Held::Last`].
+//!
+//! [`crate::Controller`] puts walls at its edge, once, and calls `advance` inside: a check in every block would cost a
+//! fifth of the tick and say nothing new.
+
+use crate::scalar::Scalar;
+
+/// Largest magnitude that a block takes, in whatever unit: far above any signal of a shake table, and far enough below
+/// the largest `f32` that no recurrence here overflows.
+pub const RANGE: f32 = 1e9;
+
+/// An output, and whether it is of this tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Held<T> {
+    /// Computed from this tick's input.
+    Fresh(T),
+    /// The input was not a finite number within range: the last good output.
+    Last(T),
+}
+
+impl<T: Copy> Held<T> {
+    /// The output, fresh or held.
+    #[inline]
+    pub fn value(self) -> T {
+        match self {
+            Self::Fresh(value) | Self::Last(value) => value,
+        }
+    }
+
+    /// Whether the last good output was held.
+    #[inline]
+    pub fn is_held(self) -> bool {
+        matches!(self, Self::Last(_))
+    }
+}
+
+/// A configuration that advances a state by one tick.
+pub trait Block<S: Scalar = f32> {
+    /// What a tick remembers; the default is rest.
+    type State: Copy + Default;
+
+    /// One tick of the bare recurrence. `input` must be finite and within [`RANGE`].
+    fn advance(&self, state: &mut Self::State, input: S) -> S;
+
+    /// The output of the last tick, or of rest.
+    fn last(&self, state: &Self::State) -> S;
+
+    /// One tick behind a wall: an input that is NaN, infinite or beyond [`RANGE`] changes nothing and yields the last
+    /// good output.
+    #[inline]
+    fn step(&self, state: &mut Self::State, input: S) -> Held<S> {
+        if within_range(input) { Held::Fresh(self.advance(state, input)) } else { Held::Last(self.last(state)) }
+    }
+}
+
+/// Whether `input` is a number no farther from zero than [`RANGE`].
+#[inline]
+pub fn within_range<S: Scalar>(input: S) -> bool {
+    input >= S::from_f32(-RANGE) && input <= S::from_f32(RANGE)
+}
+
+/// Why a block's configuration was refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlockError {
+    /// Which quantity.
+    pub field: &'static str,
+    /// What was given.
+    pub value: f32,
+    /// Smallest value accepted.
+    pub low: f32,
+    /// Largest value accepted.
+    pub high: f32,
+}
+
+/// `value` if it lies between `low` and `high`, both included; NaN never does.
+pub(crate) fn require(field: &'static str, value: f32, low: f32, high: f32) -> Result<f32, BlockError> {
+    if value >= low && value <= high { Ok(value) } else { Err(BlockError { field, value, low, high }) }
+}

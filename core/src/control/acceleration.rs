@@ -1,0 +1,82 @@
+//! Acceleration PI, integrated twice into a displacement command, with a washout so that it cannot drift.
+//!
+//! ```text
+//! h[k] = rho h[k-1] + g (e[k] - e[k-1])                washout, g = (1 + rho) / 2
+//! i[k] = rho i[k-1] + ki dt h[k]
+//! w[k] = rho w[k-1] + dt (kp h[k] + i[k])              m/s
+//! u[k] = rho u[k-1] + dt w[k],                         m
+//! rho = exp(-2 pi f dt)
+//! ```
+//! each held within +/- limit. e in m/s2, u in m, kp in 1, ki in 1/s. Above the washout's frequency f this is
+//! `(kp + ki / s) / s^2`, the double integration of Fig. 12. Below it every integrator leaks and the washout removes what
+//! stays: a constant error of any size, an accelerometer's bias among them, ends in a command of exactly zero in the
+//! limit, and a bounded error can never move the command beyond `(kp + ki / w) |e| / w^2`, w = 2 pi f.
+
+use super::{Blocked, LoopGains};
+use crate::block::{BlockError, require};
+use crate::math;
+use crate::scalar::Scalar;
+
+/// Configuration of the acceleration loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AccelerationLoop<S = f32> {
+    proportional: S,
+    integral_step: S,
+    dt: S,
+    rho: S,
+    gain: S,
+    limit: S,
+}
+
+/// What the acceleration loop remembers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AccelerationState<S = f32> {
+    error: Option<S>,
+    washed: S,
+    /// The integral term, m/s2.
+    pub integral: S,
+    /// First integral, m/s.
+    pub rate: S,
+    /// The command, m.
+    pub command: S,
+}
+
+impl<S: Scalar> Default for AccelerationState<S> {
+    fn default() -> Self {
+        Self { error: None, washed: S::ZERO, integral: S::ZERO, rate: S::ZERO, command: S::ZERO }
+    }
+}
+
+impl<S: Scalar> AccelerationLoop<S> {
+    /// The loop at ticks of `dt` (s), with its washout at `frequency` (Hz, 1e-3 up to a hundredth of the rate) and its
+    /// command held within `limit` (m). The caller vouches for finite gains.
+    pub fn new(gains: LoopGains<S>, dt: f32, frequency: f32, limit: f32) -> Result<Self, BlockError> {
+        let frequency = require("washout_frequency", frequency, 1e-3, 0.01 / dt)?;
+        let rho = math::exp(-core::f32::consts::TAU * frequency * dt);
+        Ok(Self {
+            proportional: gains.proportional,
+            integral_step: gains.integral * S::from_f32(dt),
+            dt: S::from_f32(dt),
+            rho: S::from_f32(rho),
+            gain: S::from_f32(0.5 * (1.0 + rho)),
+            limit: S::from_f32(limit),
+        })
+    }
+
+    /// One tick: acceleration error (m/s2) in, command (m) out.
+    #[inline]
+    pub fn advance(&self, state: &mut AccelerationState<S>, error: S, blocked: Blocked) -> S {
+        let before = state.error.unwrap_or(error);
+        state.error = Some(error);
+        state.washed = self.rho * state.washed + self.gain * (error - before);
+        let more = if blocked.allows(state.washed) { self.integral_step * state.washed } else { S::ZERO };
+        // An acceleration is bounded by what a table can do, not by the stroke: a hundred times the limit in 1/s2.
+        let wide = S::from_f32(100.0) * self.limit;
+        state.integral = (self.rho * state.integral + more).within(-wide, wide);
+        let push = self.proportional * state.washed + state.integral;
+        let more = if blocked.allows(push) { self.dt * push } else { S::ZERO };
+        state.rate = (self.rho * state.rate + more).within(-wide, wide);
+        state.command = (self.rho * state.command + self.dt * state.rate).within(-self.limit, self.limit);
+        state.command
+    }
+}

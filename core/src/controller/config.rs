@@ -1,0 +1,119 @@
+//! Settings worked out into coefficients: everything a tick needs and nothing it has to divide by.
+
+use crate::block::{BlockError, require};
+use crate::control::{AccelerationLoop, DisplacementLoop, InnerLoop, LoopGains, VelocityLoop};
+use crate::filter::{Differentiator, Fusion};
+use crate::guard::supervisor::Ramps;
+use crate::guard::{Envelope, GuardSettings, Plausibility, ValveMonitor, Walls};
+use crate::modifier::Modifier;
+use crate::saturation::Detector;
+use crate::settings::{Gains, Mode, ReferenceRates, Settings, SettingsError, VelocitySource};
+
+/// Where velocity and acceleration of the reference come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Rates {
+    Differentiated(Differentiator),
+    Supplied,
+    Zero,
+}
+
+/// The guard's configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Guard {
+    pub(crate) envelope: Envelope,
+    pub(crate) plausibility: Option<Plausibility>,
+    pub(crate) valve: ValveMonitor,
+    pub(crate) ramps: Ramps,
+    pub(crate) lost: u32,
+}
+
+/// The whole configuration of a [`crate::Controller`], exchanged as one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Config {
+    pub(crate) mode: Mode,
+    pub(crate) rate: f32,
+    pub(crate) walls: Walls,
+    pub(crate) observer: Option<Fusion>,
+    pub(crate) accelerometer: bool,
+    pub(crate) velocity_sensor: bool,
+    pub(crate) detector: Option<Detector>,
+    pub(crate) modifier: Modifier,
+    pub(crate) displacement: DisplacementLoop,
+    pub(crate) velocity: Option<VelocityLoop>,
+    pub(crate) acceleration: Option<AccelerationLoop>,
+    pub(crate) rates: Rates,
+    pub(crate) inner_loop: InnerLoop,
+    pub(crate) null_bias: f32,
+    pub(crate) valve_gain: f32,
+    pub(crate) command_limit: f32,
+    /// Command beyond which the table moves no faster, m.
+    pub(crate) wide_open: f32,
+    pub(crate) anti_windup: bool,
+    pub(crate) velocity_limit: f32,
+    pub(crate) blend_step: f32,
+    pub(crate) guard: Option<Guard>,
+}
+
+impl Config {
+    /// Works out `settings`, or says which field does not hold.
+    pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        settings.check_fields()?;
+        let s = settings;
+        let dt = 1.0 / s.rate;
+        let limit = s.valve.command_limit;
+        let acceleration =
+            AccelerationLoop::new(loop_gains(s.acceleration), dt, s.washout_frequency, limit).map(Some)?;
+        let watched = s.guard.is_some() || s.saturation.is_some();
+        let tracked = s.velocity.act() && s.velocity_source == VelocitySource::Observer;
+        let observer = Fusion::new(s.observer.frequency, dt)?;
+        Ok(Self {
+            mode: s.mode,
+            rate: s.rate,
+            walls: Walls::new(s),
+            observer: (watched || tracked).then_some(observer),
+            accelerometer: s.observer.accelerometer,
+            velocity_sensor: s.velocity_source == VelocitySource::Sensor,
+            detector: s.saturation.map(|d| Detector::new(&d, s.velocity_limit, dt)).transpose()?,
+            modifier: Modifier::new(s)?,
+            displacement: DisplacementLoop::new(loop_gains(s.displacement), dt, limit),
+            velocity: s.velocity.act().then(|| VelocityLoop::new(loop_gains(s.velocity), dt, limit)),
+            acceleration: if s.acceleration.act() { acceleration } else { None },
+            rates: rates(s.reference_rates, s.rate, dt)?,
+            inner_loop: s.inner_loop,
+            null_bias: s.valve.null_bias,
+            valve_gain: s.valve.gain,
+            command_limit: limit,
+            wide_open: s.velocity_limit / s.valve.gain,
+            anti_windup: s.anti_windup,
+            velocity_limit: s.velocity_limit,
+            blend_step: dt / s.blend.max(dt),
+            guard: s.guard.map(|guard| Guard::new(&guard, s, dt)).transpose()?,
+        })
+    }
+}
+
+impl Guard {
+    fn new(guard: &GuardSettings, s: &Settings, dt: f32) -> Result<Self, BlockError> {
+        let plausibility = Plausibility::new(&guard.plausibility, dt)?;
+        Ok(Self {
+            envelope: Envelope::new(&guard.envelope, s.stroke, dt)?,
+            plausibility: s.observer.accelerometer.then_some(plausibility),
+            valve: ValveMonitor::new(&guard.valve, s.valve.lag, dt)?,
+            ramps: Ramps::new(&guard.ramps, dt)?,
+            lost: (require("guard.plausibility.lost", guard.plausibility.lost, 0.0, 1.0)? / dt) as u32,
+        })
+    }
+}
+
+fn loop_gains(gains: Gains) -> LoopGains {
+    LoopGains { proportional: gains.proportional, integral: gains.integral }
+}
+
+fn rates(rates: ReferenceRates, rate: f32, dt: f32) -> Result<Rates, BlockError> {
+    Ok(match rates {
+        ReferenceRates::Derived { frequency } => Rates::Differentiated(Differentiator::new(frequency, dt)?),
+        ReferenceRates::Differences => Rates::Differentiated(Differentiator::new(rate, dt)?),
+        ReferenceRates::Supplied => Rates::Supplied,
+        ReferenceRates::Zero => Rates::Zero,
+    })
+}

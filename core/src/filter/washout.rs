@@ -1,0 +1,58 @@
+//! First-order washout, `s / (s + w)`: passes change, forgets what stays.
+//!
+//! ```text
+//! y[k] = rho y[k-1] + g (x[k] - x[k-1]),      rho = exp(-2 pi f dt),  g = (1 + rho) / 2
+//! ```
+//! Gain 0 at rest and 1 at the Nyquist frequency, sign kept, output in the input's unit. The first input is taken as
+//! having stood for ever: a washout that is switched on at an offset starts at zero.
+
+use crate::block::{Block, BlockError, require};
+use crate::math;
+use crate::scalar::Scalar;
+
+/// A washout's configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Washout<S = f32> {
+    rho: S,
+    gain: S,
+}
+
+/// What a washout remembers: its last input, none before the first, and its output.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WashoutState<S = f32> {
+    input: Option<S>,
+    output: S,
+}
+
+impl<S: Scalar> Default for WashoutState<S> {
+    fn default() -> Self {
+        Self { input: None, output: S::ZERO }
+    }
+}
+
+impl<S: Scalar> Washout<S> {
+    /// A washout with its corner at `frequency` (Hz, from 1e-4 up to a tenth of the rate) at ticks of `dt` (s).
+    pub fn new(frequency: f32, dt: f32) -> Result<Self, BlockError> {
+        let dt = require("dt", dt, 1e-6, 1.0)?;
+        let frequency = require("frequency", frequency, 1e-4, 0.1 / dt)?;
+        let rho = math::exp(-core::f32::consts::TAU * frequency * dt);
+        Ok(Self { rho: S::from_f32(rho), gain: S::from_f32(0.5 * (1.0 + rho)) })
+    }
+}
+
+impl<S: Scalar> Block<S> for Washout<S> {
+    type State = WashoutState<S>;
+
+    #[inline]
+    fn advance(&self, state: &mut WashoutState<S>, input: S) -> S {
+        let before = state.input.unwrap_or(input);
+        state.output = self.rho * state.output + self.gain * (input - before);
+        state.input = Some(input);
+        state.output
+    }
+
+    #[inline]
+    fn last(&self, state: &WashoutState<S>) -> S {
+        state.output
+    }
+}

@@ -1,0 +1,83 @@
+//! The guard: what stands between any law, ours or another's, and the actuator.
+
+pub mod envelope;
+pub mod plausibility;
+pub mod supervisor;
+pub mod valve;
+pub mod walls;
+
+pub use envelope::{Envelope, EnvelopeSettings};
+pub use plausibility::{Plausibility, PlausibilitySettings};
+pub use supervisor::{Refused, Request, State, Supervisor};
+pub use valve::{ValveMonitor, ValveMonitorSettings, ValveMonitorState};
+pub use walls::Walls;
+
+use serde::{Deserialize, Serialize};
+
+/// Everything the guard needs to be told.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GuardSettings {
+    /// Where the table may be and how it may move.
+    pub envelope: EnvelopeSettings,
+    /// When a sensor is not believed.
+    pub plausibility: PlausibilitySettings,
+    /// When the valve is not believed.
+    pub valve: ValveMonitorSettings,
+    /// How the test starts, holds and ends.
+    pub ramps: RampSettings,
+}
+
+/// How long things take.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RampSettings {
+    /// From a stand into the reference, and back, s.
+    pub test: f32,
+    /// From any command to the one at which no oil flows, at a trip, s.
+    pub safe: f32,
+}
+
+impl Default for RampSettings {
+    fn default() -> Self {
+        Self { test: 2.0, safe: 0.05 }
+    }
+}
+
+/// Why the guard tripped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u8)]
+#[non_exhaustive]
+pub enum Trip {
+    /// The table could no longer be stopped inside its stroke.
+    Displacement = 1,
+    /// Faster than the envelope allows.
+    Velocity,
+    /// Acceleration beyond the envelope.
+    Acceleration,
+    /// Jerk beyond the envelope.
+    Jerk,
+    /// Force of the actuator beyond the envelope.
+    Force,
+    /// The table is too far from the reference it was given.
+    Tracking,
+    /// A channel was not a number or out of range for too long: open wire, saturated amplifier, dead converter.
+    SensorLost,
+    /// The LVDT did not change while the accelerometer showed motion.
+    DisplacementStuck,
+    /// The accelerometer did not change while the LVDT showed motion.
+    AccelerationStuck,
+    /// LVDT and accelerometer contradict each other.
+    SensorsDisagree,
+    /// The LVDT is noisier than it can be.
+    DisplacementNoisy,
+    /// The accelerometer is noisier than it can be.
+    AccelerationNoisy,
+    /// The table does not do what the valve is told: stuck, shut or hard over.
+    ValveStuck,
+    /// The law's own state was not a number: it was reset.
+    Internal,
+    /// Asked for from outside: emergency stop, overrun, supply.
+    External,
+}

@@ -1,0 +1,133 @@
+//! Whether the sensors can be believed: each by itself, and both against the observer.
+//!
+//! ```text
+//! m = lag(innovation, 50 ms)       a = lag(|innovation|, 50 ms)      n = lag(|acceleration[k] - acceleration[k-1]|, 50 ms)
+//! ```
+//! `|m| > disagreement`, or an accelerometer offset beyond `offset`: the sensors contradict each other. A quarter of
+//! the disagreement is enough against a sensor that has not changed by a bit for `stuck`: it is that one.
+//! `a` and `n` beyond their limits: that sensor is too noisy. Readings that the walls refused for longer than `lost`:
+//! open, saturated or dead. A table at rest with quiet sensors changes nothing and trips nothing.
+
+use serde::{Deserialize, Serialize};
+
+use super::Trip;
+use crate::block::{Block, BlockError, require};
+use crate::filter::Lag;
+use crate::filter::fusion::FusionState;
+use crate::filter::lag::LagState;
+
+/// When a sensor is not believed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlausibilitySettings {
+    /// How long a reading may be missing, s.
+    pub lost: f32,
+    /// How long a reading may stay the same to the last bit while the other sensor moves, s.
+    pub stuck: f32,
+    /// Largest mean innovation of the observer, m.
+    pub disagreement: f32,
+    /// Largest offset that the accelerometer can have, m/s2.
+    pub offset: f32,
+    /// Largest mean magnitude of the innovation, m.
+    pub displacement_noise: f32,
+    /// Largest mean change of acceleration from tick to tick, m/s2.
+    pub acceleration_noise: f32,
+}
+
+impl Default for PlausibilitySettings {
+    fn default() -> Self {
+        Self {
+            lost: 0.01,
+            stuck: 0.02,
+            disagreement: 2e-3,
+            offset: 3.0,
+            displacement_noise: 3e-3,
+            acceleration_noise: 3.0,
+        }
+    }
+}
+
+/// The monitor's configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plausibility {
+    stuck: u32,
+    disagreement: f32,
+    offset: f32,
+    displacement_noise: f32,
+    acceleration_noise: f32,
+    mean: Lag,
+}
+
+/// What the monitor remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlausibilityState {
+    displacement: f32,
+    acceleration: f32,
+    displacement_same: u32,
+    acceleration_same: u32,
+    innovation: LagState,
+    innovation_size: LagState,
+    roughness: LagState,
+}
+
+impl Plausibility {
+    /// A monitor at ticks of `dt` (s).
+    pub fn new(settings: &PlausibilitySettings, dt: f32) -> Result<Self, BlockError> {
+        let s = settings;
+        Ok(Self {
+            stuck: (require("guard.plausibility.stuck", s.stuck, 0.0, 10.0)? / dt) as u32,
+            disagreement: require("guard.plausibility.disagreement", s.disagreement, 1e-6, 1.0)?,
+            offset: require("guard.plausibility.offset", s.offset, 0.01, 1e3)?,
+            displacement_noise: require("guard.plausibility.displacement_noise", s.displacement_noise, 1e-6, 1.0)?,
+            acceleration_noise: require("guard.plausibility.acceleration_noise", s.acceleration_noise, 1e-3, 1e4)?,
+            mean: Lag::new(0.05, dt)?,
+        })
+    }
+
+    /// One tick: both readings and what the observer made of them.
+    #[inline]
+    pub fn advance(
+        &self,
+        state: &mut PlausibilityState,
+        displacement: f32,
+        acceleration: f32,
+        seen: &FusionState,
+    ) -> Option<Trip> {
+        let change = acceleration - state.acceleration;
+        state.displacement_same = count(state.displacement_same, displacement == state.displacement);
+        state.acceleration_same = count(state.acceleration_same, change == 0.0);
+        state.displacement = displacement;
+        state.acceleration = acceleration;
+
+        let mean = magnitude(self.mean.advance(&mut state.innovation, seen.innovation));
+        let size = self.mean.advance(&mut state.innovation_size, magnitude(seen.innovation));
+        let roughness = self.mean.advance(&mut state.roughness, magnitude(change));
+        if 4.0 * mean > self.disagreement {
+            if state.displacement_same > self.stuck {
+                return Some(Trip::DisplacementStuck);
+            }
+            if state.acceleration_same > self.stuck {
+                return Some(Trip::AccelerationStuck);
+            }
+        }
+        if size > self.displacement_noise {
+            Some(Trip::DisplacementNoisy)
+        } else if roughness > self.acceleration_noise {
+            Some(Trip::AccelerationNoisy)
+        } else if mean > self.disagreement || magnitude(seen.offset) > self.offset {
+            Some(Trip::SensorsDisagree)
+        } else {
+            None
+        }
+    }
+}
+
+#[inline]
+fn count(so_far: u32, goes_on: bool) -> u32 {
+    if goes_on { so_far.saturating_add(1) } else { 0 }
+}
+
+#[inline]
+fn magnitude(x: f32) -> f32 {
+    if x < 0.0 { -x } else { x }
+}

@@ -1,0 +1,231 @@
+//! The state machine of a test.
+//!
+//! ```text
+//!            arm            start             hold
+//!    Off ---------> Ready ---------> Running <------> Hold
+//!     ^ <--------- ^   ^                |      resume  |
+//!     |    off     |   |  at rest       | stop         | stop
+//!     |            |   +------------ RampDown <--------+
+//!     | reset
+//!  Tripped  <------- any state, on a trip; `off` from any other state goes through the safe ramp
+//! ```
+//! Two weights between 0 and 1 do the moving. `presence` is how much of the test is let through: it rises on start and
+//! resume, falls on hold and stop, along the smooth step 3 p^2 - 2 p^3, so that neither position nor velocity jumps.
+//! `command` is how much of the last command is left after a trip: it falls from 1 to 0 over the safe ramp, to the
+//! output at which no oil flows.
+//!
+//! There is no way from Tripped but `reset`, and `reset` is refused until the safe ramp has ended. The relay of the
+//! hydraulic block is open in Off, and from the end of the safe ramp on in Tripped; at once when the valve itself is not
+//! believed, since no command would stop it.
+
+use serde::{Deserialize, Serialize};
+
+use super::{RampSettings, Trip};
+use crate::block::{BlockError, require};
+use crate::sample::Relay;
+
+/// Where a test stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u8)]
+pub enum State {
+    /// Relay open, no flow asked for.
+    #[default]
+    Off,
+    /// Relay closed, the table held where it stood.
+    Ready,
+    /// The test runs.
+    Running,
+    /// The test is faded out and the table held; the reference goes on unheeded.
+    Hold,
+    /// On the way to a stand, then Ready.
+    RampDown,
+    /// No flow asked for; relay open.
+    Tripped,
+}
+
+/// What an operator asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Request {
+    /// Off to Ready.
+    Arm,
+    /// Ready to Running.
+    Start,
+    /// Running to Hold.
+    Hold,
+    /// Hold to Running.
+    Resume,
+    /// Running or Hold to Ready, by way of a ramp.
+    Stop,
+    /// Ready to Off.
+    Off,
+    /// Tripped to Off: the deliberate act without which a trip stands.
+    Reset,
+    /// Anything to Tripped, for what only the board can see: emergency stop, overrun, supply.
+    Trip,
+}
+
+/// Why a request was not carried out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// It does not apply in this state.
+    State(State),
+    /// The safe ramp after the trip has not ended.
+    StillMoving(Trip),
+    /// The guard sees a reason to trip already.
+    Cause(Trip),
+    /// There is no guard, and so nothing to ask.
+    NoGuard,
+}
+
+/// How fast the weights move, per tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ramps {
+    test: f32,
+    safe: f32,
+}
+
+impl Ramps {
+    /// Ramps at ticks of `dt` (s).
+    pub fn new(settings: &RampSettings, dt: f32) -> Result<Self, BlockError> {
+        let test = require("guard.ramps.test", settings.test, 0.0, 1000.0)?;
+        let safe = require("guard.ramps.safe", settings.safe, 0.0, 10.0)?;
+        Ok(Self { test: dt / test.max(dt), safe: dt / safe.max(dt) })
+    }
+}
+
+/// The state machine's state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Supervisor {
+    state: State,
+    trip: Option<Trip>,
+    presence: f32,
+    command: f32,
+}
+
+impl Supervisor {
+    /// Off, and never tripped.
+    pub const fn off() -> Self {
+        Self { state: State::Off, trip: None, presence: 0.0, command: 0.0 }
+    }
+
+    /// Where the test stands.
+    #[inline]
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Why it tripped, until it is reset.
+    #[inline]
+    pub fn cause(&self) -> Option<Trip> {
+        self.trip
+    }
+
+    /// What the relay of the hydraulic block is to do.
+    #[inline]
+    pub fn relay(&self) -> Relay {
+        match self.state {
+            State::Off => Relay::Open,
+            State::Tripped if self.command <= 0.0 || self.trip == Some(Trip::ValveStuck) => Relay::Open,
+            _ => Relay::Closed,
+        }
+    }
+
+    /// Whether a law decides the output, rather than the safe ramp.
+    #[inline]
+    pub fn moves(&self) -> bool {
+        !matches!(self.state, State::Off | State::Tripped)
+    }
+
+    /// How much of the test is let through, 0 to 1. Exactly 1 while it runs.
+    #[inline]
+    pub fn presence(&self) -> f32 {
+        smooth(self.presence)
+    }
+
+    /// Whether the test is neither faded nor fading.
+    #[inline]
+    pub fn whole(&self) -> bool {
+        self.presence >= 1.0
+    }
+
+    /// How much of the command at the trip is left, 1 to 0.
+    #[inline]
+    pub fn command(&self) -> f32 {
+        self.command
+    }
+
+    /// Carries out `request`, or says why not and changes nothing.
+    pub fn request(&mut self, request: Request) -> Result<(), Refused> {
+        self.state = match (request, self.state) {
+            (Request::Trip, _) => {
+                self.trip(Trip::External);
+                return Ok(());
+            }
+            (Request::Arm, State::Off) => {
+                self.presence = 0.0;
+                State::Ready
+            }
+            (Request::Start, State::Ready) | (Request::Resume, State::Hold) => State::Running,
+            (Request::Hold, State::Running) => State::Hold,
+            (Request::Stop, State::Running | State::Hold) => State::RampDown,
+            (Request::Off, State::Ready) => State::Off,
+            (Request::Reset, State::Tripped) => match self.trip {
+                Some(trip) if self.command > 0.0 => return Err(Refused::StillMoving(trip)),
+                _ => {
+                    self.trip = None;
+                    State::Off
+                }
+            },
+            (_, state) => return Err(Refused::State(state)),
+        };
+        Ok(())
+    }
+
+    /// Trips, from any state. The first cause stands.
+    #[inline]
+    pub fn trip(&mut self, cause: Trip) {
+        if self.state == State::Tripped {
+            return;
+        }
+        self.command = if self.moves() { 1.0 } else { 0.0 };
+        self.state = State::Tripped;
+        self.trip = Some(cause);
+    }
+
+    /// One tick of the weights.
+    #[inline]
+    pub fn advance(&mut self, ramps: &Ramps) {
+        match self.state {
+            State::Off | State::Ready => self.presence = 0.0,
+            State::Running => self.presence = up(self.presence, ramps.test),
+            State::Hold => self.presence = down(self.presence, ramps.test),
+            State::RampDown => {
+                self.presence = down(self.presence, ramps.test);
+                if self.presence <= 0.0 {
+                    self.state = State::Ready;
+                }
+            }
+            State::Tripped => self.command = down(self.command, ramps.safe),
+        }
+    }
+}
+
+#[inline]
+fn up(weight: f32, step: f32) -> f32 {
+    let next = weight + step;
+    if next < 1.0 { next } else { 1.0 }
+}
+
+#[inline]
+fn down(weight: f32, step: f32) -> f32 {
+    let next = weight - step;
+    if next > 0.0 { next } else { 0.0 }
+}
+
+/// The smooth step 3 p^2 - 2 p^3.
+#[inline]
+fn smooth(p: f32) -> f32 {
+    p * p * (3.0 - 2.0 * p)
+}

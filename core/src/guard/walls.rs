@@ -1,0 +1,62 @@
+//! Walls at the edge: nothing that is not a believable number goes any farther.
+//!
+//! A reading passes when it is a number within its range; otherwise the last one that passed is kept, channel by
+//! channel, and the channel is reported missing. Channels that the settings do not use are not looked at.
+
+use crate::sample::{Channels, Sample};
+use crate::settings::{Mode, Ranges, ReferenceRates, Settings, VelocitySource};
+
+/// Which channels are read, and what they may say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Walls {
+    ranges: Ranges,
+    needed: Channels,
+}
+
+impl Walls {
+    /// The channels and ranges of `settings`.
+    pub fn new(settings: &Settings) -> Self {
+        let needs = [
+            (settings.mode != Mode::Guard, Channels::REFERENCE),
+            (settings.mode == Mode::Guard, Channels::EXTERNAL),
+            (true, Channels::DISPLACEMENT),
+            (settings.observer.accelerometer, Channels::ACCELERATION),
+            (settings.velocity_source == VelocitySource::Sensor, Channels::VELOCITY),
+            (settings.guard.is_some_and(|guard| guard.envelope.force.is_some()), Channels::PRESSURE_DIFFERENCE),
+            (settings.reference_rates == ReferenceRates::Supplied, Channels::REFERENCE_RATES),
+        ];
+        let mut needed = Channels::NONE;
+        for (wanted, channel) in needs {
+            if wanted {
+                needed = needed.and(channel);
+            }
+        }
+        Self { ranges: settings.ranges, needed }
+    }
+
+    /// Takes what is believable of `sample` over into `readings`; gives the needed channels that were not.
+    #[inline]
+    pub fn take(&self, sample: &Sample, readings: &mut Sample) -> Channels {
+        let (r, s) = (&self.ranges, sample);
+        let mut missing = Channels::NONE;
+        let mut take = |channel, value: f32, range: f32, reading: &mut f32| {
+            if self.needed.any(channel) {
+                if value >= -range && value <= range {
+                    *reading = value;
+                } else {
+                    missing = missing.and(channel);
+                }
+            }
+        };
+        take(Channels::REFERENCE, s.reference, r.reference, &mut readings.reference);
+        take(Channels::DISPLACEMENT, s.displacement, r.displacement, &mut readings.displacement);
+        take(Channels::ACCELERATION, s.acceleration, r.acceleration, &mut readings.acceleration);
+        take(Channels::EXTERNAL, s.external, r.external, &mut readings.external);
+        take(Channels::VELOCITY, s.velocity, r.velocity, &mut readings.velocity);
+        let pressure = &mut readings.pressure_difference;
+        take(Channels::PRESSURE_DIFFERENCE, s.pressure_difference, r.pressure_difference, pressure);
+        take(Channels::REFERENCE_RATES, s.reference_velocity, r.velocity, &mut readings.reference_velocity);
+        take(Channels::REFERENCE_RATES, s.reference_acceleration, r.acceleration, &mut readings.reference_acceleration);
+        missing
+    }
+}

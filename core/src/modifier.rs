@@ -1,0 +1,99 @@
+//! The record modifier that the settings name, behind one call.
+
+use serde::{Deserialize, Serialize};
+
+use crate::record::{Limits, causal, clip, preview};
+use crate::settings::{Settings, SettingsError};
+
+/// How the reference is modified on its way in.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Modification {
+    /// Not at all.
+    #[default]
+    Off,
+    /// The paper's Eq. 10: velocity clipped, then integrated. It drifts, and is kept for comparison.
+    Clip,
+    /// Inside velocity and stroke, without drift and without preview ([`causal`]).
+    Causal,
+    /// The same, with the reference known ahead of time: the modified one lags it by the preview ([`preview`]).
+    Preview {
+        /// How far ahead, s; at most [`PREVIEW_WINDOW`] less one ticks.
+        seconds: f32,
+    },
+}
+
+/// Samples of the reference that a preview can hold: half a second at 1 kHz.
+pub const PREVIEW_WINDOW: usize = 512;
+
+/// Configuration of the modifier chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Modifier {
+    Off,
+    Clip(clip::Config),
+    Causal(causal::Config),
+    Preview(preview::Config),
+}
+
+/// What the modifier chosen remembers.
+#[derive(Debug, Clone)]
+pub(crate) enum ModifierState {
+    Off,
+    Clip(clip::State),
+    Causal(causal::State),
+    Preview(preview::State<PREVIEW_WINDOW>),
+}
+
+impl Modifier {
+    /// The modifier that `settings` name, at their limits.
+    pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        let limits = Limits::new(settings.rate, settings.velocity_limit, settings.stroke);
+        Ok(match settings.modification {
+            Modification::Off => Self::Off,
+            Modification::Clip => Self::Clip(clip::Config::new(&limits)?),
+            Modification::Causal => {
+                Self::Causal(causal::Config::new(&limits, &causal::Config::WASHOUT, causal::Config::MEMORY)?)
+            }
+            Modification::Preview { seconds } => {
+                Self::Preview(preview::Config::new::<PREVIEW_WINDOW>(&limits, &preview::Config::WASHOUT, seconds)?)
+            }
+        })
+    }
+
+    /// A state at rest at `reference` (m).
+    pub(crate) fn start(&self, reference: f32) -> ModifierState {
+        match self {
+            Self::Off => ModifierState::Off,
+            Self::Clip(_) => ModifierState::Clip(clip::State::at(reference)),
+            Self::Causal(_) => ModifierState::Causal(causal::State::at(reference)),
+            Self::Preview(_) => ModifierState::Preview(preview::State::at(reference)),
+        }
+    }
+
+    /// Whether `state` is of this modifier, so that it can go on under a new configuration.
+    pub(crate) fn owns(&self, state: &ModifierState) -> bool {
+        matches!(
+            (self, state),
+            (Self::Off, ModifierState::Off)
+                | (Self::Clip(_), ModifierState::Clip(_))
+                | (Self::Causal(_), ModifierState::Causal(_))
+                | (Self::Preview(_), ModifierState::Preview(_))
+        )
+    }
+
+    /// One tick: reference (m) and the velocity limit now in force (m/s) in, modified reference (m) out.
+    #[inline]
+    pub(crate) fn advance(&self, state: &mut ModifierState, reference: f32, velocity_limit: f32) -> f32 {
+        match (self, state) {
+            (Self::Clip(config), ModifierState::Clip(state)) => clip::step(config, state, reference, velocity_limit),
+            (Self::Causal(config), ModifierState::Causal(state)) => {
+                causal::step(config, state, reference, velocity_limit)
+            }
+            (Self::Preview(config), ModifierState::Preview(state)) => {
+                preview::step(config, state, reference, velocity_limit)
+            }
+            _ => reference,
+        }
+    }
+}
