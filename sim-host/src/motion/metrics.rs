@@ -1,0 +1,167 @@
+//! How near a response is to its reference, and how strong a motion is.
+//!
+//! The paper's metrics are Eq. 11 and 12: the norm of the error over the norm of the reference, the response shifted in
+//! time so that the error is least. Table 1's `E_a` comes out when it is read as the square of that ratio and `E_d` as the
+//! ratio itself, so both readings are given everywhere ([`RelativeError`]).
+
+mod coherence;
+mod intensity;
+mod shift;
+
+pub use coherence::{Coherence, coherence};
+pub use intensity::{Intensity, intensity, peak_jerk};
+pub use shift::{Shift, relative_error};
+
+use super::spectrum::ResponseSpectrum;
+use super::{Motion, peak};
+use std::ops::Range;
+
+/// The longest shift the paper's metrics are free to take, s.
+pub const MAX_SHIFT: f64 = 0.5;
+
+/// A relative error in both readings, and the shift it was found at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelativeError {
+    /// Norm of the error over norm of the reference; infinite where the reference is zero and the response is not.
+    pub ratio: f64,
+    /// How far the response lags the reference, s; negative where it leads.
+    pub delay: f64,
+}
+
+impl RelativeError {
+    /// The reading that Table 1's `E_a` needs: the square of the ratio.
+    pub fn squared(&self) -> f64 {
+        self.ratio * self.ratio
+    }
+}
+
+/// A response against its reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison {
+    /// `E_a`, Eq. 11: acceleration, shift free.
+    pub e_a: RelativeError,
+    /// Acceleration, no shift.
+    pub e_a_unshifted: RelativeError,
+    /// `E_d`, Eq. 12: displacement, shift free on its own.
+    pub e_d: RelativeError,
+    /// Displacement, at the shift of the acceleration.
+    pub e_d_at_acceleration_delay: RelativeError,
+    /// Displacement, no shift.
+    pub e_d_unshifted: RelativeError,
+    /// Largest acceleration of the reference, m/s².
+    pub reference_peak: f64,
+    /// Largest acceleration of the response, m/s².
+    pub response_peak: f64,
+}
+
+impl Comparison {
+    /// Largest acceleration of the response over that of the reference: spikes from saturation make it exceed 1.
+    pub fn spike_ratio(&self) -> f64 {
+        if self.reference_peak > 0.0 { self.response_peak / self.reference_peak } else { f64::NAN }
+    }
+}
+
+/// Why two motions cannot be compared.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum CompareError {
+    /// Their sampling intervals differ.
+    #[error("the reference is sampled every {reference} s and the response every {response} s: resample one of them")]
+    Interval {
+        /// Of the reference, s.
+        reference: f64,
+        /// Of the response, s.
+        response: f64,
+    },
+    /// Their lengths differ.
+    #[error("the reference has {reference} samples and the response {response}: expected the same number")]
+    Length {
+        /// Of the reference.
+        reference: usize,
+        /// Of the response.
+        response: usize,
+    },
+    /// The window holds no sample.
+    #[error("the window from {from_s} to {to_s} s holds no sample")]
+    Window {
+        /// Begin, s.
+        from_s: f64,
+        /// End, s.
+        to_s: f64,
+    },
+}
+
+/// A stretch of time over which errors and peaks are taken, s from the first sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// Begin, s.
+    pub from_s: f64,
+    /// End, s; the sample there belongs to it.
+    pub to_s: f64,
+}
+
+impl Window {
+    /// The indices of its samples.
+    fn indices(self, dt: f64, count: usize) -> Range<usize> {
+        let from = (self.from_s.max(0.0) / dt - 1e-6).ceil().min(count as f64) as usize;
+        let to = ((self.to_s / dt + 1e-6).floor() + 1.0).clamp(0.0, count as f64) as usize;
+        from..to.max(from)
+    }
+}
+
+/// Compares a response with its reference, over the whole or over a window of the reference's time.
+pub fn compare(reference: &Motion, response: &Motion, window: Option<Window>) -> Result<Comparison, CompareError> {
+    let dt = reference.dt;
+    if ((dt - response.dt) / dt).abs() > 1e-9 {
+        return Err(CompareError::Interval { reference: dt, response: response.dt });
+    }
+    let count = reference.len();
+    if count != response.len() {
+        return Err(CompareError::Length { reference: count, response: response.len() });
+    }
+    let window = window.unwrap_or(Window { from_s: 0.0, to_s: reference.duration() });
+    let range = window.indices(dt, count);
+    if range.is_empty() {
+        return Err(CompareError::Window { from_s: window.from_s, to_s: window.to_s });
+    }
+    let free = Shift::Free { max: MAX_SHIFT };
+    let a = |shift| relative_error(&reference.acceleration, &response.acceleration, dt, range.clone(), shift);
+    let d = |shift| relative_error(&reference.displacement, &response.displacement, dt, range.clone(), shift);
+    let e_a = a(free);
+    Ok(Comparison {
+        e_a,
+        e_a_unshifted: a(Shift::None),
+        e_d: d(free),
+        e_d_at_acceleration_delay: d(Shift::By(e_a.delay)),
+        e_d_unshifted: d(Shift::None),
+        reference_peak: peak(&reference.acceleration[range.clone()]),
+        response_peak: peak(&response.acceleration[range]),
+    })
+}
+
+/// How far two response spectra at the same periods are apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpectrumMisfit {
+    /// Root mean square of the relative deviation of `S_a`.
+    pub rms: f64,
+    /// Largest relative deviation of `S_a`, in magnitude.
+    pub worst: f64,
+    /// The period where it is, s.
+    pub worst_period: f64,
+}
+
+/// The misfit of `S_a` over periods from `from` to `to`, s; none where no period of both lies between.
+pub fn spectrum_misfit(
+    reference: &ResponseSpectrum,
+    response: &ResponseSpectrum,
+    from: f64,
+    to: f64,
+) -> Option<SpectrumMisfit> {
+    let pairs = reference.periods.iter().zip(&reference.s_a).zip(response.periods.iter().zip(&response.s_a));
+    let deviations: Vec<(f64, f64)> = pairs
+        .filter(|((period, a), (other, _))| period == other && (from..=to).contains(*period) && **a > 0.0)
+        .map(|((period, a), (_, b))| (*period, b / a - 1.0))
+        .collect();
+    let sum: f64 = deviations.iter().map(|(_, d)| d * d).sum();
+    let (worst_period, worst) = deviations.iter().copied().max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()))?;
+    Some(SpectrumMisfit { rms: (sum / deviations.len() as f64).sqrt(), worst: worst.abs(), worst_period })
+}
