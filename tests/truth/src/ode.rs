@@ -143,8 +143,9 @@ mod tests {
         };
         let mut y = [0.0; STATES];
         let mut integrator = Integrator::new(1e-7, [1e-9; STATES]);
-        for i in 0..100 {
-            integrator.advance(&kink, f64::from(i) * 0.01, f64::from(i + 1) * 0.01, &mut y);
+        // Half samples at 250 Hz.
+        for i in 0..500 {
+            integrator.advance(&kink, f64::from(i) * 0.002, f64::from(i + 1) * 0.002, &mut y);
         }
         let exact = 0.5 * (0.503 * 0.503 + 0.497 * 0.497);
         assert!((y[0] - exact).abs() < 1e-7, "{} against {exact}", y[0]);
