@@ -1,6 +1,6 @@
 //! The answer to a case, and the seal on it.
 
-use crate::plan::{Strength, Stratum};
+use crate::plan::{Stratum, Strength};
 use crate::sheet::Sheets;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -37,6 +37,8 @@ pub struct Answer {
     pub stratum: Stratum,
     /// `servo`, `rigid` or `axis`.
     pub machine: &'static str,
+    /// True values of the stated model's parameters, by key.
+    pub model: Vec<(&'static str, f64)>,
     /// Listed effects that are missing from the stated model.
     pub effects: Vec<Present>,
     /// Name of the flaw where no library holds it.
@@ -70,10 +72,12 @@ impl Answer {
                 json!({"id": effect.id, "parameters": parameters})
             })
             .collect();
+        let model: serde_json::Map<String, Value> =
+            self.model.iter().map(|(key, value)| ((*key).to_string(), json!(value))).collect();
         let fault = self.fault.as_ref().map(|f| json!({"problem": f.problem, "channel": f.channel, "run": f.run}));
         json!({
             "seed": self.case.0, "case": self.case.1, "stratum": self.stratum.name(), "machine": self.machine,
-            "strength": self.strength().map(Strength::name), "effects": effects, "unlisted": self.unlisted,
+            "model": model, "strength": self.strength().map(Strength::name), "effects": effects, "unlisted": self.unlisted,
             "groups": self.groups, "tolerated": self.tolerated, "fault": fault,
             "bad_data_accepted": self.bad_data_accepted, "baseline_chi2": self.baseline_chi2,
         })
@@ -126,8 +130,8 @@ impl Sealed {
 
     /// Opens the answer, once the examinee's own lies at `stored`, whole and not empty.
     pub fn open_after(self, stored: &Path) -> Result<Opened, SealError> {
-        let meta = std::fs::metadata(stored)
-            .map_err(|cause| SealError::NotAnswered { path: stored.to_path_buf(), cause })?;
+        let meta =
+            std::fs::metadata(stored).map_err(|cause| SealError::NotAnswered { path: stored.to_path_buf(), cause })?;
         if meta.len() == 0 {
             return Err(SealError::Empty(stored.to_path_buf()));
         }
@@ -138,8 +142,9 @@ impl Sealed {
 impl Opened {
     /// The seal that the opened answer must have had.
     pub fn seal(&self) -> String {
-        let salt: Vec<u8> =
-            (0..self.salt.len() / 2).filter_map(|i| u8::from_str_radix(&self.salt[2 * i..2 * i + 2], 16).ok()).collect();
+        let salt: Vec<u8> = (0..self.salt.len() / 2)
+            .filter_map(|i| u8::from_str_radix(&self.salt[2 * i..2 * i + 2], 16).ok())
+            .collect();
         seal(&salt, &self.answer)
     }
 }

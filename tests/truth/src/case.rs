@@ -6,10 +6,10 @@ use crate::confounded;
 use crate::corrupt::Corruption;
 use crate::effect::{Draw, Effect};
 use crate::noise::Noise;
-use crate::plan::{Strength, Stratum, stratum, turn};
+use crate::plan::{Stratum, Strength, stratum, turn};
 use crate::plant::Physics;
 use crate::rng::Stream;
-use crate::scene::{Kind, Scene, Wish};
+use crate::scene::{Kind, Scene, Size, Wish};
 use crate::sheet::{Layout, Sheet, Sheets};
 use crate::strength::{Sized, measure, seek};
 use crate::unlisted::Unlisted;
@@ -55,9 +55,10 @@ pub fn case(seed: u64, number: u64) -> Case {
     let mut nearest: Option<(Scene, Flawed)> = None;
     for attempt in 0..ATTEMPTS {
         let mut rng = Stream::new(seed, number, 0x6361_7365 + attempt);
-        let unlisted = (what == Stratum::Unlisted).then(|| Unlisted::ALL[turn(seed, number) as usize % Unlisted::ALL.len()]);
+        let unlisted =
+            (what == Stratum::Unlisted).then(|| Unlisted::ALL[turn(seed, number) as usize % Unlisted::ALL.len()]);
         let (wish, pair) = wish(what, unlisted, &mut rng);
-        let scene = Scene::draw(&wish, number, &mut rng);
+        let scene = Scene::draw(wish, number, &mut rng);
         if let Some(flawed) = flaw(&scene, what, pair, unlisted, &mut rng) {
             let met = suits(what, &flawed);
             nearest = Some((scene, flawed));
@@ -75,7 +76,7 @@ const ATTEMPTS: u64 = 8;
 /// A scene in which nothing is missing always works, whatever else failed to.
 fn plain_null(seed: u64, number: u64) -> (Scene, Flawed) {
     let mut rng = Stream::new(seed, number, 0x6e75_6c6c);
-    let scene = Scene::draw(&Wish::plain(Kind::Servo), number, &mut rng);
+    let scene = Scene::draw(Wish::plain(Kind::Servo), number, &mut rng);
     let physics = Physics::baseline(scene.truth);
     let traces = vec![Traces::default(); scene.runs.len()];
     let refit = crate::refit::Refit { machine: scene.truth, offset: 0.0 };
@@ -90,6 +91,10 @@ fn kind(suits_rigid: bool, suits_axis: bool, share: f64, rng: &mut Stream) -> Ki
     Kind::Servo
 }
 
+fn size(saturating: bool) -> Size {
+    if saturating { Size::Saturating } else { Size::Any }
+}
+
 fn wish(what: Stratum, unlisted: Option<Unlisted>, rng: &mut Stream) -> (Wish, Option<(Effect, Effect)>) {
     match what {
         Stratum::Null => (Wish::plain(kind(true, true, 0.25, rng)), None),
@@ -97,10 +102,9 @@ fn wish(what: Stratum, unlisted: Option<Unlisted>, rng: &mut Stream) -> (Wish, O
             let axis = !matches!(effect, Effect::ValveLag | Effect::CommandDelay | Effect::DisplacementLag);
             let wish = Wish {
                 kind: kind(effect.suits_rigid(), axis, 0.15, rng),
-                saturation: effect.needs_saturation(),
+                size: size(effect.needs_saturation()),
                 accelerometer: effect.needs_accelerometer(),
                 damping_known: effect == Effect::ViscousFriction,
-                slow: false,
             };
             (wish, None)
         }
@@ -108,7 +112,7 @@ fn wish(what: Stratum, unlisted: Option<Unlisted>, rng: &mut Stream) -> (Wish, O
             let pair = pair(rng);
             let any = |f: fn(Effect) -> bool| f(pair.0) || f(pair.1);
             let wish = Wish {
-                saturation: any(Effect::needs_saturation),
+                size: size(any(Effect::needs_saturation)),
                 damping_known: any(|e| e == Effect::ViscousFriction),
                 ..Wish::plain(Kind::Servo)
             };
@@ -117,10 +121,10 @@ fn wish(what: Stratum, unlisted: Option<Unlisted>, rng: &mut Stream) -> (Wish, O
         Stratum::Unlisted => {
             let flaw = unlisted.unwrap_or(Unlisted::QuadraticDrag);
             let rigid = matches!(flaw, Unlisted::RoughPatch | Unlisted::RipplePerDistance | Unlisted::QuadraticDrag);
-            let wish = Wish { saturation: flaw.needs_saturation(), ..Wish::plain(kind(rigid, false, 0.2, rng)) };
+            let wish = Wish { size: size(flaw.needs_saturation()), ..Wish::plain(kind(rigid, false, 0.2, rng)) };
             (wish, None)
         }
-        Stratum::Confounded => (Wish { slow: true, ..Wish::plain(Kind::Servo) }, None),
+        Stratum::Confounded => (Wish { size: Size::Slow, ..Wish::plain(Kind::Servo) }, None),
         Stratum::BadData => (Wish::plain(Kind::Servo), None),
     }
 }
@@ -128,9 +132,22 @@ fn wish(what: Stratum, unlisted: Option<Unlisted>, rng: &mut Stream) -> (Wish, O
 /// Two effects that do not act at the same place.
 fn pair(rng: &mut Stream) -> (Effect, Effect) {
     const ALIKE: [&[Effect]; 4] = [
-        &[Effect::CommandDelay, Effect::ValveLag, Effect::DisplacementLag, Effect::AccelerationLag, Effect::Leakage, Effect::OilCompliance],
+        &[
+            Effect::CommandDelay,
+            Effect::ValveLag,
+            Effect::DisplacementLag,
+            Effect::AccelerationLag,
+            Effect::Leakage,
+            Effect::OilCompliance,
+        ],
         &[Effect::ValveDeadband, Effect::CoulombFriction, Effect::StribeckFriction],
-        &[Effect::FlowSoftening, Effect::AsymmetricLimit, Effect::SupplyDroop, Effect::LoadDependentFlow, Effect::ValveRateLimit],
+        &[
+            Effect::FlowSoftening,
+            Effect::AsymmetricLimit,
+            Effect::SupplyDroop,
+            Effect::LoadDependentFlow,
+            Effect::ValveRateLimit,
+        ],
         &[Effect::DisplacementNonlinearity, Effect::GainDrift, Effect::AccelerationGain],
     ];
     loop {
@@ -305,6 +322,7 @@ fn answer(seed: u64, number: u64, what: Stratum, scene: &Scene, flawed: Flawed, 
             Kind::Rigid => "rigid",
             Kind::Axis => "axis",
         },
+        model: scene.truth.parameters(),
         effects: flawed.effects,
         unlisted: flawed.unlisted.map(Unlisted::name),
         groups: if flawed.group.is_empty() { Vec::new() } else { vec![flawed.group] },

@@ -242,7 +242,8 @@ impl Effect {
                 vec![("half_width", half_width)]
             }
             E::ValveLag => {
-                let lag = Lag { frequency: 4.0 / s, damping: draw.between(0, 0.5, 1.0), motor: draw.between(1, 8.0, 15.0) };
+                let lag =
+                    Lag { frequency: 4.0 / s, damping: draw.between(0, 0.5, 1.0), motor: draw.between(1, 8.0, 15.0) };
                 physics.valve.lag = Some(lag);
                 vec![("frequency", lag.frequency), ("damping", lag.damping)]
             }

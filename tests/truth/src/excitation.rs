@@ -64,7 +64,9 @@ pub fn reference(kind: Excitation, shape: &Shape, rng: &mut Stream) -> Vec<f64> 
         }
     }
     let scale = (shape.velocity / fastest).min(shape.displacement / farthest);
-    x.iter_mut().for_each(|v| *v *= scale);
+    for v in &mut x {
+        *v *= scale;
+    }
     x
 }
 

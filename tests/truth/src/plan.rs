@@ -120,7 +120,7 @@ pub fn turn(seed: u64, number: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{CYCLE, Strength, Stratum, stratum, turn};
+    use super::{CYCLE, Stratum, Strength, stratum, turn};
     use crate::effect::Effect;
 
     #[test]

@@ -85,6 +85,18 @@ pub enum Machine {
     },
 }
 
+impl Machine {
+    /// Its parameters by their keys under `[model]`.
+    pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+        match *self {
+            Self::Servo { b1, b0, a1, velocity_limit } => {
+                vec![("b1", b1), ("b0", b0), ("a1", a1), ("velocity_limit", velocity_limit)]
+            }
+            Self::Rigid { mass, viscous, gain } => vec![("mass", mass), ("viscous", viscous), ("gain", gain)],
+        }
+    }
+}
+
 /// The whole truth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Physics {
@@ -215,7 +227,7 @@ impl Physics {
         let motion = self.motion_of(if self.free() { y[at::V] } else { demand }, y);
         let v = motion.actuator;
         dy[at::X] = v;
-        let mut force = self.table.force(t, y[at::X], v, y[at::BRISTLE], held.breakaway, &mut dy[at::BRISTLE]);
+        let mut force = self.table.force(y[at::X], v, y[at::BRISTLE], held.breakaway, &mut dy[at::BRISTLE]);
         if let Some(payload) = &self.payload {
             force += payload.derivative(motion.table, y, dy);
         }

@@ -20,25 +20,34 @@ pub enum Kind {
     Axis,
 }
 
+/// Size of the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// Whatever comes.
+    Any,
+    /// Some runs at the velocity limit.
+    Saturating,
+    /// Small and slow, so that effects look alike.
+    Slow,
+}
+
 /// What a case asks of its scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wish {
     /// Kind.
     pub kind: Kind,
-    /// Runs at the velocity limit are needed.
-    pub saturation: bool,
+    /// Size of the motion.
+    pub size: Size,
     /// The accelerometer is needed.
     pub accelerometer: bool,
     /// The damping may not be re-estimated: it would swallow the flaw.
     pub damping_known: bool,
-    /// Small slow motion only, so that effects look alike.
-    pub slow: bool,
 }
 
 impl Wish {
     /// Nothing in particular.
     pub fn plain(kind: Kind) -> Self {
-        Self { kind, saturation: false, accelerometer: false, damping_known: false, slow: false }
+        Self { kind, size: Size::Any, accelerometer: false, damping_known: false }
     }
 }
 
@@ -67,7 +76,7 @@ pub struct Scene {
 
 impl Scene {
     /// Draws a scene. `number` keeps its noise apart from that of other cases.
-    pub fn draw(wish: &Wish, number: u64, rng: &mut Stream) -> Self {
+    pub fn draw(wish: Wish, number: u64, rng: &mut Stream) -> Self {
         let truth = machine(wish.kind, rng);
         let controller = controller(wish, &truth, rng);
         let runs = runs(wish, &truth, controller, number, rng);
@@ -84,7 +93,7 @@ impl Scene {
             }
         }
         let scales = scales(&truth, &runs, &predictions);
-        let servo = wish.kind == Kind::Servo && !wish.slow;
+        let servo = wish.kind == Kind::Servo && wish.size != Size::Slow;
         let pressures = (servo && rng.chance(0.35), servo && rng.chance(0.2));
         Self { kind: wish.kind, truth, stated, fit, runs, noise, sigma, scales, pressures }
     }
@@ -128,10 +137,10 @@ fn machine(kind: Kind, rng: &mut Stream) -> Machine {
     }
 }
 
-fn controller(wish: &Wish, truth: &Machine, rng: &mut Stream) -> Controller {
+fn controller(wish: Wish, truth: &Machine, rng: &mut Stream) -> Controller {
     match *truth {
         Machine::Servo { b0, a1, .. } => {
-            let crossover = if wish.slow { rng.uniform(6.0, 10.0) } else { rng.uniform(7.0, 22.0) };
+            let crossover = if wish.size == Size::Slow { rng.uniform(6.0, 10.0) } else { rng.uniform(7.0, 22.0) };
             let kp = rounded(crossover * a1 / b0, 3);
             Controller::Pi { kp, ki: rounded(rng.uniform(0.1, 0.8) * kp, 3) }
         }
@@ -143,7 +152,7 @@ fn controller(wish: &Wish, truth: &Machine, rng: &mut Stream) -> Controller {
     }
 }
 
-fn runs(wish: &Wish, truth: &Machine, controller: Controller, number: u64, rng: &mut Stream) -> Vec<Run> {
+fn runs(wish: Wish, truth: &Machine, controller: Controller, number: u64, rng: &mut Stream) -> Vec<Run> {
     let rate = match wish.kind {
         Kind::Axis => 1000.0,
         _ if rng.chance(0.06) => 1000.0,
@@ -155,15 +164,16 @@ fn runs(wish: &Wish, truth: &Machine, controller: Controller, number: u64, rng: 
     let limit = if let Machine::Servo { velocity_limit, .. } = truth { *velocity_limit } else { 0.3 };
     let mut kinds = Excitation::ALL;
     rng.shuffle(&mut kinds);
-    let saturating = wish.saturation || (!wish.slow && wish.kind == Kind::Servo && rng.chance(0.5));
-    let levels: [f64; 4] = if wish.slow {
+    let slow = wish.size == Size::Slow;
+    let saturating = wish.size == Size::Saturating || (!slow && wish.kind == Kind::Servo && rng.chance(0.5));
+    let levels: [f64; 4] = if slow {
         [0.04, 0.05, 0.06, 0.05]
     } else if saturating {
         [rng.uniform(0.4, 0.7), rng.uniform(1.0, 1.4), rng.uniform(1.4, 2.0), rng.uniform(1.1, 1.8)]
     } else {
         [rng.uniform(0.2, 0.4), rng.uniform(0.4, 0.6), rng.uniform(0.6, 0.75), rng.uniform(0.4, 0.75)]
     };
-    let top = if wish.slow { rng.uniform(0.6, 0.9) } else { rng.uniform(3.0, 8.0) };
+    let top = if slow { rng.uniform(0.6, 0.9) } else { rng.uniform(3.0, 8.0) };
     let count_of = if rng.chance(0.1) { 3 } else { 4 };
     (0..count_of)
         .map(|i| {
@@ -174,7 +184,9 @@ fn runs(wish: &Wish, truth: &Machine, controller: Controller, number: u64, rng: 
             let start = if rng.chance(0.15) { rng.uniform(-0.03, 0.03) } else { 0.0 };
             let mut x = reference(kinds[i], &shape, rng);
             // The file holds tenths of a micrometre, and the controller saw what the file holds.
-            x.iter_mut().for_each(|v| *v = ((*v + start) * 1e7).round() / 1e7);
+            for v in &mut x {
+                *v = ((*v + start) * 1e7).round() / 1e7;
+            }
             Run { reference: x, dt, controller, number: 8 * number + i as u64 }
         })
         .collect()
@@ -213,7 +225,7 @@ fn effective_sigma(
     Sigma { displacement: rounded((d / n).sqrt(), 3), acceleration }
 }
 
-fn free_parameters(wish: &Wish, saturated: bool, rng: &mut Stream) -> Vec<Parameter> {
+fn free_parameters(wish: Wish, saturated: bool, rng: &mut Stream) -> Vec<Parameter> {
     let mut fit = Vec::new();
     if rng.chance(0.1) {
         return fit;
@@ -240,8 +252,7 @@ fn free_parameters(wish: &Wish, saturated: bool, rng: &mut Stream) -> Vec<Parame
 
 fn scales(truth: &Machine, runs: &[Run], predictions: &[Prediction]) -> Scales {
     let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let mut accelerations: Vec<f64> =
-        predictions.iter().flat_map(|p| p.acceleration.iter().map(|a| a.abs())).collect();
+    let mut accelerations: Vec<f64> = predictions.iter().flat_map(|p| p.acceleration.iter().map(|a| a.abs())).collect();
     accelerations.sort_by(f64::total_cmp);
     let rare = accelerations.get(accelerations.len() * 99 / 100).copied().unwrap_or(1.0);
     let dt = runs.first().map_or(1.0, |r| r.dt);

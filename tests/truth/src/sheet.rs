@@ -65,7 +65,7 @@ pub struct Layout {
     pub command_unit: &'static str,
     /// Scale of the pressure (file unit per m/s2), its offset and noise, where recorded.
     pub pressure: Option<(f64, f64, f64)>,
-    /// Supply pressure at the start (MPa), where recorded.
+    /// Supply pressure at the start (`MPa`), where recorded.
     pub supply: Option<f64>,
 }
 
@@ -103,7 +103,13 @@ impl Layout {
     }
 
     /// The rows of one run. `jitter` draws the noise of the pressures, standard normal.
-    pub fn values(&self, columns: &[Column], run: &Run, traces: &Traces, mut jitter: impl FnMut() -> f64) -> Vec<Vec<f64>> {
+    pub fn values(
+        &self,
+        columns: &[Column],
+        run: &Run,
+        traces: &Traces,
+        mut jitter: impl FnMut() -> f64,
+    ) -> Vec<Vec<f64>> {
         columns
             .iter()
             .map(|column| {
@@ -118,9 +124,7 @@ impl Layout {
                         let offset = self.pressure.map_or(0.0, |p| p.1);
                         traces.pressure.iter().map(|p| column.factor * (p + noise * jitter() + offset)).collect()
                     }
-                    "supply_pressure" => {
-                        traces.supply.iter().map(|r| column.factor * (r + noise * jitter())).collect()
-                    }
+                    "supply_pressure" => traces.supply.iter().map(|r| column.factor * (r + noise * jitter())).collect(),
                     _ => traces.command.clone(),
                 }
             })
@@ -173,14 +177,10 @@ impl Sheets {
     /// The experiment.
     pub fn toml(&self) -> String {
         let mut out = format!("name = \"{}\"\n\n[model]\n", self.name);
-        match self.machine {
-            Machine::Servo { b1, b0, a1, velocity_limit } => {
-                let _ = write!(out, "kind = \"servo\"\nb1 = {b1:?}\nb0 = {b0:?}\na1 = {a1:?}\n");
-                let _ = writeln!(out, "velocity_limit = {velocity_limit:?}");
-            }
-            Machine::Rigid { mass, viscous, gain } => {
-                let _ = write!(out, "kind = \"rigid-mass\"\nmass = {mass:?}\nviscous = {viscous:?}\ngain = {gain:?}\n");
-            }
+        let kind = if matches!(self.machine, Machine::Servo { .. }) { "servo" } else { "rigid-mass" };
+        let _ = writeln!(out, "kind = \"{kind}\"");
+        for (key, value) in self.machine.parameters() {
+            let _ = writeln!(out, "{key} = {value:?}");
         }
         let list = |names: &[&str]| names.iter().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
         let mut free: Vec<&str> = self.fit.iter().map(|p| p.key()).collect();
@@ -205,11 +205,8 @@ impl Sheets {
                 Controller::Cascade { kp, kv } => format!("{{ kind = \"cascade\", kp = {kp:?}, kv = {kv:?} }}"),
             };
             let using = if sheet.holdout { "holdout" } else { "fit" };
-            let _ = write!(
-                out,
-                "\n[[runs]]\nfile = \"{}\"\ncontroller = {controller}\nuse = \"{using}\"\n",
-                sheet.file
-            );
+            let _ =
+                write!(out, "\n[[runs]]\nfile = \"{}\"\ncontroller = {controller}\nuse = \"{using}\"\n", sheet.file);
         }
         out
     }

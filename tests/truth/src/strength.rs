@@ -50,7 +50,11 @@ pub fn seek(scene: &Scene, target: f64, apply: &impl Fn(f64, &mut Physics)) -> O
             continue;
         };
         let excess = sized.excess;
-        if excess < target { low = low.max(strength) } else { high = high.min(strength) }
+        if excess < target {
+            low = low.max(strength);
+        } else {
+            high = high.min(strength);
+        }
         let closer = best.as_ref().is_none_or(|(_, b)| off(excess, target) < off(b.excess, target));
         if closer {
             best = Some((strength, sized));

@@ -27,7 +27,8 @@ impl Payload {
         let (stretch, speed) = (y[at::PAYLOAD], y[at::PAYLOAD + 1]);
         let w = TAU * self.frequency;
         let slip = speed - table;
-        let mut shear = w * w * stretch * (1.0 + self.cubic * stretch * stretch).max(0.2) + 2.0 * self.damping * w * slip;
+        let mut shear =
+            w * w * stretch * (1.0 + self.cubic * stretch * stretch).max(0.2) + 2.0 * self.damping * w * slip;
         if let Some((free, times)) = self.pounding {
             let beyond = (stretch.abs() - free).max(0.0);
             shear += stretch.signum() * times * w * w * beyond;

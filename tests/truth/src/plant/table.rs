@@ -90,7 +90,7 @@ impl Friction {
 }
 
 impl Table {
-    pub(super) fn force(&self, _t: f64, x: f64, v: f64, bristle: f64, level: f64, rate: &mut f64) -> f64 {
+    pub(super) fn force(&self, x: f64, v: f64, bristle: f64, level: f64, rate: &mut f64) -> f64 {
         let mut force = -self.offset + self.hose * x + self.quadratic * v * v.abs();
         if let Some(friction) = &self.friction {
             force += friction.force(x, v, bristle, level, rate);
