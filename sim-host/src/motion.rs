@@ -1,1 +1,3 @@
 //! Ground motions: reading, conditioning, fitting to a table's limits, spectra and metrics.
+
+pub mod fit;
