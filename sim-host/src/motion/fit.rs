@@ -17,6 +17,8 @@ pub mod online;
 pub mod spectrum;
 pub mod taut;
 
+pub use convex::Norm;
+
 /// The motion asked for, by its velocity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
@@ -117,6 +119,9 @@ pub enum FitError {
     /// No motion satisfies the limits.
     #[error("no motion keeps within the limits: {0}")]
     Infeasible(String),
+    /// A band of periods makes no sense.
+    #[error("the spectrum's band is not usable: {0}")]
+    Band(String),
     /// The solver gave up.
     #[error("the solver stopped without an answer: {0}")]
     Solver(String),

@@ -172,7 +172,6 @@ pub fn relaxation(
 /// Error reached and bound proven by the cheapest exact method for these limits.
 fn best(reference: &Reference, limits: &Limits) -> Result<(f64, f64), FitError> {
     let only_velocity = Limits { velocity: limits.velocity, end: limits.end, ..Limits::velocity(1.0) } == *limits;
-    let fitted =
-        if only_velocity { taut::fit(reference, limits)? } else { convex::fit(reference, limits, Norm::Two)? };
+    let fitted = if only_velocity { taut::fit(reference, limits)? } else { convex::fit(reference, limits, Norm::Two)? };
     Ok((reference.acceleration_error(&fitted.velocity), fitted.bound.unwrap_or(0.0)))
 }

@@ -52,7 +52,7 @@ pub fn fit(reference: &Reference, limits: &Limits, norm: Norm) -> Result<Fitted,
     }
     let mut program = Program::default();
     let motion = Motion::new(&mut program, reference, limits);
-    waveform(&mut program, &motion, reference, norm, whole.max(f64::MIN_POSITIVE));
+    waveform(&mut program, &motion, reference, norm);
     let solution = program.solve(TOLERANCE)?;
     let bound = match norm {
         // The program leaves out the constant, half of the relative reference squared.
@@ -106,7 +106,7 @@ impl Motion {
         }
         let farthest = reference.start.abs() + limits.velocity * reference.dt * self.count as f64;
         let unit = limits.stroke.unwrap_or(farthest);
-        let first = program.variables(self.count, limits.stroke.map_or(1.0, |_| 1.0));
+        let first = program.variables(self.count, 1.0);
         let half = 0.5 * reference.dt * self.unit / unit;
         program.equal(&[(first, 1.0)], reference.start / unit);
         for k in 1..self.count {
@@ -154,8 +154,9 @@ impl Motion {
     }
 }
 
-/// The acceleration error in `norm`, relative to `whole`, becomes the objective.
-fn waveform(program: &mut Program, motion: &Motion, reference: &Reference, norm: Norm, whole: f64) {
+/// The acceleration error in `norm`, relative to the reference's, becomes the objective.
+pub(crate) fn waveform(program: &mut Program, motion: &Motion, reference: &Reference, norm: Norm) {
+    let whole = norm.of(reference.velocity.windows(2).map(|w| w[1] - w[0])).max(f64::MIN_POSITIVE);
     let scale = motion.unit / whole;
     let steps = reference.velocity.windows(2).map(|w| (w[1] - w[0]) / whole);
     // Beyond this no error of a motion within the limit can reach.

@@ -83,59 +83,67 @@ impl Tube<'_> {
     /// The string whose motion ends at `end`, m, and its bend.
     fn ending_at(&self, end: f64) -> Result<(Vec<f64>, f64), FitError> {
         let asked = self.reference.start + self.area(&self.reference.velocity) - end;
-        let tolerance = 1e-9;
-        let miss = |string: &[f64]| self.area(string) - asked;
-        let flat = self.pulled(0.0);
-        let at_zero = miss(&flat);
-        if at_zero.abs() < tolerance {
-            return Ok((flat, 0.0));
+        let bent = |bend: f64| {
+            let string = self.pulled(bend);
+            let missed = self.area(&string) - asked;
+            Bent { bend, string, missed }
+        };
+        let mut near = bent(0.0);
+        if near.missed == 0.0 {
+            return Ok((near.string, 0.0));
         }
         let n = self.reference.len() as f64;
-        // The bend that would give the missing area in a tube without walls, then doubled until the root is between.
-        let mut far = 12.0 * at_zero / (n * n * n * self.reference.dt);
-        let (mut near, mut at_near) = (0.0, at_zero);
+        // The bend that would make up the missing area in a tube without walls, then more until the root is between.
+        let mut bend = 12.0 * near.missed / (n * n * n * self.reference.dt);
         for _ in 0..60 {
-            let string = self.pulled(far);
-            let at_far = miss(&string);
-            if at_far.abs() < tolerance {
-                return Ok((string, far));
+            let far = bent(bend);
+            if far.missed * near.missed <= 0.0 {
+                return Ok(between(near, far, bent));
             }
-            if at_far * at_zero < 0.0 {
-                return self.between((near, at_near), (far, at_far), tolerance, miss);
-            }
-            (near, at_near) = (far, at_far);
-            far *= 4.0;
+            near = far;
+            bend *= 4.0;
         }
         Err(FitError::Infeasible(format!(
             "within {} m/s the record is too short to end {end} m from the centre",
             self.limit
         )))
     }
+}
 
-    /// Regula falsi with Illinois' correction between two bends whose areas lie on either side of the one asked for.
-    fn between(
-        &self,
-        mut low: (f64, f64),
-        mut high: (f64, f64),
-        tolerance: f64,
-        miss: impl Fn(&[f64]) -> f64,
-    ) -> Result<(Vec<f64>, f64), FitError> {
-        for _ in 0..200 {
-            let bend = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-            let string = self.pulled(bend);
-            let missed = miss(&string);
-            if missed.abs() < tolerance {
-                return Ok((string, bend));
-            }
-            if missed * high.1 < 0.0 {
-                low = high;
-            } else {
-                low.1 *= 0.5;
-            }
-            high = (bend, missed);
+/// A string pulled in a bent tube, and the displacement, m, by which it misses what was asked.
+struct Bent {
+    bend: f64,
+    string: Vec<f64>,
+    missed: f64,
+}
+
+/// Where the two brackets of the root are this near to each other, m, a mixture of both strings is the answer.
+const NEAR: f64 = 1e-5;
+
+/// Regula falsi with Illinois' correction between two strings that miss on either side. The strings left at the end are
+/// mixed to give the area exactly: a mixture stays inside the tube, and what it loses is of second order.
+fn between(mut low: Bent, mut high: Bent, bent: impl Fn(f64) -> Bent) -> (Vec<f64>, f64) {
+    let (mut low_weight, mut high_weight) = (1.0, 1.0);
+    for _ in 0..60 {
+        if (high.missed - low.missed).abs() < NEAR || low.missed == 0.0 || high.missed == 0.0 {
+            break;
         }
-        Err(FitError::Solver("the end displacement did not converge".into()))
+        let (a, b) = (low.missed * low_weight, high.missed * high_weight);
+        let middle = bent((low.bend * b - high.bend * a) / (b - a));
+        if middle.missed * high.missed <= 0.0 {
+            (low, low_weight) = (high, 1.0);
+            (high, high_weight) = (middle, 1.0);
+        } else {
+            (high, high_weight) = (middle, 1.0);
+            low_weight *= 0.5;
+        }
+        if high.missed.abs() < 0.1 * NEAR {
+            break;
+        }
     }
+    let share = if low.missed == high.missed { 0.0 } else { low.missed / (low.missed - high.missed) };
+    let mixed = low.string.iter().zip(&high.string).map(|(l, h)| l + share * (h - l)).collect();
+    (mixed, low.bend + share * (high.bend - low.bend))
 }
 
 /// The string of `n` points pulled taut through a tube, given as (lower, upper) at each point; where both are equal it is
@@ -169,7 +177,7 @@ fn cross(apex: &mut Knot, grown: &mut Chain, other: &mut Chain, string: &mut Vec
     while grown.len() == 1
         && let (Some(newest), Some(corner)) = (grown.front(), other.front())
         && corner.at < newest.at
-        && grown.side * (apex.slope(newest) - apex.slope(corner)) >= 0.0
+        && grown.side * apex.turn(corner, newest) >= 0.0
     {
         lead(apex, corner, string);
         other.drop_front();
@@ -197,7 +205,13 @@ struct Knot {
 
 impl Knot {
     fn slope(self, to: Self) -> f64 {
-        (to.value - self.value) / (to.at as f64 - self.at as f64)
+        (to.value - self.value) / (to.at - self.at) as f64
+    }
+
+    /// Positive where `b`, seen from here, lies above the line to `a`; both lie ahead.
+    #[inline]
+    fn turn(self, a: Self, b: Self) -> f64 {
+        (b.value - self.value) * (a.at - self.at) as f64 - (a.value - self.value) * (b.at - self.at) as f64
     }
 }
 
@@ -232,14 +246,92 @@ impl Chain {
 
     /// Adds a wall point and takes back those that the line to it passes on the free side.
     fn add(&mut self, apex: Knot, knot: Knot) {
-        while self.len() > 0 {
-            let last = self.knots[self.knots.len() - 1];
-            let before = if self.len() > 1 { self.knots[self.knots.len() - 2] } else { apex };
-            if self.side * (before.slope(knot) - before.slope(last)) < 0.0 {
+        while let [.., last] = self.knots[self.head..] {
+            let before = if let [.., before, _] = self.knots[self.head..] { before } else { apex };
+            if self.side * before.turn(last, knot) < 0.0 {
                 break;
             }
             self.knots.pop();
         }
         self.knots.push(knot);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::convex::{self, Norm};
+    use super::*;
+    use proptest::prelude::*;
+
+    fn references() -> impl Strategy<Value = Reference> {
+        prop::collection::vec(-1.0..1.0f64, 3..60).prop_map(|steps| {
+            let mut v = 0.0;
+            let velocity = steps.iter().map(|s| {
+                v = 0.95 * v + s;
+                v
+            });
+            Reference { dt: 0.01, velocity: velocity.collect(), start: 0.0 }
+        })
+    }
+
+    #[test]
+    fn a_triangle_is_scaled_where_it_is_too_fast() {
+        // r runs 0, 2, 0, -2, 0 and the tube is 1 wide either way: the string has slope 1/2 of r's between the peaks.
+        let reference =
+            Reference { dt: 1.0, velocity: vec![0.0, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0, 0.0], start: 0.0 };
+        let fitted = fit(&reference, &Limits::velocity(1.0)).unwrap();
+        let expected = [0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0];
+        for (v, x) in fitted.velocity.iter().zip(expected) {
+            assert!((v - x).abs() < 1e-12, "{:?}", fitted.velocity);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        /// The bound, which trusts nothing, meets the error: the string is the optimum.
+        #[test]
+        fn is_proven_optimal(reference in references(), limit in 0.05..2.0f64) {
+            let fitted = fit(&reference, &Limits::velocity(limit)).unwrap();
+            let error = reference.acceleration_error(&fitted.velocity);
+            let bound = fitted.bound.unwrap();
+            prop_assert!(bound <= error + 1e-9 && error <= bound + 1e-6, "{error} against {bound}");
+            prop_assert!(fitted.velocity.iter().all(|v| v.abs() <= limit));
+            prop_assert!(fitted.velocity[0].abs() < 1e-12 && fitted.velocity[reference.len() - 1].abs() < 1e-12);
+        }
+
+        /// With the end given too, and it ends there.
+        #[test]
+        fn ends_where_it_is_told_and_is_proven_optimal(reference in references(), limit in 0.3..2.0f64) {
+            let limits = Limits { end: Some(0.0), ..Limits::velocity(limit) };
+            let fitted = fit(&reference, &limits).unwrap();
+            let error = reference.acceleration_error(&fitted.velocity);
+            let bound = fitted.bound.unwrap();
+            let end = reference.displacement(&fitted.velocity).pop().unwrap();
+            prop_assert!(end.abs() < 1e-9, "{end}");
+            prop_assert!(bound <= error + 1e-9 && error <= bound * 1.001 + 1e-4, "{error} against {bound}");
+        }
+
+        /// Pulled taut it is the least in every norm: the linear programs find nothing better.
+        #[test]
+        fn is_least_in_every_norm(reference in references(), limit in 0.1..1.0f64) {
+            let limits = Limits::velocity(limit);
+            let fitted = fit(&reference, &limits).unwrap();
+            for norm in [Norm::One, Norm::Two, Norm::Peak] {
+                let bound = convex::fit(&reference, &limits, norm).unwrap().bound.unwrap();
+                let error = norm.error(&reference, &fitted.velocity);
+                prop_assert!(error <= bound + 1e-5, "{norm:?}: {error} against {bound}");
+            }
+        }
+
+        #[test]
+        fn visits_every_point_of_the_tube(walls in prop::collection::vec((-1.0..1.0f64, 0.0..1.0f64), 1..80)) {
+            let tube = |k: usize| (walls[k].0 - walls[k].1, walls[k].0 + walls[k].1);
+            let string = taut_string(walls.len() , |k| if k + 1 == walls.len() { (walls[k].0, walls[k].0) } else { tube(k) });
+            prop_assert_eq!(string.len(), walls.len());
+            for (k, e) in string.iter().enumerate() {
+                prop_assert!(tube(k).0 - 1e-12 <= *e && *e <= tube(k).1 + 1e-12, "{k}: {e}");
+            }
+        }
     }
 }
