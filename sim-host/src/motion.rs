@@ -6,6 +6,7 @@
 
 pub mod condition;
 pub mod filter;
+pub mod fit;
 pub mod metrics;
 pub mod read;
 mod record;

@@ -31,7 +31,7 @@ pub struct Config {
 
 impl Config {
     /// The washout with which the benches' figures are taken.
-    pub const WASHOUT: Washout = Washout { frequency: 0.2, damping: 0.7 };
+    pub const WASHOUT: Washout = Washout { frequency: 0.3, damping: 0.6 };
 
     /// A modifier that looks `preview` seconds ahead; a window of `N` samples holds at most N - 1 of them.
     pub fn new<const N: usize>(limits: &Limits, washout: &Washout, preview: f32) -> Result<Self, SettingsError> {

@@ -196,7 +196,9 @@ impl Drive {
             (Step::Fill | Step::Stream, Report::Credit { next, room }) => self.credit(next, u32::from(room)),
             // The answer to an earlier asking was lost on the way.
             (Step::ClearTrip, Report::Refused(RefusedBecause::Phase(Phase::Idle))) => self.go(Step::Vitals),
-            (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Phase(Phase::Armed))) => self.go(Step::Fill),
+            (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Phase(Phase::Armed))) => {
+                self.go(Step::Fill)
+            }
             (Step::Start, Report::Refused(RefusedBecause::Phase(Phase::Running))) => self.go(Step::Stream),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Challenge)) => self.go(Step::Challenge),
             (Step::Stream, Report::Refused(RefusedBecause::Phase(_))) => self.go(Step::Stand),
