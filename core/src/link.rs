@@ -13,9 +13,9 @@ mod wiring;
 
 pub use arming::{Challenge, answer};
 pub use frame::{
-    Batch, Identity, MAX_BATCH, MAX_POINTS, Phase, Points, Record, RefusedBecause, Report, Request, Trip, Vitals,
+    Batch, Cause, Identity, MAX_BATCH, MAX_POINTS, Points, Record, RefusedBecause, Report, Request, Vitals,
 };
-pub use wiring::{Role, SafeOutput, Scale, Setup, SetupError, Source, Wiring};
+pub use wiring::{Scale, Setup, SetupError, Source, Wiring};
 
 use serde::{Serialize, de::DeserializeOwned};
 

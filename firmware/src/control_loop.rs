@@ -1,14 +1,14 @@
 //! One tick: codes in, the core's decision, a code out.
 //!
-//! What the valve gets in a run is decided by [`Controller::step`] alone. This file says which reference the core sees,
-//! whether the relay of the hydraulic block may be closed, and that the output is the safe one when it is open.
+//! What the valve gets is decided by [`Controller::step`] alone, and so are the state of the test, the safe ramp and the
+//! relay. This file turns codes into the core's units and back, feeds it the reference, and passes on what only the
+//! board can see.
 
-use shakedown_core::link::{Phase, Record, Role, Setup, Source, Trip};
-use shakedown_core::{Command, Controller, Sample};
+use shakedown_core::link::{Cause, Record, Setup, Source};
+use shakedown_core::{Command, Controller, Refused, Relay, Request, Sample, State, Status, Trip};
 
+use crate::output::to_code;
 use crate::queues::{Entry, LoopEnd, Order, Standing};
-use crate::safe_output::{SafeRamp, target, to_code};
-use crate::stream::{self, Next, Stop};
 
 /// What the board noticed since the last tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -19,262 +19,217 @@ pub struct Events {
     pub supply_low: bool,
     /// The last tick was not done when this one began.
     pub overrun: bool,
-    /// The converter failed.
-    pub converter: bool,
+    /// There is no sample: the inputs are those of an earlier tick.
+    pub no_sample: bool,
 }
 
 /// What a tick leaves for the board to do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// Output code.
     pub output: u16,
-    /// The output code that would stop the oil now, for a program that fails before the next tick.
-    pub safe: u16,
     /// Whether the relay of the hydraulic block is closed.
     pub relay: bool,
-    /// The control rate changed to this, Hz: whole.
-    pub rate: Option<u32>,
+    /// Displacement that was measured, m; no number when it was not.
+    pub displacement: f32,
+    /// There is a new setup.
+    pub new_setup: bool,
 }
 
 /// Everything that decides the output.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
 pub struct Loop<'a> {
-    setup: Setup,
-    fresh: Controller,
     controller: Controller,
+    setup: Setup,
     queues: LoopEnd<'a>,
-    standing: Standing,
+    status: Status,
+    /// What the board, the stream or a refusal has to say beside the core.
+    cause: Option<Cause>,
     tick: u32,
     until_record: u16,
     dropped: u32,
     probe: Option<u16>,
-    safe: SafeRamp,
-    stop: Stop,
-    /// Output of the last tick, code.
-    output: u16,
-    /// Reference of the last tick, and its change in it, m.
+    /// Reference of the last tick, m.
     reference: f32,
-    change: f32,
-    /// The last displacement read off a sensor that was not at the end of its range, m.
-    displacement: f32,
 }
 
 impl<'a> Loop<'a> {
-    /// A loop at rest around a controller made of `setup`. `restarted` when the last reset was none that anyone asked
-    /// for: it begins tripped.
-    pub fn new(controller: Controller, setup: &Setup, queues: LoopEnd<'a>, restarted: bool) -> Self {
-        let output = to_code(0.0, &setup.wiring);
-        let standing = if restarted {
-            Standing { phase: Phase::Tripped, trip: Some(Trip::Restarted) }
-        } else {
-            Standing { phase: Phase::Idle, trip: None }
-        };
+    /// A loop around a controller made of `setup`. `restarted` when the last reset was none that anyone asked for: it
+    /// begins tripped.
+    pub fn new(mut controller: Controller, setup: &Setup, queues: LoopEnd<'a>, restarted: bool) -> Self {
+        let mut status = Status { state: State::Off, relay: Relay::Open, ..Status::default() };
+        if restarted && controller.request(Request::Trip).is_ok() {
+            status.state = State::Tripped;
+            status.trip = Some(Trip::External);
+        }
         Self {
-            setup: *setup,
-            fresh: controller.clone(),
             controller,
+            setup: *setup,
             queues,
-            standing,
+            status,
+            cause: restarted.then_some(Cause::Restarted),
             tick: 0,
             until_record: 0,
             dropped: 0,
             probe: None,
-            safe: SafeRamp::new(output, &setup.wiring, setup.control.rate),
-            stop: Stop::new(0.0, 0.0, setup.control.rate),
-            output,
             reference: 0.0,
-            change: 0.0,
-            displacement: 0.0,
         }
     }
 
-    /// Where the loop stands, the ticks so far and the records dropped.
-    pub const fn standing(&self) -> (Standing, u32, u32) {
-        (self.standing, self.tick, self.dropped)
+    /// Where the test stands and why.
+    #[inline]
+    pub const fn standing(&self) -> Standing {
+        let cause = match self.status.trip {
+            None | Some(Trip::External) => self.cause,
+            Some(trip) => Some(Cause::Guard(trip)),
+        };
+        Standing { state: self.status.state, cause }
+    }
+
+    /// Ticks so far, and records that found no room.
+    #[inline]
+    pub const fn counts(&self) -> (u32, u32) {
+        (self.tick, self.dropped)
+    }
+
+    /// The setup in force.
+    pub const fn setup(&self) -> &Setup {
+        &self.setup
     }
 
     /// One tick. `inputs` are the codes of reference, displacement, acceleration and existing command.
+    #[inline]
     pub fn tick(&mut self, inputs: [u16; 4], events: Events) -> Outcome {
-        let wiring = &self.setup.wiring;
-        let [reference, displacement, acceleration, command] = inputs;
-        let sample = Sample {
-            reference: wiring.reference.to_si(reference),
-            displacement: wiring.displacement.to_si(displacement),
-            acceleration: wiring.acceleration.to_si(acceleration),
+        let new_setup = self.queues.orders.ready() && self.obey();
+        if events.emergency_stop || events.supply_low || events.overrun {
+            self.trip(events);
+        }
+        let mut sample = self.sample(inputs, events.no_sample);
+        if self.setup.wiring.source == Source::Streamed {
+            sample.reference = self.next_point();
+        }
+        self.reference = sample.reference;
+        let command = self.controller.step(&sample);
+        self.status = command.status;
+        let output = match self.probe {
+            Some(code) if self.status.state == State::Off => code.min(self.setup.wiring.full_scale),
+            _ => to_code(command.valve, &self.setup.wiring),
         };
-        let passed = wiring.command.to_si(command);
-        let railed = wiring.rail_is_fault && (displacement == 0 || displacement >= wiring.full_scale);
-        if !railed {
-            self.displacement = sample.displacement;
-        }
-        if self.tick == 0 {
-            self.safe = SafeRamp::new(target(wiring, self.displacement), wiring, self.setup.control.rate);
-        }
-        let rate = self.obey();
-        self.watch(events, railed);
-        let decision = self.decide(sample, passed);
-        self.conclude(inputs, decision, rate)
+        self.report(inputs, &command, output);
+        self.tick = self.tick.wrapping_add(1);
+        let relay = self.status.relay == Relay::Closed;
+        Outcome { output, relay, displacement: sample.displacement, new_setup }
     }
 
-    /// Carries out at most one order. Returns the control rate where it changed.
+    /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.
     #[inline]
-    fn obey(&mut self) -> Option<u32> {
-        if self.queues.orders.is_empty() {
-            return None;
+    fn sample(&self, inputs: [u16; 4], no_sample: bool) -> Sample {
+        let wiring = &self.setup.wiring;
+        let (low, high) = if no_sample {
+            (u16::MAX, 0)
+        } else if wiring.rails_are_faults {
+            (1, wiring.full_scale - 1)
+        } else {
+            (0, u16::MAX)
+        };
+        let read = |scale: &shakedown_core::link::Scale, code: u16| {
+            if code < low || code > high { f32::NAN } else { scale.to_si(code) }
+        };
+        let [reference, displacement, acceleration, external] = inputs;
+        Sample {
+            reference: read(&wiring.reference, reference),
+            displacement: read(&wiring.displacement, displacement),
+            acceleration: read(&wiring.acceleration, acceleration),
+            external: read(&wiring.external, external),
+            ..Sample::default()
         }
-        self.carry_out()
+    }
+
+    /// The next point of a streamed reference, m. Its end, and its absence, fade the test out.
+    #[inline]
+    fn next_point(&mut self) -> f32 {
+        if self.status.state != State::Running {
+            return self.reference;
+        }
+        match self.queues.points.dequeue() {
+            Some(point) => point.displacement().unwrap_or_else(|| self.end_of_stream(None)),
+            None => self.end_of_stream(Some(Cause::Underrun)),
+        }
     }
 
     #[inline(never)]
-    fn carry_out(&mut self) -> Option<u32> {
-        let phase = self.standing.phase;
-        match self.queues.orders.dequeue()? {
-            Order::Setup(setup) if matches!(phase, Phase::Idle | Phase::Tripped) => return self.take(&setup),
-            Order::Arm if phase == Phase::Idle => {
-                self.controller = self.fresh.clone();
-                self.probe = None;
-                self.reference = self.displacement;
-                self.change = 0.0;
-                self.enter(Phase::Armed);
-            }
-            Order::Start if phase == Phase::Armed => self.enter(Phase::Running),
-            Order::Stop => self.bring_to_stand(),
-            Order::ClearTrip if phase == Phase::Tripped => {
-                self.standing = Standing { phase: Phase::Idle, trip: None };
-            }
-            Order::Probe(code) if phase == Phase::Idle => self.probe = code,
-            _ => {}
+    fn end_of_stream(&mut self, cause: Option<Cause>) -> f32 {
+        self.cause = cause;
+        let _ = self.controller.request(Request::Stop);
+        self.reference
+    }
+
+    #[inline(never)]
+    fn trip(&mut self, events: Events) {
+        if self.status.state != State::Tripped {
+            self.cause = Some(if events.emergency_stop {
+                Cause::EmergencyStop
+            } else if events.supply_low {
+                Cause::SupplyLow
+            } else {
+                Cause::Overrun
+            });
+            let _ = self.controller.request(Request::Trip);
         }
-        None
     }
 
-    /// Takes a setup between two ticks. The output stays where it is and ramps to what the new wiring calls safe.
-    fn take(&mut self, setup: &Setup) -> Option<u32> {
-        let controller = Controller::new(&setup.control).ok()?;
-        let changed = setup.control.rate != self.setup.control.rate;
-        self.setup = *setup;
-        self.fresh = controller.clone();
-        self.controller = controller;
-        self.safe = SafeRamp::new(self.output, &setup.wiring, setup.control.rate);
-        changed.then_some(setup.control.rate as u32)
+    /// Carries out one order. Returns whether there is a new setup.
+    #[inline(never)]
+    fn obey(&mut self) -> bool {
+        match self.queues.orders.dequeue() {
+            Some(Order::Setup(setup)) => {
+                let taken = self.controller.retune(&setup.control).is_ok();
+                if taken {
+                    self.setup = setup;
+                    self.until_record = 0;
+                }
+                return taken;
+            }
+            Some(Order::Ask(request)) => self.ask(request),
+            Some(Order::Probe(code)) => self.probe = code,
+            None => {}
+        }
+        false
     }
 
-    /// Trips where something is wrong.
+    fn ask(&mut self, request: Request) {
+        self.probe = None;
+        match self.controller.request(request) {
+            Ok(()) => {
+                self.cause = (request == Request::Trip).then_some(Cause::Asked);
+                if matches!(request, Request::Arm | Request::Stop) {
+                    while self.queues.points.dequeue().is_some() {}
+                }
+            }
+            Err(Refused::Cause(trip) | Refused::StillMoving(trip)) => self.cause = Some(Cause::Guard(trip)),
+            Err(_) => {}
+        }
+    }
+
+    /// Telemetry, every so many ticks.
     #[inline]
-    fn watch(&mut self, events: Events, railed: bool) {
-        if events == Events::default() && !railed {
+    fn report(&mut self, inputs: [u16; 4], command: &Command, output: u16) {
+        if self.until_record > 1 {
+            self.until_record -= 1;
             return;
         }
-        let trip = if events.emergency_stop {
-            Trip::EmergencyStop
-        } else if events.supply_low {
-            Trip::SupplyLow
-        } else if events.converter {
-            Trip::Converter
-        } else if events.overrun {
-            Trip::Overrun
-        } else {
-            Trip::Rail
+        self.until_record = self.setup.telemetry_every;
+        if self.until_record == 0 {
+            return;
+        }
+        let record = Record {
+            reference: self.reference,
+            fitted: command.reference,
+            inputs,
+            output,
+            flags: command.status.bits(),
         };
-        self.trip(trip);
-    }
-
-    /// The relay opens and the output ramps to the safe one. The first cause is kept.
-    #[inline(never)]
-    fn trip(&mut self, trip: Trip) {
-        if self.standing.phase != Phase::Tripped {
-            self.standing = Standing { phase: Phase::Tripped, trip: Some(trip) };
-            self.safe = SafeRamp::new(self.output, &self.setup.wiring, self.setup.control.rate);
-            self.probe = None;
-            stream::clear(&mut self.queues);
-        }
-    }
-
-    fn enter(&mut self, phase: Phase) {
-        self.standing.phase = phase;
-    }
-
-    fn bring_to_stand(&mut self) {
-        if matches!(self.standing.phase, Phase::Armed | Phase::Running) {
-            self.stop = Stop::new(self.reference, self.change, self.setup.control.rate);
-            self.enter(Phase::Stopping);
-            stream::clear(&mut self.queues);
-        }
-    }
-
-    /// The reference of this tick, m, as the phase has it.
-    #[inline]
-    fn next_reference(&mut self, analog: f32) -> f32 {
-        match self.standing.phase {
-            Phase::Running if self.setup.wiring.source == Source::Analog => analog,
-            Phase::Running => match stream::next(&mut self.queues) {
-                Next::Point(point) => point,
-                end => {
-                    if end == Next::Underrun {
-                        self.standing.trip = Some(Trip::Underrun);
-                    }
-                    self.bring_to_stand();
-                    self.reference
-                }
-            },
-            Phase::Stopping => self.stop.step().unwrap_or_else(|| {
-                self.enter(Phase::Idle);
-                self.safe = SafeRamp::new(self.output, &self.setup.wiring, self.setup.control.rate);
-                self.reference
-            }),
-            Phase::Armed | Phase::Idle | Phase::Tripped => self.reference,
-        }
-    }
-
-    /// What the core makes of the sample; none while the relay is open.
-    #[inline]
-    fn decide(&mut self, mut sample: Sample, passed: f32) -> Option<(Sample, Command, f32)> {
-        let reference = self.next_reference(sample.reference);
-        if matches!(self.standing.phase, Phase::Idle | Phase::Tripped) {
-            return None;
-        }
-        self.change = reference - self.reference;
-        self.reference = reference;
-        sample.reference = reference;
-        let command = self.controller.step(&sample);
-        let out = match self.setup.wiring.role {
-            Role::Guard => passed,
-            Role::Modifier => command.reference,
-            Role::Controller => command.valve,
-        };
-        Some((sample, command, out))
-    }
-
-    /// Writes the output and the record.
-    #[inline]
-    fn conclude(&mut self, inputs: [u16; 4], decision: Option<(Sample, Command, f32)>, rate: Option<u32>) -> Outcome {
-        let wiring = &self.setup.wiring;
-        self.output = match (decision, self.probe) {
-            (Some((_, _, out)), _) => to_code(out, wiring),
-            (None, Some(code)) => code.min(wiring.full_scale),
-            (None, None) => self.safe.step(wiring, self.displacement),
-        };
-        if self.setup.telemetry_every > 0 {
-            if self.until_record == 0 {
-                self.until_record = self.setup.telemetry_every;
-                self.report(inputs, decision);
-            }
-            self.until_record -= 1;
-        }
-        self.tick = self.tick.wrapping_add(1);
-        let safe = target(&self.setup.wiring, self.displacement);
-        Outcome { output: self.output, safe, relay: decision.is_some(), rate }
-    }
-
-    #[inline]
-    fn report(&mut self, inputs: [u16; 4], decision: Option<(Sample, Command, f32)>) {
-        let mut record = Record { inputs, output: self.output, ..Record::default() };
-        if let Some((sample, command, _)) = decision {
-            record.reference = sample.reference;
-            record.fitted = command.reference;
-            record.flags = u16::from(command.status.saturated) | u16::from(command.status.held) << 1;
-        }
-        let entry = Entry { tick: self.tick, phase: self.standing.phase, record };
+        let entry = Entry { tick: self.tick, state: command.status.state, record };
         if self.queues.records.enqueue(entry).is_err() {
             self.dropped = self.dropped.wrapping_add(1);
         }

@@ -2,8 +2,9 @@
 //! time; what the loop hears of it is an order in a queue.
 
 use shakedown_core::link::{
-    Batch, Challenge, Identity, MAX_BATCH, Phase, Points, RefusedBecause, Report, Request, Setup, Trip, Vitals, answer,
+    Batch, Cause, Challenge, Identity, MAX_BATCH, Points, RefusedBecause, Report, Request, Setup, Vitals, answer,
 };
+use shakedown_core::{Request as Ask, State};
 
 use crate::queues::{DeskEnd, Order, POINTS, Point, Standing};
 
@@ -29,8 +30,8 @@ pub struct Seen {
     pub ticks: u32,
     /// Records that found no room.
     pub dropped: u32,
-    /// Whether a cause of a trip stands on the board's inputs.
-    pub cause: Option<Trip>,
+    /// A cause of a trip that stands on the board's inputs.
+    pub cause: Option<Cause>,
 }
 
 /// The desk's own state.
@@ -80,37 +81,35 @@ impl<'a> Desk<'a> {
 
     /// What to do about `request`; `now` is in ms.
     pub fn take(&mut self, request: Request, seen: Seen, now: u32) -> Action {
-        let phase = seen.standing.phase;
+        let state = seen.standing.state;
         let report = match request {
             Request::Identify => Report::Identity(self.identity()),
             Request::ReadSetup => Report::Setup(self.setup),
-            Request::WriteSetup(setup) => self.write(setup, phase),
-            Request::Save if at_rest(phase) => return Action::Save(self.setup),
-            Request::RequestArming => self.challenge(phase, now),
-            Request::Arm(given) => self.arm(given, phase, now),
-            Request::Start if phase == Phase::Armed => self.order(Order::Start),
-            Request::Stop => self.order(Order::Stop),
-            Request::ClearTrip => match (phase, seen.cause) {
-                (Phase::Tripped, Some(cause)) => Report::Refused(RefusedBecause::CauseStands(cause)),
-                (Phase::Tripped, None) => self.order(Order::ClearTrip),
-                _ => Report::Refused(RefusedBecause::Phase(phase)),
+            Request::WriteSetup(setup) => self.write(setup, state),
+            Request::Save if at_rest(state) => return Action::Save(self.setup),
+            Request::RequestArming => self.challenge(state, now),
+            Request::Arm(given) => self.arm(given, state, now),
+            Request::Start => self.ask(Ask::Start, state == State::Ready, state),
+            Request::Stop => self.ask(Ask::Stop, matches!(state, State::Running | State::Hold), state),
+            Request::Disarm => self.ask(Ask::Off, state == State::Ready, state),
+            Request::Trip => self.ask(Ask::Trip, true, state),
+            Request::ClearTrip => match seen.cause {
+                Some(cause) => Report::Refused(RefusedBecause::CauseStands(cause)),
+                None => self.ask(Ask::Reset, state == State::Tripped, state),
             },
-            Request::Reference(points) => self.reference(&points, phase),
-            Request::Probe(code) if phase == Phase::Idle => self.order(Order::Probe(Some(code))),
+            Request::Reference(points) => self.reference(&points, state),
+            Request::Probe(code) if state == State::Off => self.order(Order::Probe(Some(code))),
             Request::ReadVitals => Report::Vitals(self.vitals(seen)),
-            Request::Save | Request::Start | Request::Probe(_) => Report::Refused(RefusedBecause::Phase(phase)),
+            Request::Save | Request::Probe(_) => Report::Refused(RefusedBecause::State(state)),
         };
         Action::Send(report)
     }
 
-    /// What the desk has to say of its own accord: a change of phase, room in the reference buffer, telemetry.
+    /// What the desk has to say of its own accord: a change of state, room in the reference buffer, telemetry.
     pub fn volunteer(&mut self, seen: Seen) -> Option<Report> {
         if self.told != Some(seen.standing) {
             let first = self.told.is_none();
             self.told = Some(seen.standing);
-            if seen.standing.phase == Phase::Idle {
-                self.next_point = 0;
-            }
             if !first {
                 return Some(Report::Vitals(self.vitals(seen)));
             }
@@ -128,8 +127,8 @@ impl<'a> Desk<'a> {
 
     fn vitals(&self, seen: Seen) -> Vitals {
         Vitals {
-            phase: seen.standing.phase,
-            trip: seen.standing.trip,
+            state: seen.standing.state,
+            cause: seen.standing.cause,
             ticks: seen.ticks,
             dropped: seen.dropped,
             garbled: self.garbled,
@@ -145,9 +144,14 @@ impl<'a> Desk<'a> {
         }
     }
 
-    fn write(&mut self, setup: Setup, phase: Phase) -> Report {
-        if !at_rest(phase) {
-            return Report::Refused(RefusedBecause::Phase(phase));
+    fn ask(&mut self, request: Ask, applies: bool, state: State) -> Report {
+        if applies { self.order(Order::Ask(request)) } else { Report::Refused(RefusedBecause::State(state)) }
+    }
+
+    fn write(&mut self, setup: Setup, state: State) -> Report {
+        let same_board = setup.wiring == self.setup.wiring && setup.control.rate == self.setup.control.rate;
+        if !at_rest(state) && !same_board {
+            return Report::Refused(RefusedBecause::State(state));
         }
         if setup.validate().is_err() || setup.wiring.full_scale != self.setup.wiring.full_scale {
             return Report::Refused(RefusedBecause::Setup);
@@ -160,9 +164,9 @@ impl<'a> Desk<'a> {
         report
     }
 
-    fn challenge(&mut self, phase: Phase, now: u32) -> Report {
-        if phase != Phase::Idle {
-            return Report::Refused(RefusedBecause::Phase(phase));
+    fn challenge(&mut self, state: State, now: u32) -> Report {
+        if state != State::Off {
+            return Report::Refused(RefusedBecause::State(state));
         }
         self.entropy = self.entropy.wrapping_add(1);
         let challenge = Challenge(answer(Challenge(self.entropy)) ^ u64::from(now));
@@ -170,14 +174,11 @@ impl<'a> Desk<'a> {
         Report::Challenge(challenge)
     }
 
-    fn arm(&mut self, given: u64, phase: Phase, now: u32) -> Report {
+    fn arm(&mut self, given: u64, state: State, now: u32) -> Report {
         match self.challenge.take() {
             Some((challenge, asked)) if answer(challenge) == given && now.wrapping_sub(asked) < CHALLENGE_LIFE => {
-                if phase == Phase::Idle {
-                    self.order(Order::Arm)
-                } else {
-                    Report::Refused(RefusedBecause::Phase(phase))
-                }
+                self.next_point = 0;
+                self.ask(Ask::Arm, state == State::Off, state)
             }
             _ => Report::Refused(RefusedBecause::Challenge),
         }
@@ -192,9 +193,9 @@ impl<'a> Desk<'a> {
     }
 
     /// Takes all of the points or none, and says either way which is wanted next and how many there is room for. One place stays free for the end of the record.
-    fn reference(&mut self, points: &Points, phase: Phase) -> Report {
-        if !matches!(phase, Phase::Armed | Phase::Running) {
-            return Report::Refused(RefusedBecause::Phase(phase));
+    fn reference(&mut self, points: &Points, state: State) -> Report {
+        if !matches!(state, State::Ready | State::Running) {
+            return Report::Refused(RefusedBecause::State(state));
         }
         if points.first != self.next_point {
             return self.credit();
@@ -217,7 +218,7 @@ impl<'a> Desk<'a> {
         self.credit()
     }
 
-    /// A batch of consecutive records, when enough wait or the loop is at rest.
+    /// A batch of consecutive records, when enough wait.
     fn telemetry(&mut self, dropped: u32) -> Option<Report> {
         let every = self.setup.telemetry_every;
         if self.queues.records.len() < MAX_BATCH {
@@ -225,10 +226,10 @@ impl<'a> Desk<'a> {
         }
         let first = *self.queues.records.peek()?;
         let mut batch =
-            Batch { first: first.tick, every, phase: first.phase, dropped, records: heapless::Vec::new() };
+            Batch { first: first.tick, every, state: first.state, dropped, records: heapless::Vec::new() };
         let mut tick = first.tick;
         while let Some(entry) = self.queues.records.peek().copied() {
-            if entry.tick != tick || entry.phase != first.phase || batch.records.push(entry.record).is_err() {
+            if entry.tick != tick || entry.state != first.state || batch.records.push(entry.record).is_err() {
                 break;
             }
             self.queues.records.dequeue();
@@ -238,8 +239,8 @@ impl<'a> Desk<'a> {
     }
 }
 
-const fn at_rest(phase: Phase) -> bool {
-    matches!(phase, Phase::Idle | Phase::Tripped)
+const fn at_rest(state: State) -> bool {
+    matches!(state, State::Off | State::Tripped)
 }
 
 /// The crate's version; its three numbers are single bytes.

@@ -13,10 +13,9 @@ pub mod control_loop;
 pub mod converters;
 pub mod defaults;
 pub mod desk;
+pub mod output;
 pub mod queues;
-pub mod safe_output;
 pub mod store;
-pub mod stream;
 
 pub use control_loop::{Events, Loop, Outcome};
 pub use desk::Desk;

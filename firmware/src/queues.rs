@@ -1,7 +1,8 @@
 //! What passes between the loop and the desk. Every queue has one sender and one receiver and never blocks.
 
 use heapless::spsc::{Consumer, Producer, Queue};
-use shakedown_core::link::{Phase, Record, Setup, Trip};
+use shakedown_core::link::{Cause, Record, Setup};
+use shakedown_core::{Request, State, Trip};
 
 /// Records of telemetry that wait for the desk: 128 ms at 1 kHz.
 pub const RECORDS: usize = 129;
@@ -16,15 +17,9 @@ pub const ORDERS: usize = 4;
 pub enum Order {
     /// Take this setup, which was validated whole.
     Setup(Setup),
-    /// Close the relay and hold the table where it stands.
-    Arm,
-    /// Run the reference.
-    Start,
-    /// Ramp to a stand.
-    Stop,
-    /// Leave the trip.
-    ClearTrip,
-    /// Put this code on the output while the relay is open; none ends it.
+    /// Ask the core for this.
+    Ask(Request),
+    /// Put this code on the output while the test is off; none ends it.
     Probe(Option<u16>),
 }
 
@@ -33,52 +28,76 @@ pub enum Order {
 pub struct Entry {
     /// Tick since the reset.
     pub tick: u32,
-    /// Where the loop stood.
-    pub phase: Phase,
-    /// What it saw and did.
+    /// Where the test stood.
+    pub state: State,
+    /// What the loop saw and did.
     pub record: Record,
 }
 
-/// The loop's standing, small enough to be one atomic word.
+/// Where the test stands and why, small enough to be one atomic word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Standing {
-    /// Where it stands.
-    pub phase: Phase,
-    /// Why it tripped or stopped by itself.
-    pub trip: Option<Trip>,
+    /// Where the test stands.
+    pub state: State,
+    /// Why it tripped, stopped by itself or did not arm, last.
+    pub cause: Option<Cause>,
 }
 
+const STATES: [State; 6] =
+    [State::Off, State::Ready, State::Running, State::Hold, State::RampDown, State::Tripped];
+
+/// In the order of their codes, from 1.
+const TRIPS: [Trip; 15] = [
+    Trip::Displacement,
+    Trip::Velocity,
+    Trip::Acceleration,
+    Trip::Jerk,
+    Trip::Force,
+    Trip::Tracking,
+    Trip::SensorLost,
+    Trip::DisplacementStuck,
+    Trip::AccelerationStuck,
+    Trip::SensorsDisagree,
+    Trip::DisplacementNoisy,
+    Trip::AccelerationNoisy,
+    Trip::ValveStuck,
+    Trip::Internal,
+    Trip::External,
+];
+
 impl Standing {
-    /// As one word: the phase in the low byte, one more than the trip in the next.
+    /// As one word: the state in the low byte, the cause in the next, the guard's trip in the third.
+    #[inline]
     pub const fn to_word(self) -> u32 {
-        let trip = match self.trip {
-            Some(trip) => trip as u32 + 1,
+        let cause = match self.cause {
             None => 0,
+            Some(Cause::EmergencyStop) => 1,
+            Some(Cause::Overrun) => 2,
+            Some(Cause::Underrun) => 3,
+            Some(Cause::SupplyLow) => 4,
+            Some(Cause::Restarted) => 5,
+            Some(Cause::Asked) => 6,
+            Some(Cause::Guard(trip)) => 7 | (trip as u32) << 8,
         };
-        self.phase as u32 | trip << 8
+        self.state as u32 | cause << 8
     }
 
     /// From the word that [`Self::to_word`] made; any other word reads as tripped.
-    pub const fn from_word(word: u32) -> Self {
-        let phase = match word & 0xFF {
-            0 => Phase::Idle,
-            1 => Phase::Armed,
-            2 => Phase::Running,
-            3 => Phase::Stopping,
-            _ => Phase::Tripped,
-        };
-        let trip = match word >> 8 {
+    pub fn from_word(word: u32) -> Self {
+        let [state, cause, trip, _] = word.to_le_bytes();
+        let state = STATES.get(usize::from(state)).copied().unwrap_or(State::Tripped);
+        let trip = TRIPS.get(usize::from(trip).wrapping_sub(1)).copied().unwrap_or(Trip::Internal);
+        let cause = match cause {
             0 => None,
-            1 => Some(Trip::EmergencyStop),
-            2 => Some(Trip::Overrun),
-            3 => Some(Trip::Converter),
-            4 => Some(Trip::Rail),
-            5 => Some(Trip::Guard),
-            6 => Some(Trip::Underrun),
-            7 => Some(Trip::SupplyLow),
-            _ => Some(Trip::Restarted),
+            1 => Some(Cause::EmergencyStop),
+            2 => Some(Cause::Overrun),
+            3 => Some(Cause::Underrun),
+            4 => Some(Cause::SupplyLow),
+            5 => Some(Cause::Restarted),
+            6 => Some(Cause::Asked),
+            _ => Some(Cause::Guard(trip)),
         };
-        Self { phase, trip }
+        Self { state, cause }
     }
 }
 
@@ -161,22 +180,12 @@ mod tests {
 
     #[test]
     fn a_standing_survives_its_word() {
-        use Phase::{Armed, Idle, Running, Stopping, Tripped};
-        let trips = [
-            Trip::EmergencyStop,
-            Trip::Overrun,
-            Trip::Converter,
-            Trip::Rail,
-            Trip::Guard,
-            Trip::Underrun,
-            Trip::SupplyLow,
-            Trip::Restarted,
-        ];
-        for phase in [Idle, Armed, Running, Stopping, Tripped] {
-            for trip in trips.map(Some).into_iter().chain([None]) {
-                let standing = Standing { phase, trip };
-                assert_eq!(Standing::from_word(standing.to_word()), standing);
-            }
+        use Cause::{Asked, EmergencyStop, Overrun, Restarted, SupplyLow, Underrun};
+        let boards = [EmergencyStop, Overrun, Underrun, SupplyLow, Restarted, Asked];
+        let causes = boards.into_iter().chain(TRIPS.map(Cause::Guard)).map(Some).chain([None]);
+        for (cause, state) in causes.flat_map(|cause| STATES.map(|state| (cause, state))) {
+            let standing = Standing { state, cause };
+            assert_eq!(Standing::from_word(standing.to_word()), standing);
         }
     }
 }

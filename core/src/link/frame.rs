@@ -4,6 +4,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Challenge, Setup};
+use crate::guard::{State, Trip};
 
 /// Most points of a reference in one frame.
 pub const MAX_POINTS: usize = 64;
@@ -18,24 +19,29 @@ pub enum Request {
     Identify,
     /// Answered by [`Report::Setup`].
     ReadSetup,
-    /// Takes effect whole, between two ticks, without a bump; refused while running, or when a field does not hold.
+    /// Takes effect whole, between two ticks, without a bump. The wiring and the rate change only while the test is off
+    /// or tripped.
     WriteSetup(Setup),
-    /// Keeps the setup now in force over a reset.
+    /// Keeps the setup now in force over a reset. Only while off or tripped: the ticks stop for a second or two.
     Save,
     /// Answered by [`Report::Challenge`].
     RequestArming,
-    /// The answer to the challenge: energises the relay and holds the table where it stands.
+    /// The answer to the challenge: closes the relay and holds the table where it stands.
     Arm(u64),
-    /// Starts the reference; refused unless armed.
+    /// Starts the test.
     Start,
-    /// Ramps to a stand, then to the safe output; always taken.
+    /// Fades the test out and holds the table; a streamed reference ends.
     Stop,
+    /// Opens the relay, from a stand.
+    Disarm,
     /// Clears a trip whose cause is gone. The only way out of one.
     ClearTrip,
+    /// Trips, from anywhere.
+    Trip,
     /// Points of the reference, ahead of time. Answered by [`Report::Credit`], whether they were taken or not: they are
     /// not when `first` is not the next point wanted, or when they do not all fit.
     Reference(Points),
-    /// Puts a code on the output, for commissioning: only with the relay open, and until the next request.
+    /// Puts a code on the output, for commissioning: only while off, and until the next request that is not this one.
     Probe(u16),
     /// Answered by [`Report::Vitals`].
     ReadVitals,
@@ -63,55 +69,36 @@ pub struct Identity {
     pub buffer: u16,
 }
 
-/// Where a device stands.
+/// Why a device tripped, stopped by itself, or does not arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Phase {
-    /// Relay open, safe output.
-    Idle,
-    /// Relay closed, the table held where it stood.
-    Armed,
-    /// The reference runs.
-    Running,
-    /// On the way from running to a stand.
-    Stopping,
-    /// Relay open, safe output, until the trip is cleared.
-    Tripped,
-}
-
-/// Why a device tripped, or stopped by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Trip {
-    /// The emergency-stop input is open.
+pub enum Cause {
+    /// The emergency-stop circuit is open.
     EmergencyStop,
     /// A tick was not done when the next began.
     Overrun,
-    /// The converter gave no sample in time.
-    Converter,
-    /// An input stands at the end of its range.
-    Rail,
-    /// The core's guard tripped; the records' flags say which of its checks.
-    Guard,
-    /// The streamed reference ran dry.
+    /// The streamed reference ran dry: the test was faded out.
     Underrun,
     /// The supply fell below its threshold.
     SupplyLow,
     /// The last reset came from the watchdog, or from a panic.
     Restarted,
+    /// The host asked for it.
+    Asked,
+    /// The core's guard.
+    Guard(Trip),
 }
 
 /// Why a request was not carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RefusedBecause {
-    /// Not in this phase.
-    Phase(Phase),
+    /// Not in this state.
+    State(State),
     /// A field of the setup does not hold.
     Setup,
     /// The answer is wrong, late, or to no challenge.
     Challenge,
     /// The cause of the trip still stands.
-    CauseStands(Trip),
+    CauseStands(Cause),
     /// Too much asked at once.
     Full,
     /// The flash did not take it.
@@ -129,7 +116,7 @@ pub struct Record {
     pub inputs: [u16; 4],
     /// Code written.
     pub output: u16,
-    /// [`crate::Status`] as bits.
+    /// [`crate::Status::bits`].
     pub flags: u16,
 }
 
@@ -140,8 +127,8 @@ pub struct Batch {
     pub first: u32,
     /// Ticks from one record to the next.
     pub every: u16,
-    /// Where the device stood at the last record.
-    pub phase: Phase,
+    /// Where the test stood, the same for all of them.
+    pub state: State,
     /// Records that found no room since the device's reset; what is missing between two batches is among them.
     pub dropped: u32,
     /// The records.
@@ -151,10 +138,10 @@ pub struct Batch {
 /// How a device fares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Vitals {
-    /// Where it stands.
-    pub phase: Phase,
-    /// Why it tripped or stopped by itself, since the trip was last cleared.
-    pub trip: Option<Trip>,
+    /// Where the test stands.
+    pub state: State,
+    /// Why it tripped, stopped by itself or did not arm, last.
+    pub cause: Option<Cause>,
     /// Ticks since its reset.
     pub ticks: u32,
     /// Records of telemetry that found no room.
@@ -176,7 +163,7 @@ pub enum Report {
     Setup(Setup),
     /// To [`Request::RequestArming`].
     Challenge(Challenge),
-    /// To [`Request::ReadVitals`], and of its own accord at every change of phase.
+    /// To [`Request::ReadVitals`], and of its own accord at every change of state.
     Vitals(Vitals),
     /// The request was carried out.
     Done,

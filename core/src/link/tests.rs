@@ -22,7 +22,7 @@ fn hear(assembler: &mut Assembler, bytes: &[u8]) -> heapless::Vec<Result<Request
 fn the_fullest_frames_fit() {
     let record = Record { reference: 1.0, fitted: 1.0, inputs: [u16::MAX; 4], output: u16::MAX, flags: u16::MAX };
     let records = (0..MAX_BATCH).map(|_| record).collect();
-    let batch = Batch { first: u32::MAX, every: u16::MAX, phase: Phase::Running, dropped: u32::MAX, records };
+    let batch = Batch { first: u32::MAX, every: u16::MAX, state: crate::State::Running, dropped: u32::MAX, records };
     let points = (0..MAX_POINTS).map(|_| 1.0).collect();
     wire(&Report::Telemetry(batch));
     wire(&Request::Reference(Points { first: u32::MAX, points, last: true }));

@@ -1,4 +1,4 @@
-//! How a device is wired: what its codes mean, what it stands in for, and which output gives zero flow.
+//! What a device's converter codes mean, and the whole of what it keeps.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,6 +6,7 @@ use crate::settings::{Settings, SettingsError};
 
 /// A straight line between converter codes and SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Scale {
     /// Code at zero, which may lie between two codes or outside the converter's range.
     pub zero: f32,
@@ -21,19 +22,9 @@ impl Scale {
     }
 }
 
-/// What the device does in the valve command path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Role {
-    /// Passes the existing controller's command on, watches it, and takes over at a limit.
-    Guard,
-    /// Stands in front of an existing controller and hands it a reference that the table can follow.
-    Modifier,
-    /// Is the controller: reference and sensors in, valve command out.
-    Controller,
-}
-
 /// Where the reference comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Source {
     /// The reference input of the converter.
     Analog,
@@ -41,21 +32,10 @@ pub enum Source {
     Streamed,
 }
 
-/// Which output stops the oil, given how the valve is driven.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum SafeOutput {
-    /// The valve amplifier takes the command as flow: its zero stops it.
-    Zero,
-    /// A hard-wired inner loop (Fig. 2), or an existing position controller, subtracts the LVDT from the command: the
-    /// LVDT's reading stops it. From 0.1 m off centre a zero would drive the table at 0.21 m/s.
-    Displacement,
-}
-
 /// What the converters' codes mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Wiring {
-    /// Role in the valve command path.
-    pub role: Role,
     /// Where the reference comes from.
     pub source: Source,
     /// Reference input, m.
@@ -65,28 +45,26 @@ pub struct Wiring {
     /// Accelerometer input, m/s2.
     pub acceleration: Scale,
     /// The existing controller's command, m.
-    pub command: Scale,
-    /// Output, m per code.
+    pub external: Scale,
+    /// Output, m.
     pub output: Scale,
     /// Largest code of the converters: 4095 on chip, 65535 outboard.
     pub full_scale: u16,
-    /// Which output stops the oil.
-    pub safe: SafeOutput,
-    /// Time from any output to the safe one, s.
-    pub safe_ramp: f32,
-    /// Whether an incoming code at either end of the range means a broken wire (4 to 20 mA, or a biased +/-10 V input).
-    pub rail_is_fault: bool,
+    /// Whether a code at either end of the range is no reading: with a signal biased to the middle, a broken wire, a
+    /// short or a saturated amplifier ends there.
+    pub rails_are_faults: bool,
 }
 
 /// Everything a device keeps in flash: the core's settings and the wiring.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Setup {
-    /// What the core is set to.
-    pub control: Settings,
-    /// How the device is wired.
-    pub wiring: Wiring,
     /// A record of telemetry every so many ticks; 0 sends none.
     pub telemetry_every: u16,
+    /// How the device is wired.
+    pub wiring: Wiring,
+    /// What the core is set to.
+    pub control: Settings,
 }
 
 /// Why a [`Setup`] was refused.
@@ -95,6 +73,8 @@ pub struct Setup {
 pub enum SetupError {
     /// The core refuses its settings.
     Control(SettingsError),
+    /// There is no guard: a device does not run without.
+    NoGuard,
     /// A field of the wiring is not a number, or outside its range.
     Wiring {
         /// The field's name.
@@ -104,16 +84,31 @@ pub enum SetupError {
     },
 }
 
+impl core::fmt::Display for SetupError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Control(error) => write!(f, "control.{error}"),
+            Self::NoGuard => write!(f, "control.guard is missing: a device does not run without one"),
+            Self::Wiring { field, value } => write!(f, "wiring.{field} is {value}, which no converter can have"),
+        }
+    }
+}
+
+impl core::error::Error for SetupError {}
+
 impl Setup {
     /// Checks every field. A device takes a setup only when all of it holds.
     pub fn validate(&self) -> Result<(), SetupError> {
         self.control.validate().map_err(SetupError::Control)?;
+        if self.control.guard.is_none() {
+            return Err(SetupError::NoGuard);
+        }
         let wiring = &self.wiring;
         let scales = [
             ("reference", wiring.reference),
             ("displacement", wiring.displacement),
             ("acceleration", wiring.acceleration),
-            ("command", wiring.command),
+            ("external", wiring.external),
             ("output", wiring.output),
         ];
         for (field, scale) in scales {
@@ -121,8 +116,7 @@ impl Setup {
             let slope = scale.per_code;
             require(field, slope, slope.is_finite() && slope.abs() > 1e-12 && slope.abs() < 1e3)?;
         }
-        require("full_scale", f32::from(wiring.full_scale), wiring.full_scale >= 255)?;
-        require("safe_ramp", wiring.safe_ramp, (0.0..=10.0).contains(&wiring.safe_ramp))
+        require("full_scale", f32::from(wiring.full_scale), wiring.full_scale >= 255)
     }
 }
 

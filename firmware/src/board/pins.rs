@@ -5,7 +5,7 @@ use stm32f4xx_hal::{
     pac::PWR,
 };
 
-use shakedown_core::link::Trip;
+use shakedown_core::link::Cause;
 
 /// Relay, emergency stop and supply monitor.
 pub(crate) struct Pins {
@@ -47,13 +47,13 @@ impl Pins {
 }
 
 /// A cause of a trip that stands on the inputs now.
-pub(crate) fn standing_cause() -> Option<Trip> {
+pub(crate) fn standing_cause() -> Option<Cause> {
     // SAFETY: both registers are read only.
     let (stop, power) = unsafe { (stm32f4xx_hal::pac::GPIOB::steal(), PWR::steal()) };
     if stop.idr().read().bits() & 1 << 1 != 0 {
-        Some(Trip::EmergencyStop)
+        Some(Cause::EmergencyStop)
     } else if power.csr().read().pvdo().bit_is_set() {
-        Some(Trip::SupplyLow)
+        Some(Cause::SupplyLow)
     } else {
         None
     }

@@ -66,7 +66,7 @@ fn the_last_of_many_saves_is_in_force() {
 fn a_setup_that_does_not_hold_is_not_loaded() {
     let mut flash = Flash::erased();
     let mut bad = setup(1);
-    bad.wiring.safe_ramp = -1.0;
+    bad.wiring.output.per_code = 0.0;
     assert_eq!(save(&mut flash, &bad), Err(SaveError::ReadBack));
     assert_eq!(load(&flash), None);
 }

@@ -18,8 +18,6 @@ pub(crate) struct Control {
     pub(crate) ticker: Ticker,
     /// Fed once a tick.
     pub(crate) watchdog: Watchdog,
-    /// The codes of the last good conversion.
-    pub(crate) inputs: [u16; 4],
     /// Ticks since the desk was last woken.
     pub(crate) quiet: u16,
 }
@@ -33,27 +31,34 @@ impl Control {
             emergency_stop: self.pins.emergency_stop(),
             supply_low: self.pins.supply_low(),
             overrun: self.converters.late(),
-            converter: read.is_err(),
+            no_sample: read.is_err(),
         };
-        self.inputs = read.unwrap_or(self.inputs);
-        let outcome = self.decide.tick(self.inputs, events);
+        let outcome = self.decide.tick(read.unwrap_or_default(), events);
         let _ = self.converters.write(outcome.output);
         self.pins.set_relay(outcome.relay);
         self.watchdog.feed();
-        failure::remember(outcome.safe);
-        if let Some(rate) = outcome.rate {
-            self.ticker.set_rate(rate);
+        failure::remember(outcome.displacement);
+        if outcome.new_setup {
+            self.take_setup();
         }
         self.publish();
         self.converters.note_lateness();
     }
 
+    /// What else a setup changes: the rate, and what a failing program leaves on the output.
+    #[inline(never)]
+    fn take_setup(&mut self) {
+        let setup = self.decide.setup();
+        self.ticker.set_rate(setup.control.rate as u32);
+        failure::prepare(setup);
+    }
+
     /// Tells the others, and wakes the desk when there is something for it.
     #[inline]
     fn publish(&mut self) {
-        let (now, ticks, dropped) = self.decide.standing();
+        let (ticks, dropped) = self.decide.counts();
         self.quiet += 1;
-        if standing::publish(now, ticks, dropped) || self.quiet >= MAX_BATCH as u16 {
+        if standing::publish(self.decide.standing(), ticks, dropped) || self.quiet >= MAX_BATCH as u16 {
             self.quiet = 0;
             line::wake();
         }

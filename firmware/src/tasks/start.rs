@@ -41,6 +41,7 @@ pub(crate) fn start(
     let line = Line::new(device.USART3, device.DMA1, &mut rcc);
     let ticker = Ticker::new(device.TIM2, setup.control.rate as u32, &mut rcc);
     let (loop_end, desk_end) = queues.split();
+    failure::prepare(&setup);
     let Ok(controller) = Controller::new(&setup.control) else { failure::park() };
     let decide = Loop::new(controller, &setup, loop_end, restarted);
     let desk = Desk::new(setup, stored, entropy::since_power_on(core.DWT.cyccnt.read()), desk_end);
@@ -51,7 +52,6 @@ pub(crate) fn start(
         pins,
         ticker,
         watchdog: Watchdog::start(device.IWDG),
-        inputs: [0; 4],
         quiet: 0,
     };
     control.ticker.start();

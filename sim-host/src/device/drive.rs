@@ -1,11 +1,12 @@
 //! A run of a record on a device, as a machine that is fed reports and the time, and says what to send.
 //!
-//! `identify, setup, clear trip, challenge, arm, fill the buffer, start, stream, wait for the stand`. One request is under
+//! `identify, setup, clear trip, challenge, arm, fill the buffer, start, stream, wait for the stand, disarm`. One request is under
 //! way at a time and is repeated when no answer comes; the stream goes back to the point that the device wants next, so a
 //! lost or garbled frame costs time and never a point.
 
+use shakedown_core::State;
 use shakedown_core::link::{
-    MAX_POINTS, Phase, Points, RefusedBecause, Report, Request, Setup, Trip, VERSION, Vitals, answer,
+    Cause, MAX_POINTS, Points, RefusedBecause, Report, Request, Setup, VERSION, Vitals, answer,
 };
 
 use super::{Talker, Telemetry};
@@ -37,11 +38,11 @@ pub enum DriveError {
         /// Why not.
         because: RefusedBecause,
     },
-    /// The device tripped or stopped by itself.
-    #[error("the device stopped the run at tick {tick}: {trip:?}")]
-    Tripped {
+    /// The device tripped, stopped by itself, or does not arm.
+    #[error("the device stopped the run at tick {tick}: {cause:?}")]
+    Stopped {
         /// Why.
-        trip: Trip,
+        cause: Cause,
         /// When.
         tick: u32,
     },
@@ -70,6 +71,7 @@ enum Step {
     Start,
     Stream,
     Stand,
+    Disarm,
     Done,
 }
 
@@ -153,6 +155,7 @@ impl Drive {
             Step::Challenge => Request::RequestArming,
             Step::Arm(answer) => Request::Arm(answer),
             Step::Start => Request::Start,
+            Step::Disarm => Request::Disarm,
             Step::Fill | Step::Stream => self.points(),
             Step::Done => return None,
         })
@@ -174,6 +177,7 @@ impl Drive {
             Step::Challenge | Step::Arm(_) => "arming",
             Step::Fill | Step::Stream => "the reference",
             Step::Start => "the start",
+            Step::Disarm => "disarming",
             Step::Done => "nothing",
         }
     }
@@ -193,15 +197,14 @@ impl Drive {
             (Step::ClearTrip, Report::Done) => self.go(Step::Vitals),
             (Step::Challenge, Report::Challenge(challenge)) => self.go(Step::Arm(answer(challenge))),
             (Step::Start, Report::Done) => self.go(Step::Stream),
+            (Step::Disarm, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Done),
             (Step::Fill | Step::Stream, Report::Credit { next, room }) => self.credit(next, u32::from(room)),
             // The answer to an earlier asking was lost on the way.
-            (Step::ClearTrip, Report::Refused(RefusedBecause::Phase(Phase::Idle))) => self.go(Step::Vitals),
-            (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Phase(Phase::Armed))) => {
-                self.go(Step::Fill)
-            }
-            (Step::Start, Report::Refused(RefusedBecause::Phase(Phase::Running))) => self.go(Step::Stream),
+            (Step::ClearTrip, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Vitals),
+            (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::State(State::Ready))) => self.go(Step::Fill),
+            (Step::Start, Report::Refused(RefusedBecause::State(State::Running))) => self.go(Step::Stream),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Challenge)) => self.go(Step::Challenge),
-            (Step::Stream, Report::Refused(RefusedBecause::Phase(_))) => self.go(Step::Stand),
+            (Step::Stream, Report::Refused(RefusedBecause::State(_))) => self.go(Step::Stand),
             (_, Report::Refused(because)) => {
                 self.failed = Some(DriveError::Refused { request: self.name(), because });
             }
@@ -211,20 +214,23 @@ impl Drive {
 
     /// The device says where it stands: the answer to a question, or because it changed.
     fn vitals(&mut self, step: Step, vitals: Vitals) {
-        let moving = matches!(step, Step::Fill | Step::Start | Step::Stream | Step::Stand);
-        match (step, vitals.phase) {
-            (Step::Vitals, Phase::Tripped) => self.go(Step::ClearTrip),
-            (Step::Vitals, Phase::Idle) => self.go(Step::Challenge),
-            (Step::Challenge | Step::Arm(_), Phase::Armed) => self.go(Step::Fill),
-            (Step::Start, Phase::Running) => self.go(Step::Stream),
-            (_, Phase::Tripped) if moving => {
-                let trip = vitals.trip.unwrap_or(Trip::Guard);
-                self.failed = Some(DriveError::Tripped { trip, tick: vitals.ticks });
+        let moving = matches!(step, Step::Fill | Step::Start | Step::Stream | Step::Stand | Step::Disarm);
+        let stopped = |cause: Option<Cause>| {
+            let cause = cause.unwrap_or(Cause::Asked);
+            DriveError::Stopped { cause, tick: vitals.ticks }
+        };
+        match (step, vitals.state) {
+            (Step::Vitals, State::Tripped) => self.go(Step::ClearTrip),
+            (Step::Vitals, State::Off) => self.go(Step::Challenge),
+            (Step::Vitals | Step::Challenge | Step::Arm(_), State::Ready) => self.go(Step::Fill),
+            (Step::Arm(_), State::Off) if vitals.cause.is_some() => self.failed = Some(stopped(vitals.cause)),
+            (Step::Start, State::Running) => self.go(Step::Stream),
+            (Step::Stream | Step::Stand, State::Ready) if vitals.cause.is_some() => {
+                self.failed = Some(stopped(vitals.cause));
             }
-            (Step::Stream | Step::Stand, Phase::Idle) => match vitals.trip {
-                Some(trip) => self.failed = Some(DriveError::Tripped { trip, tick: vitals.ticks }),
-                None => self.go(Step::Done),
-            },
+            (Step::Stream | Step::Stand, State::Ready) => self.go(Step::Disarm),
+            (Step::Disarm, State::Off) => self.go(Step::Done),
+            (_, State::Tripped) if moving => self.failed = Some(stopped(vitals.cause)),
             _ => {}
         }
     }

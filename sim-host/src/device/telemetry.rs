@@ -1,14 +1,15 @@
 //! Telemetry put together again, with what is missing in it named.
 
-use shakedown_core::link::{Batch, Phase, Record};
+use shakedown_core::State;
+use shakedown_core::link::{Batch, Record};
 
 /// One tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// Tick since the device's reset.
     pub tick: u32,
-    /// Where the device stood.
-    pub phase: Phase,
+    /// Where the test stood.
+    pub state: State,
     /// What it saw and did.
     pub record: Record,
 }
@@ -46,7 +47,7 @@ impl Telemetry {
         self.dropped = batch.dropped;
         let mut tick = batch.first;
         for &record in &batch.records {
-            self.rows.push(Row { tick, phase: batch.phase, record });
+            self.rows.push(Row { tick, state: batch.state, record });
             tick = tick.wrapping_add(every);
         }
         self.expected = Some(tick);
@@ -69,7 +70,7 @@ impl Telemetry {
 
     /// The records of the run: from its first tick to its last.
     pub fn run(&self) -> impl Iterator<Item = &Row> {
-        self.rows.iter().filter(|row| matches!(row.phase, Phase::Running))
+        self.rows.iter().filter(|row| row.state == State::Running)
     }
 }
 
@@ -79,7 +80,7 @@ mod tests {
 
     fn batch(first: u32, every: u16, records: usize) -> Batch {
         let records = (0..records).map(|_| Record::default()).collect();
-        Batch { first, every, phase: Phase::Running, dropped: 0, records }
+        Batch { first, every, state: State::Running, dropped: 0, records }
     }
 
     #[test]

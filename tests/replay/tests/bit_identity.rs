@@ -1,0 +1,80 @@
+//! The image on the emulated processor and the same sources on the host give the same command codes, all of them.
+
+mod common;
+
+use common::{image, near_field, seen::Seen, setup, twin};
+use shakedown::device::Progress;
+use shakedown_core::{Mode, State};
+
+const SECONDS: usize = 60;
+
+/// Runs `mode` on both; the first tick at which they differ.
+fn first_difference(mode: Mode, seconds: usize, spoil: impl FnMut(usize, u16) -> u16) -> (Seen, Option<usize>) {
+    let (setup, record) = (setup(mode), near_field(seconds));
+    let seen = shakedown_replay::run(&image(), Seen::new(setup, record.clone())).unwrap().world;
+    assert_eq!(seen.progress, Progress::Done);
+    assert_eq!(seen.drive.telemetry().gaps(), []);
+    assert_eq!(seen.drive.telemetry().dropped(), 0);
+    let ticks = seen.codes.len() - 1;
+    let twin = twin::run(setup, &record, seen.drive.telemetry(), ticks, spoil);
+    let difference = (0..ticks).find(|&tick| seen.codes[tick] != twin.codes[tick]);
+    if difference.is_none() {
+        telemetry_says_what_was_done(&seen, &twin);
+    }
+    (seen, difference)
+}
+
+/// Every record of telemetry is, bit for bit, what the twin did in that tick and what was at the converters.
+fn telemetry_says_what_was_done(seen: &Seen, twin: &twin::Twin) {
+    let rows = seen.drive.telemetry().rows();
+    assert!(rows.len() > seen.codes.len() - 200);
+    for row in rows {
+        let codes = seen.codes[row.tick as usize];
+        assert_eq!((row.record.inputs, row.record.output), (codes.inputs, codes.output), "tick {}", row.tick);
+        let Some(entry) = twin.entries.get(row.tick as usize) else { continue };
+        let bits = |r: &shakedown_core::link::Record| (r.reference.to_bits(), r.fitted.to_bits(), r.flags);
+        assert_eq!(bits(&row.record), bits(&entry.record), "tick {}", row.tick);
+        assert_eq!(row.state, entry.state, "tick {}", row.tick);
+    }
+}
+
+fn identical(mode: Mode) {
+    let (seen, difference) = first_difference(mode, SECONDS, |_, code| code);
+    assert_eq!(difference, None);
+    let running = seen.drive.telemetry().run().count();
+    assert!(running >= SECONDS * 1000, "{running} ticks ran");
+    let outputs: std::collections::BTreeSet<u16> = seen.drive.telemetry().run().map(|row| row.record.output).collect();
+    assert!(outputs.len() > 100, "only {} different codes: the run showed nothing", outputs.len());
+}
+
+#[test]
+fn guard_mode_is_bit_identical() {
+    identical(Mode::Guard);
+}
+
+#[test]
+fn modifier_mode_is_bit_identical() {
+    identical(Mode::Modifier);
+}
+
+#[test]
+fn controller_mode_is_bit_identical() {
+    identical(Mode::Controller);
+}
+
+/// The control of the tests above: one bit wrong in one code, and they fail at that tick.
+#[test]
+fn one_wrong_bit_is_found() {
+    let mut at = None;
+    let spoil = |tick, code: u16| {
+        if tick == 2500 {
+            at = Some(tick);
+            code ^ 1
+        } else {
+            code
+        }
+    };
+    let (seen, difference) = first_difference(Mode::Controller, 4, spoil);
+    assert_eq!(difference, at);
+    assert!(seen.drive.telemetry().rows().iter().any(|row| row.tick == 2500 && row.state == State::Running));
+}

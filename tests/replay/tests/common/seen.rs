@@ -1,0 +1,84 @@
+//! The world around the emulated board: the bench at its converters, a host's [`Drive`] at its line.
+
+use shakedown::device::{Drive, Progress, Talker};
+use shakedown_core::link::Setup;
+use shakedown_replay::{Tick, World};
+
+use super::bench::Bench;
+
+/// What was at the converters in one tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Codes {
+    pub inputs: [u16; 4],
+    pub output: u16,
+    pub relay: bool,
+}
+
+/// What goes wrong, and when; see `faults.rs`.
+pub type Mischief = Box<dyn FnMut(&mut Tick<'_>, &mut Talker) + Send>;
+
+/// A run of a record on the emulated board.
+pub struct Seen {
+    pub bench: Bench,
+    pub drive: Drive,
+    pub talker: Talker,
+    /// By tick.
+    pub codes: Vec<Codes>,
+    /// Instructions retired up to each tick.
+    pub instructions: Vec<u64>,
+    pub progress: Progress,
+    pub mischief: Option<Mischief>,
+    /// Ticks still to run after the end, so that the last telemetry arrives.
+    pub after: u32,
+    pub limit: usize,
+    relay: bool,
+}
+
+impl Seen {
+    pub fn new(setup: Setup, record: Vec<f32>) -> Self {
+        let limit = record.len() + 30_000;
+        Self {
+            bench: Bench::new(setup, record.clone()),
+            drive: Drive::new(Some(setup), record),
+            talker: Talker::new(),
+            codes: Vec::new(),
+            instructions: Vec::new(),
+            progress: Progress::Points(0),
+            mischief: None,
+            after: 100,
+            limit,
+            relay: false,
+        }
+    }
+
+    fn host(&mut self, tick: &mut Tick<'_>) {
+        self.talker.hear(tick.line.from_device.drain(..));
+        self.progress = self.drive.advance(&mut self.talker, tick.time / 1_000_000);
+        tick.line.to_device.extend(self.talker.outgoing().drain(..));
+    }
+}
+
+impl World for Seen {
+    fn tick(&mut self, mut tick: Tick<'_>) -> bool {
+        if let (Some(output), Some(last)) = (tick.output, self.codes.last_mut()) {
+            last.output = output;
+            last.relay = tick.relay;
+            self.bench.advance(output, tick.relay);
+        }
+        if tick.relay && !self.relay && self.bench.played.is_none() {
+            self.bench.played = Some(0);
+        }
+        self.relay = tick.relay;
+        *tick.inputs = self.bench.codes();
+        self.host(&mut tick);
+        if let Some(mischief) = &mut self.mischief {
+            mischief(&mut tick, &mut self.talker);
+        }
+        self.codes.push(Codes { inputs: *tick.inputs, output: 0, relay: false });
+        self.instructions.push(tick.instructions);
+        if !matches!(self.progress, Progress::Points(_)) {
+            self.after -= 1;
+        }
+        self.after > 0 && self.codes.len() < self.limit
+    }
+}

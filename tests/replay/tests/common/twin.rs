@@ -1,0 +1,71 @@
+//! The same run on the host: the firmware's own [`Loop`] around the same core, the same bench, and orders at the ticks at
+//! which the device's telemetry says that it took them.
+
+use shakedown::device::Telemetry;
+use shakedown_core::link::Setup;
+use shakedown_core::{Controller, Request, State};
+use shakedown_firmware::queues::{Entry, Order, Point, Queues};
+use shakedown_firmware::{Events, Loop};
+
+use super::bench::Bench;
+use super::seen::Codes;
+
+/// What the twin did, by tick from the device's reset.
+pub struct Twin {
+    pub codes: Vec<Codes>,
+    pub entries: Vec<Entry>,
+}
+
+/// Ticks at which the state became another, with the state before and the one it became.
+fn changes(telemetry: &Telemetry) -> Vec<(u32, State, State)> {
+    let rows = telemetry.rows();
+    rows.windows(2).filter(|pair| pair[0].state != pair[1].state).map(|p| (p[1].tick, p[0].state, p[1].state)).collect()
+}
+
+/// Runs `ticks` of the twin. `spoil` may touch an output code on its way to the bench and the log.
+pub fn run(
+    setup: Setup,
+    record: &[f32],
+    telemetry: &Telemetry,
+    ticks: usize,
+    mut spoil: impl FnMut(usize, u16) -> u16,
+) -> Twin {
+    let changes = changes(telemetry);
+    let mut queues = Queues::new();
+    let (loop_end, mut desk) = queues.split();
+    let controller = Controller::new(&setup.control).unwrap();
+    let mut decide = Loop::new(controller, &setup, loop_end, false);
+    let mut bench = Bench::new(setup, record.to_vec());
+    let mut points = record.iter().filter_map(|&point| Point::new(point)).chain([Point::END]);
+    let mut twin = Twin { codes: Vec::new(), entries: Vec::new() };
+    let mut relay = false;
+    for tick in 0..ticks {
+        for &(_, before, after) in changes.iter().filter(|(at, ..)| *at as usize == tick) {
+            let request = match (before, after) {
+                (State::Off, State::Ready) => Request::Arm,
+                (State::Ready, State::Running) => Request::Start,
+                (State::Ready, State::Off) => Request::Off,
+                _ => continue,
+            };
+            desk.orders.enqueue(Order::Ask(request)).unwrap();
+        }
+        if relay && desk.points.ready()
+            && let Some(point) = points.next()
+        {
+            desk.points.enqueue(point).unwrap();
+        }
+        let inputs = bench.codes();
+        let outcome = decide.tick(inputs, Events::default());
+        let output = spoil(tick, outcome.output);
+        twin.codes.push(Codes { inputs, output, relay: outcome.relay });
+        while let Some(entry) = desk.records.dequeue() {
+            twin.entries.push(entry);
+        }
+        bench.advance(output, outcome.relay);
+        if outcome.relay && !relay && bench.played.is_none() {
+            bench.played = Some(0);
+        }
+        relay = outcome.relay;
+    }
+    twin
+}
