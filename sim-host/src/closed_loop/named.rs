@@ -17,6 +17,7 @@ pub fn settings(gains: Gains, rate: f64) -> Settings {
         acceleration: pair(gains.acceleration),
         velocity_limit: 0.242,
         stroke: 0.12,
+        ..Settings::default()
     }
 }
 
