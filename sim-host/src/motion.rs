@@ -7,12 +7,15 @@
 pub mod condition;
 pub mod filter;
 pub mod fit;
+pub mod fit_area;
+pub mod generate;
 pub mod metrics;
 pub mod read;
 mod record;
 pub mod resample;
 pub mod spectrum;
 mod unit;
+pub mod write;
 
 pub use record::{Fact, Format, Motion, Record};
 pub use unit::{AccelerationUnit, STANDARD_GRAVITY, UnknownUnit};

@@ -165,3 +165,57 @@ pub fn spectrum_misfit(
     let (worst_period, worst) = deviations.iter().copied().max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()))?;
     Some(SpectrumMisfit { rms: (sum / deviations.len() as f64).sqrt(), worst: worst.abs(), worst_period })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::generate::NEAR_FIELD_MODERATE;
+    use super::super::spectrum::{periods, response_spectrum};
+    use super::*;
+
+    /// The motion a number of samples later, at rest before.
+    fn late(motion: &Motion, samples: usize) -> Motion {
+        let n = motion.len();
+        let mut acceleration = vec![0.0; samples];
+        acceleration.extend(&motion.acceleration[..n - samples]);
+        Motion::from_acceleration(motion.dt, acceleration)
+    }
+
+    #[test]
+    fn a_late_and_weaker_response_is_taken_apart_into_both() {
+        let reference = NEAR_FIELD_MODERATE.generate(2).unwrap().motion();
+        let response = late(&reference, 12).scaled(0.9);
+        let found = compare(&reference, &response, None).unwrap();
+        assert!((found.e_a.delay - 0.06).abs() < 1e-4 && (found.e_d.delay - 0.06).abs() < 2e-3, "{found:?}");
+        assert!((found.e_a.ratio - 0.1).abs() < 1e-3 && (found.e_a.squared() - 0.01).abs() < 2e-4, "{found:?}");
+        assert!((found.e_d.ratio - 0.1).abs() < 1e-3 && (found.spike_ratio() - 0.9).abs() < 1e-12, "{found:?}");
+        assert!(found.e_a_unshifted.ratio > 0.5, "{found:?}");
+        assert!((found.e_d_at_acceleration_delay.ratio - 0.1).abs() < 1e-3, "{found:?}");
+    }
+
+    #[test]
+    fn a_window_sees_only_its_own_errors() {
+        let reference = NEAR_FIELD_MODERATE.generate(2).unwrap().motion();
+        let mut response = reference.clone();
+        response.acceleration[1000] += 50.0;
+        let at = |from_s, to_s| compare(&reference, &response, Some(Window { from_s, to_s }));
+        let quiet = at(5.1, 16.0).unwrap();
+        assert!(quiet.e_a_unshifted.ratio == 0.0 && quiet.e_a.ratio == 0.0, "{quiet:?}");
+        let loud = at(1.0, 5.0).unwrap();
+        assert!(loud.e_a_unshifted.ratio > 1.0 && loud.spike_ratio() > 10.0, "{loud:?}");
+        assert_eq!(at(90.0, 91.0), Err(CompareError::Window { from_s: 90.0, to_s: 91.0 }));
+        let other = Motion { dt: 0.01, ..reference.clone() };
+        assert!(matches!(compare(&reference, &other, None), Err(CompareError::Interval { .. })));
+        let shorter = Motion::from_acceleration(reference.dt, reference.acceleration[1..].to_vec());
+        assert!(matches!(compare(&reference, &shorter, None), Err(CompareError::Length { .. })));
+    }
+
+    #[test]
+    fn the_misfit_of_a_scaled_motion_is_the_scale_less_one() {
+        let motion = NEAR_FIELD_MODERATE.generate(2).unwrap().motion();
+        let spectrum = |m: &Motion| response_spectrum(&m.acceleration, m.dt, 0.05, &periods(0.05, 0.5, 10)).unwrap();
+        let (a, b) = (spectrum(&motion), spectrum(&motion.scaled(1.07)));
+        let misfit = spectrum_misfit(&a, &b, 0.04, 0.6).unwrap();
+        assert!((misfit.rms - 0.07).abs() < 1e-9 && (misfit.worst - 0.07).abs() < 1e-9);
+        assert_eq!(spectrum_misfit(&a, &b, 1.0, 2.0), None);
+    }
+}

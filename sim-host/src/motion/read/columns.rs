@@ -173,8 +173,8 @@ fn interval(block: &Block, table: &Table, time: Option<usize>, options: &Options
         let remedy = "resample the record to even steps";
         return Err(block.contradiction(table.lines[i + 1], "time", pair, remedy));
     }
-    // Times are rounded; a person rounds intervals to a microsecond.
-    let dt = (mean_step(&times) * size * 1e9).round() / 1e9;
+    // Times come in decimals, so an interval does too, but for what dividing leaves in its last bits.
+    let dt = (mean_step(&times) * size * 1e11).round() / 1e11;
     interval_in_range(block, table.lines.first().copied().unwrap_or(0), dt)?;
     Ok(dt)
 }

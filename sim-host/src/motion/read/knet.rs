@@ -44,7 +44,9 @@ pub(super) fn read(block: &Block) -> Result<Record, ReadError> {
             "download the file again",
         ));
     }
-    let mean = counts.iter().sum::<f64>() / counts.len().max(1) as f64;
+    // Files written here say that they have no offset to take out.
+    let offset = !memo.1.contains(crate::motion::write::NO_OFFSET);
+    let mean = if offset { counts.iter().sum::<f64>() / counts.len().max(1) as f64 } else { 0.0 };
     let acceleration: Vec<f64> = counts.iter().map(|c| (c - mean) * scale).collect();
     check_peak(&head, &acceleration)?;
     let mut facts: Vec<Fact> = KEYS.iter().filter_map(|&(needle, key)| fact(&head, needle, key)).collect();
