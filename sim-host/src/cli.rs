@@ -4,6 +4,7 @@ mod failure;
 mod output;
 mod present;
 mod progress;
+mod prove;
 mod sweep;
 
 use clap::{Parser, Subcommand};
@@ -22,6 +23,7 @@ struct Arguments {
 /// What can be asked for; nothing given is `demo`.
 #[derive(Debug, Subcommand)]
 enum Command {
+    Prove(prove::Args),
     Sweep(sweep::Args),
 }
 
@@ -31,6 +33,7 @@ pub(crate) fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match arguments.command {
         None => Ok(()),
         Some(command) => match command {
+            Command::Prove(args) => prove::run(&args),
             Command::Sweep(args) => sweep::run(&args),
         },
     };

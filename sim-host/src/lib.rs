@@ -8,6 +8,7 @@ pub mod files;
 pub mod identify;
 pub mod motion;
 pub mod plant;
+pub mod prove;
 pub mod recording;
 pub mod report;
 pub mod scalar;

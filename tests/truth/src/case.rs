@@ -98,13 +98,14 @@ fn size(saturating: bool) -> Size {
 fn wish(what: Stratum, unlisted: Option<Unlisted>, rng: &mut Stream) -> (Wish, Option<(Effect, Effect)>) {
     match what {
         Stratum::Null => (Wish::plain(kind(true, true, 0.25, rng)), None),
-        Stratum::Single(effect, _) => {
+        Stratum::Single(effect, strength) => {
             let axis = !matches!(effect, Effect::ValveLag | Effect::CommandDelay | Effect::DisplacementLag);
             let wish = Wish {
                 kind: kind(effect.suits_rigid(), axis, 0.15, rng),
                 size: size(effect.needs_saturation()),
                 accelerometer: effect.needs_accelerometer(),
                 damping_known: effect == Effect::ViscousFriction,
+                quiet: strength == Strength::Gross && effect.needs_accelerometer(),
             };
             (wish, None)
         }

@@ -355,7 +355,7 @@ impl Effect {
             }
             E::BaseCompliance => {
                 let base = Base {
-                    mass_ratio: 0.6 * s,
+                    mass_ratio: 0.8 * s,
                     frequency: draw.between(0, 5.0, 20.0),
                     damping: draw.between(1, 0.03, 0.12),
                     cubic: 100.0,

@@ -42,12 +42,14 @@ pub struct Wish {
     pub accelerometer: bool,
     /// The damping may not be re-estimated: it would swallow the flaw.
     pub damping_known: bool,
+    /// A quiet accelerometer: a flaw that only it sees is to be seen well.
+    pub quiet: bool,
 }
 
 impl Wish {
     /// Nothing in particular.
     pub fn plain(kind: Kind) -> Self {
-        Self { kind, size: Size::Any, accelerometer: false, damping_known: false }
+        Self { kind, size: Size::Any, accelerometer: false, damping_known: false, quiet: false }
     }
 }
 
@@ -81,7 +83,7 @@ impl Scene {
         let controller = controller(wish, &truth, rng);
         let runs = runs(wish, &truth, controller, number, rng);
         let predictions: Vec<_> = runs.iter().map(|run| predict(&truth, run)).collect();
-        let noise = noise(wish.kind, (rng.bits(), number), rng);
+        let noise = noise(wish, (rng.bits(), number), rng);
         let with_accelerometer = wish.kind != Kind::Axis || wish.accelerometer || rng.chance(0.5);
         let sigma = effective_sigma(&truth, &runs, &predictions, &noise, with_accelerometer);
         let saturated = predictions.split_last().is_some_and(|(_, fit)| fit.iter().any(|p| p.saturated > 0.01));
@@ -192,14 +194,14 @@ fn runs(wish: Wish, truth: &Machine, controller: Controller, number: u64, rng: &
         .collect()
 }
 
-fn noise(kind: Kind, seed: (u64, u64), rng: &mut Stream) -> Noise {
-    let (step, displacement) = match kind {
+fn noise(wish: Wish, seed: (u64, u64), rng: &mut Stream) -> Noise {
+    let (step, displacement) = match wish.kind {
         Kind::Axis => (1e-6, rng.log_uniform(1e-6, 3e-6)),
         // The paper's 0.04 mm, dithered by half a count of noise so that it does not stick; or a 16-bit converter.
         _ if rng.chance(0.25) => (4e-5, rng.uniform(1.8e-5, 3e-5)),
         _ => (5e-6, rng.log_uniform(5e-6, 2.5e-5)),
     };
-    let acceleration = rng.log_uniform(0.03, 0.196);
+    let acceleration = if wish.quiet { rng.log_uniform(0.01, 0.03) } else { rng.log_uniform(0.03, 0.196) };
     let colour = if rng.chance(0.25) { rng.uniform(0.2, 0.5) } else { 0.0 };
     let hum = rng.chance(0.1).then(|| (rng.pick([50.0, 60.0]), rng.uniform(0.15, 0.35) * acceleration));
     Noise { displacement, step, acceleration, colour, hum, seed }

@@ -1,0 +1,146 @@
+//! `shakedown prove`: the diagnosis examined on concealed cases.
+
+mod engine;
+
+use super::output::{Outputs, print_table};
+use super::{Failure, progress};
+use clap::Subcommand;
+use engine::Engine;
+use shakedown::prove::campaign::{CampaignError, Plan, join, run as examine};
+use shakedown::prove::summary::{Summary, summarise};
+use shakedown::prove::{Examinee as _, page};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// The diagnosis examined on concealed cases, made by code that shares nothing with it.
+#[derive(Debug, clap::Args)]
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:
+  shakedown prove --cases 28 --seed 7                 a quick look
+  shakedown prove --seed 7 --cases 1400 --out proof    resumable: run it again and it goes on
+  shakedown prove --seed 7 --cases 1400 --out proof --shard 3/8
+  shakedown prove merge proof --report proof.html     joins the pieces to the result of one run
+  shakedown prove seals --seed 7 --cases 1400          the salted hashes, to be published first"
+)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    part: Option<Part>,
+    #[command(flatten)]
+    deal: Deal,
+    /// Folder for one file a case; without it the campaign cannot be resumed.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// This piece of N, from 1: a self-contained part of the campaign.
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// Which cases.
+#[derive(Debug, Clone, Copy, clap::Args)]
+struct Deal {
+    /// Seed of the cases: every fresh one is a fresh examination.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Number of cases; the mix repeats every 140.
+    #[arg(long, value_name = "K", default_value_t = 140)]
+    cases: u64,
+}
+
+#[derive(Debug, Subcommand)]
+enum Part {
+    /// Joins the pieces of a campaign to the result of one run; names a piece that is lost.
+    Merge {
+        /// Folder with the pieces, in itself or one folder below.
+        folder: PathBuf,
+        #[command(flatten)]
+        outputs: Outputs,
+    },
+    /// Prints each case's seal: a salted SHA-256 of its answer.
+    Seals {
+        #[command(flatten)]
+        deal: Deal,
+    },
+}
+
+/// One piece of several.
+#[derive(Debug, Clone, Copy)]
+struct Shard {
+    number: u64,
+    of: u64,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wanted = || format!("'{text}' is no piece: give I/N with 1 <= I <= N, for instance 3/8");
+        let (number, of) = text.split_once('/').ok_or_else(wanted)?;
+        let shard = Self { number: number.parse().map_err(|_| wanted())?, of: of.parse().map_err(|_| wanted())? };
+        if shard.number < 1 || shard.number > shard.of { Err(wanted()) } else { Ok(shard) }
+    }
+}
+
+/// Deals, examines, scores; or joins what was dealt and examined before.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    match &args.part {
+        Some(Part::Merge { folder, outputs }) => show(&joined(folder)?, outputs),
+        Some(Part::Seals { deal }) => {
+            seals(*deal);
+            Ok(())
+        }
+        None => campaign(args),
+    }
+}
+
+fn campaign(args: &Args) -> Result<(), Failure> {
+    let scratch = tempfile::tempdir().map_err(|e| Failure::Work(format!("no temporary folder: {e}")))?;
+    let folder = args.out.as_deref().unwrap_or(scratch.path());
+    let engine = Engine::new()?;
+    let Deal { seed, cases } = args.deal;
+    let plan = Plan { seed, cases, shard: args.shard.number, shards: args.shard.of, engine: engine.version() };
+    let bar = progress::bar(plan.numbers().len() as u64, "cases");
+    examine(&plan, folder, &engine, &|n| bar.inc(n)).map_err(failure)?;
+    bar.finish_and_clear();
+    if plan.shards > 1 {
+        let mine = plan.numbers().len();
+        eprintln!("shard {}/{}: {mine} cases in {}", plan.shard, plan.shards, folder.display());
+        eprintln!("when all are there: shakedown prove merge {}", folder.display());
+        return Ok(());
+    }
+    show(&joined(folder)?, &args.outputs)
+}
+
+fn joined(folder: &Path) -> Result<Summary, Failure> {
+    let (plan, records) = join(folder).map_err(failure)?;
+    Ok(summarise(&plan, &records))
+}
+
+fn show(summary: &Summary, outputs: &Outputs) -> Result<(), Failure> {
+    if !outputs.quiet() {
+        print_table(&page::gate_table(&summary.gates));
+        print_table(&page::row_table(&summary.strata, "Stratum", ""));
+    }
+    let mut json = serde_json::to_value(summary).map_err(|e| Failure::Work(e.to_string()))?;
+    if let Some(object) = json.as_object_mut() {
+        object.insert("schema".into(), "shakedown.proof/1".into());
+        object.insert("seed".into(), summary.plan.seed.into());
+    }
+    outputs.write_json(json, &[])?;
+    outputs.write_report(&mut page::page(summary), &[])
+}
+
+fn seals(deal: Deal) {
+    for case in shakedown_truth::cases(deal.seed, deal.cases) {
+        super::output::print(&format!("{}\t{}\n", case.name, case.sealed.seal));
+    }
+}
+
+fn failure(error: CampaignError) -> Failure {
+    match error {
+        CampaignError::File { .. } | CampaignError::Seal(_) => Failure::Work(error.to_string()),
+        _ => Failure::Input(error.to_string()),
+    }
+}

@@ -1,0 +1,30 @@
+//! The proof on concealed data: deals cases of an examiner that shares nothing with the diagnosis, has them answered
+//! through its public entry, opens the answers only then, and scores.
+//!
+//! One case leaves one file, so that a campaign stops and goes on, and pieces of it run anywhere: [`campaign`] makes the
+//! files, [`summary`] joins them, whoever made them, to the same result.
+
+pub mod bounds;
+pub mod campaign;
+pub mod gates;
+pub mod page;
+pub mod record;
+pub mod score;
+pub mod summary;
+
+use serde_json::Value;
+use std::path::Path;
+
+/// Who is examined: the diagnosis behind its public entry, and nothing else of it.
+pub trait Examinee: Sync {
+    /// Answers an experiment: the object of `diagnose --json`.
+    fn diagnose(&self, experiment: &Path) -> Result<Value, String>;
+
+    /// Fits an experiment's declared effects: the object of `identify --json`. Asked for data without noise, after the
+    /// answer was opened; the values it gives are the best that the library's own equations can do, and those that
+    /// intervals are to cover. None where there is no such thing.
+    fn identify(&self, experiment: &Path) -> Option<Result<Value, String>>;
+
+    /// What tells one version of it from another.
+    fn version(&self) -> String;
+}

@@ -1,0 +1,179 @@
+//! The campaign as a page: failures as plain as successes.
+
+use super::gates::{Gate, Limit};
+use super::summary::{Row, Summary};
+use crate::report::{Axis, Item, Matrix, Page, Plot, Section, Series, Style, Table};
+
+/// The page of a campaign.
+pub fn page(summary: &Summary) -> Page {
+    let failed: Vec<&str> = summary.gates.iter().filter(|g| !g.holds).map(|g| g.name).collect();
+    let lead = if failed.is_empty() {
+        format!("{} concealed cases: no gate's 95 % bound excludes its limit.", summary.plan.cases)
+    } else {
+        format!("{} concealed cases; gates missed: {}.", summary.plan.cases, failed.join("; "))
+    };
+    let section = |heading: &str, items: Vec<Item>| Section { heading: heading.into(), items };
+    Page {
+        title: "Proof on concealed data".into(),
+        lead,
+        sections: vec![
+            section("Gates", vec![Item::Table(gate_table(&summary.gates)), Item::Note(GATE_NOTE.into())]),
+            section("By stratum", vec![Item::Table(row_table(&summary.strata, "Stratum", "Cases by what they hold."))]),
+            section("Who was taken for whom", vec![Item::Matrix(matrix(summary))]),
+            section("Probabilities", vec![Item::Plot(reliability(summary)), Item::Text(brier(summary))]),
+            section("Intervals", vec![Item::Table(coverage(summary))]),
+            section(
+                "Fit on the run held out",
+                vec![Item::Table(row_table(&summary.effects, "Effect", "Single effects."))],
+            ),
+            section("Every case that was missed", vec![Item::Table(misses(summary))]),
+        ],
+        provenance: vec![
+            ("seed".into(), summary.plan.seed.to_string()),
+            ("cases".into(), summary.plan.cases.to_string()),
+            ("engine".into(), summary.plan.engine.clone()),
+        ],
+    }
+}
+
+const GATE_NOTE: &str = "A gate fails only where the one-sided 95 % bound (Clopper and Pearson) of its estimate excludes \
+                         the limit. A gate without cases says nothing.";
+
+fn percent(share: f64) -> String {
+    if share.is_nan() { "\u{2013}".into() } else { format!("{:.1}", 100.0 * share) }
+}
+
+/// The gates as a table.
+pub fn gate_table(gates: &[Gate]) -> Table {
+    let rows = gates.iter().map(|gate| {
+        let is_share = gate.name != "seconds a case";
+        let show = |value: f64| if is_share { format!("{} %", percent(value)) } else { format!("{value:.2} s") };
+        let limit = match gate.limit {
+            Limit::AtMost(most) => format!("\u{2264} {}", show(most)),
+            Limit::AtLeast(least) => format!("\u{2265} {}", show(least)),
+            Limit::Within(least, most) => format!("{} to {}", show(least), show(most)),
+        };
+        let bounds =
+            if is_share { format!("{} to {}", percent(gate.low), percent(gate.high)) } else { "\u{2013}".into() };
+        let outcome = if gate.cases == 0 {
+            "no cases"
+        } else if gate.holds {
+            "holds"
+        } else {
+            "MISSED"
+        };
+        vec![gate.name.into(), show(gate.value), limit, bounds, gate.cases.to_string(), outcome.into()]
+    });
+    Table {
+        columns: ["Gate", "Value", "Limit", "95 % bounds [%]", "Cases", "Outcome"].map(String::from).to_vec(),
+        rows: rows.collect(),
+        caption: String::new(),
+    }
+}
+
+/// Strata or effects as a table.
+pub fn row_table(rows: &[Row], what: &str, caption: &str) -> Table {
+    let figure = |v: Option<f64>| {
+        v.map_or_else(|| "\u{2013}".into(), |v| if v < 100.0 { format!("{v:.2}") } else { format!("{v:.0}") })
+    };
+    let columns = [
+        what,
+        "Cases",
+        "Detected",
+        "Right",
+        "Misnamed",
+        "Unnamed",
+        "Points",
+        "Brier",
+        "chi2 before",
+        "after",
+        "floor",
+        "Time [s]",
+    ];
+    let cells = |row: &Row| {
+        let [before, after, floor] = row.chi2.map(figure);
+        let counts = [row.cases, row.detected, row.right, row.misnamed, row.unnamed].map(|n| n.to_string());
+        let mut out = vec![row.name.clone()];
+        out.extend(counts);
+        out.extend([
+            format!("{:.2}", row.points),
+            figure(row.brier),
+            before,
+            after,
+            floor,
+            format!("{:.2}", row.seconds),
+        ]);
+        out
+    };
+    Table {
+        columns: columns.map(String::from).to_vec(),
+        rows: rows.iter().map(cells).collect(),
+        caption: caption.into(),
+    }
+}
+
+fn matrix(summary: &Summary) -> Matrix {
+    Matrix {
+        caption: "Nulls, single effects and unlisted flaws: how often each was given which name.".into(),
+        rows_are: "truth".into(),
+        columns_are: "answer".into(),
+        columns: summary.confusion.answers.clone(),
+        rows: summary
+            .confusion
+            .rows
+            .iter()
+            .map(|(truth, cells)| (truth.clone(), cells.iter().map(|n| *n as f64).collect()))
+            .collect(),
+    }
+}
+
+fn reliability(summary: &Summary) -> Plot {
+    let of = |f: fn(&super::summary::Bin) -> f64| summary.reliability.iter().map(f).collect::<Vec<_>>();
+    Plot {
+        title: "Reliability: how often the most probable set is the true one".into(),
+        x: Axis { label: "stated probability [1]".into(), log: false },
+        y: Axis { label: "share right [1]".into(), log: false },
+        series: vec![
+            Series { name: "cases".into(), x: of(|b| b.stated), y: of(|b| b.right), style: Style::Points },
+            Series { name: "calibrated".into(), x: vec![0.0, 1.0], y: vec![0.0, 1.0], style: Style::Dashed },
+        ],
+        ..Plot::default()
+    }
+}
+
+fn brier(summary: &Summary) -> String {
+    let bins: Vec<String> = summary
+        .reliability
+        .iter()
+        .map(|b| format!("{:.2} stated, {:.2} right ({} cases)", b.stated, b.right, b.cases))
+        .collect();
+    let score =
+        summary.brier.map_or_else(|| "no probabilities were given".into(), |b| format!("mean Brier score {b:.3}"));
+    format!("{score}. {}.", bins.join("; "))
+}
+
+fn coverage(summary: &Summary) -> Table {
+    let rows = summary.coverage.iter().map(|c| {
+        let share = percent(c.covering as f64 / c.intervals as f64);
+        vec![c.parameter.clone(), c.intervals.to_string(), share]
+    });
+    Table {
+        columns: ["Parameter", "Intervals", "Covering [%]"].map(String::from).to_vec(),
+        rows: rows.collect(),
+        caption:
+            "90 % intervals of rightly named effects against the value that the library's own equation fits best to \
+                  the same case without noise."
+                .into(),
+    }
+}
+
+fn misses(summary: &Summary) -> Table {
+    let rows = summary.misses.iter().map(|m| {
+        vec![m.case.to_string(), m.stratum.clone(), m.truth.clone(), m.reply.clone(), format!("{:.2}", m.baseline_chi2)]
+    });
+    Table {
+        columns: ["Case", "Stratum", "Truth", "Reply", "chi2 of the baseline"].map(String::from).to_vec(),
+        rows: rows.collect(),
+        caption: "Wrong sets and wrong verdicts. The chi2 is the examiner's own, without noise.".into(),
+    }
+}

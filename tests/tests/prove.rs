@@ -1,0 +1,90 @@
+//! A campaign stops and goes on, comes in pieces and joins to the result of one run, and opens no answer early.
+
+use serde_json::{Value, json};
+use shakedown::prove::Examinee;
+use shakedown::prove::campaign::{CampaignError, Plan, join, run};
+use shakedown::prove::summary::summarise;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+const SEED: u64 = 21;
+const CASES: u64 = 5;
+
+/// Says that all is well, and watches that no opened answer lies about while it is asked.
+struct Contented {
+    asked: AtomicUsize,
+    records: PathBuf,
+}
+
+impl Contented {
+    fn beside(folder: &Path) -> Self {
+        Self { asked: AtomicUsize::new(0), records: folder.join("records") }
+    }
+}
+
+impl Examinee for Contented {
+    fn diagnose(&self, experiment: &Path) -> Result<Value, String> {
+        self.asked.fetch_add(1, Ordering::SeqCst);
+        let folder = experiment.parent().ok_or("no folder")?;
+        let names: Vec<String> = std::fs::read_dir(folder)
+            .map_err(|e| e.to_string())?
+            .flatten()
+            .map(|e| e.file_name().to_string_lossy().into_owned())
+            .collect();
+        assert!(names.iter().all(|n| n == "experiment.toml" || n.starts_with("run-")), "{names:?}");
+        let case = folder.file_name().ok_or("no name")?;
+        assert!(!self.records.join(case).with_extension("json").exists(), "opened before it was answered");
+        Ok(json!({"verdict": "consistent", "candidates": [{"ids": [], "probability": 1.0}]}))
+    }
+
+    fn identify(&self, _experiment: &Path) -> Option<Result<Value, String>> {
+        None
+    }
+
+    fn version(&self) -> String {
+        "contented".into()
+    }
+}
+
+fn piece(shard: u64, shards: u64) -> Plan {
+    Plan { seed: SEED, cases: CASES, shard, shards, engine: "contented".into() }
+}
+
+#[test]
+fn pieces_join_to_the_result_of_one_run_and_a_lost_one_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
+    run(&piece(1, 1), &whole, &Contented::beside(&whole), &|_| ()).unwrap();
+    let one = parts.join("a");
+    run(&piece(1, 2), &one, &Contented::beside(&one), &|_| ()).unwrap();
+    let lost = join(&parts).unwrap_err().to_string();
+    assert!(lost.contains("shard 2/2: 2 cases missing (1, 3)"), "{lost}");
+    let two = parts.join("b");
+    run(&piece(2, 2), &two, &Contented::beside(&two), &|_| ()).unwrap();
+
+    let result = |folder: &Path| {
+        let (plan, mut records) = join(folder).unwrap();
+        // Wall time is the one thing that differs.
+        records.iter_mut().for_each(|record| record.seconds = 0.0);
+        serde_json::to_string(&summarise(&plan, &records)).unwrap()
+    };
+    assert_eq!(result(&whole), result(&parts));
+
+    // It goes on where it stopped: nothing is asked twice.
+    std::fs::remove_file(whole.join("records/case-0003.json")).unwrap();
+    std::fs::remove_file(whole.join("answers/case-0003.json")).unwrap();
+    let again = Contented::beside(&whole);
+    run(&piece(1, 1), &whole, &again, &|_| ()).unwrap();
+    assert_eq!(again.asked.load(Ordering::SeqCst), 1);
+    assert_eq!(result(&whole), result(&parts));
+
+    // An answer given before the seal was broken stands.
+    std::fs::remove_file(whole.join("records/case-0003.json")).unwrap();
+    let stopped = Contented::beside(&whole);
+    run(&piece(1, 1), &whole, &stopped, &|_| ()).unwrap();
+    assert_eq!(stopped.asked.load(Ordering::SeqCst), 0);
+
+    // Another engine's campaign is not mixed in.
+    let other = Plan { engine: "another".into(), ..piece(1, 1) };
+    assert!(matches!(run(&other, &whole, &again, &|_| ()), Err(CampaignError::Other { .. })));
+}
