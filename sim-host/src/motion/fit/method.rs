@@ -104,11 +104,14 @@ fn fit(
 
 /// The motion whose acceleration is the reference's less the slope of what was given up.
 fn drive(motion: &Motion, reference: &Reference, velocity: &[f64]) -> Motion {
-    let given_up: Vec<f64> = reference.velocity.iter().zip(velocity).map(|(r, v)| r - v).collect();
+    let mut given_up: Vec<f64> = reference.velocity.iter().zip(velocity).map(|(r, v)| r - v).collect();
+    // The table starts at rest, whatever a filter has made of the reference's first sample.
+    if let (Some(first), Some(r)) = (given_up.first_mut(), reference.velocity.first()) {
+        *first = *r;
+    }
     let slope = central_difference(&given_up, motion.dt);
     let acceleration = motion.acceleration.iter().zip(&slope).map(|(a, s)| a - s).collect();
-    let start = velocity.first().copied().unwrap_or(0.0);
-    Motion::from_state(motion.dt, acceleration, reference.start, start)
+    Motion::from_state(motion.dt, acceleration, reference.start, 0.0)
 }
 
 /// The limits to fit to next, where `drive` breaks one that the method looks at.
