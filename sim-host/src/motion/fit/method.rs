@@ -1,0 +1,138 @@
+//! A fit by name: from a motion to the motion that the table is given instead, limits checked on what is written.
+//!
+//! A record holds acceleration samples, and whoever reads it integrates them as linear in between ([`Motion`]). So what a
+//! fit gives up, e, is taken off as a' = a - (e[k+1] - e[k-1]) / 2 dt, and a motion untouched stays untouched to the last
+//! digit. Integrated again that gives e averaged over its neighbours, which can pass a limit by a little where the
+//! reference bends; the limits are then tightened by as much and the fit repeated.
+
+use super::super::record::central_difference;
+use super::super::{Motion, peak};
+use super::online::{self, Modifier};
+use super::spectrum::{self, Band, SpectrumFit};
+use super::{FitError, Fitted, Limits, Norm, Reference, convex, steepest, taut};
+
+/// How a record is fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// The paper's Eq. 10.
+    Clip,
+    /// The taut string: velocity and end displacement only.
+    Taut,
+    /// The nearest waveform within every limit.
+    Convex(Norm),
+    /// The nearest waveform that keeps a band of the response spectrum.
+    Spectrum(Band),
+    /// The core's causal modifier.
+    Causal,
+    /// The core's preview modifier, with so many seconds of preview.
+    Preview(f64),
+}
+
+/// A motion fitted to a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modified {
+    /// What the table is given.
+    pub motion: Motion,
+    /// No motion within the limits is nearer in the method's norm; `None` where the method proves nothing.
+    pub bound: Option<f64>,
+    /// The band, where the spectrum was to be kept.
+    pub spectrum: Option<SpectrumFit>,
+    /// The limits that the last repetition was fitted to.
+    pub tightened: Limits,
+}
+
+/// A limit counts as kept within this share of it: far below what a sensor resolves.
+const KEPT: f64 = 1e-5;
+/// Repetitions at most.
+const REPETITIONS: usize = 6;
+
+/// Fits `motion` to `limits`. `progress` is told what is being done.
+pub fn modify(
+    motion: &Motion,
+    limits: &Limits,
+    method: Method,
+    mut progress: impl FnMut(&str),
+) -> Result<Modified, FitError> {
+    let start = motion.displacement.first().copied().unwrap_or(0.0);
+    let reference = Reference::new(motion.dt, motion.velocity.clone(), start)?;
+    let mut tightened = *limits;
+    let mut bound = None;
+    for repetition in 0..REPETITIONS {
+        if repetition > 0 {
+            progress("tightening the limits to what integration makes of the samples");
+        }
+        let (fitted, spectrum) = fit(&reference, &tightened, method, &mut progress)?;
+        if repetition == 0 {
+            bound = fitted.bound;
+        }
+        let drive = drive(motion, &reference, &fitted.velocity);
+        let Some(next) = tighter(&drive, limits, &tightened, method) else {
+            return Ok(Modified { motion: drive, bound, spectrum, tightened });
+        };
+        if repetition + 1 == REPETITIONS {
+            return Ok(Modified { motion: drive, bound, spectrum, tightened });
+        }
+        tightened = next;
+    }
+    Err(FitError::Solver("the limits were not met after tightening".into()))
+}
+
+fn fit(
+    reference: &Reference,
+    limits: &Limits,
+    method: Method,
+    progress: &mut impl FnMut(&str),
+) -> Result<(Fitted, Option<SpectrumFit>), FitError> {
+    let fitted = match method {
+        Method::Clip => online::fit(reference, limits, Modifier::Clip),
+        Method::Causal => online::fit(reference, limits, Modifier::Causal),
+        Method::Preview(seconds) => online::fit(reference, limits, Modifier::Preview(seconds)),
+        Method::Taut => taut::fit(reference, limits),
+        Method::Convex(norm) => {
+            progress("solving the convex program");
+            convex::fit(reference, limits, norm)
+        }
+        Method::Spectrum(band) => {
+            let found = spectrum::fit(reference, limits, &band, |round, deviation| {
+                progress(&format!("round {round}: S_a within {:.1} %", 100.0 * deviation));
+            })?;
+            return Ok((found.fitted.clone(), Some(found)));
+        }
+    };
+    Ok((fitted?, None))
+}
+
+/// The motion whose acceleration is the reference's less the slope of what was given up.
+fn drive(motion: &Motion, reference: &Reference, velocity: &[f64]) -> Motion {
+    let mut given_up: Vec<f64> = reference.velocity.iter().zip(velocity).map(|(r, v)| r - v).collect();
+    // The table starts at rest, whatever a filter has made of the reference's first sample.
+    if let (Some(first), Some(r)) = (given_up.first_mut(), reference.velocity.first()) {
+        *first = *r;
+    }
+    let slope = central_difference(&given_up, motion.dt);
+    let acceleration = motion.acceleration.iter().zip(&slope).map(|(a, s)| a - s).collect();
+    Motion::from_state(motion.dt, acceleration, reference.start, 0.0)
+}
+
+/// The limits to fit to next, where `drive` breaks one that the method looks at.
+fn tighter(drive: &Motion, limits: &Limits, tightened: &Limits, method: Method) -> Option<Limits> {
+    let all = matches!(method, Method::Convex(_) | Method::Spectrum(_));
+    let stroke = all || matches!(method, Method::Causal | Method::Preview(_));
+    let mut next = *tightened;
+    let mut broken = false;
+    let mut tighten = |looked_at: bool, found: f64, limit: Option<f64>, now: &mut Option<f64>| {
+        if let (true, Some(limit), Some(value)) = (looked_at, limit, now.as_mut())
+            && found > limit * (1.0 + KEPT)
+        {
+            *value *= (1.0 - 0.1 * KEPT) * limit / found;
+            broken = true;
+        }
+    };
+    let mut velocity = Some(next.velocity);
+    tighten(true, peak(&drive.velocity), Some(limits.velocity), &mut velocity);
+    tighten(stroke, peak(&drive.displacement), limits.stroke, &mut next.stroke);
+    tighten(all, peak(&drive.acceleration), limits.acceleration, &mut next.acceleration);
+    tighten(all, steepest(&drive.acceleration, drive.dt), limits.jerk, &mut next.jerk);
+    next.velocity = velocity.unwrap_or(next.velocity);
+    broken.then_some(next)
+}
