@@ -82,6 +82,14 @@ pub struct BlockError {
     pub high: f32,
 }
 
+impl BlockError {
+    /// The same error under the name that the quantity has in the settings.
+    #[must_use]
+    pub(crate) fn named(self, field: &'static str) -> Self {
+        Self { field, ..self }
+    }
+}
+
 /// `value` if it lies between `low` and `high`, both included; NaN never does.
 pub(crate) fn require(field: &'static str, value: f32, low: f32, high: f32) -> Result<f32, BlockError> {
     if value >= low && value <= high { Ok(value) } else { Err(BlockError { field, value, low, high }) }

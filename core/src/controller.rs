@@ -193,13 +193,17 @@ impl Controller {
     /// The output of the mode, all inputs being good.
     fn decide(&mut self) {
         let zero = self.zero_flow();
-        let asked = match self.config.mode {
-            Mode::Guard => self.readings.external - zero,
-            Mode::Modifier => self.fit_reference() - zero,
+        let (asked, whole) = match self.config.mode {
+            Mode::Guard => (self.readings.external - zero, self.readings.external),
+            Mode::Modifier => {
+                let reference = self.fit_reference();
+                (reference - zero, reference)
+            }
             Mode::Controller => {
                 let reference = self.fit_reference();
                 let blocked = self.watch.blocked(&self.config, self.limited, self.excess);
-                self.law.step(&self.config, reference, &self.readings, self.watch.velocity(), blocked)
+                let asked = self.law.step(&self.config, reference, &self.readings, self.watch.velocity(), blocked);
+                (asked, zero + asked)
             }
         };
         let faded = match &self.supervisor {
@@ -215,7 +219,8 @@ impl Controller {
         }
         self.limited = excess != blended;
         self.excess = excess;
-        self.output = zero + excess;
+        // What nothing acts on passes to the last bit, which `zero + (external - zero)` would not.
+        self.output = if excess == asked { whole } else { zero + excess };
     }
 
     /// The reference as the test's ramps and the record modifier let it through, m.

@@ -65,7 +65,7 @@ impl Config {
             AccelerationLoop::new(loop_gains(s.acceleration), dt, s.washout_frequency, limit).map(Some)?;
         let watched = s.guard.is_some() || s.saturation.is_some();
         let tracked = s.velocity.act() && s.velocity_source == VelocitySource::Observer;
-        let observer = Fusion::new(s.observer.frequency, dt)?;
+        let observer = Fusion::new(s.observer.frequency, dt).map_err(|error| error.named("observer.frequency"))?;
         Ok(Self {
             mode: s.mode,
             rate: s.rate,

@@ -2,9 +2,9 @@ use super::*;
 use proptest::prelude::*;
 
 fn points() -> impl Strategy<Value = Request> {
-    (any::<u32>(), proptest::collection::vec(-1.0f32..1.0, 0..=MAX_POINTS), any::<bool>()).prop_map(|(first, p, last)| {
-        Request::Reference(Points { first, points: heapless::Vec::from_slice(&p).unwrap(), last })
-    })
+    (any::<u32>(), proptest::collection::vec(-1.0f32..1.0, 0..=MAX_POINTS), any::<bool>()).prop_map(
+        |(first, p, last)| Request::Reference(Points { first, points: heapless::Vec::from_slice(&p).unwrap(), last }),
+    )
 }
 
 fn wire<T: Serialize>(frame: &T) -> ([u8; MAX_FRAME], usize) {

@@ -17,7 +17,7 @@ impl Settings {
         gains(["displacement.proportional", "displacement.integral"], self.displacement)?;
         gains(["velocity.proportional", "velocity.integral"], self.velocity)?;
         gains(["acceleration.proportional", "acceleration.integral"], self.acceleration)?;
-        require("velocity_limit", self.velocity_limit, 1e-3, 10.0)?;
+        require("velocity_limit", self.velocity_limit, 1e-3, 5.0)?;
         require("stroke", self.stroke, 1e-3, 10.0)?;
         require("blend", self.blend, 0.0, 10.0)?;
         require("valve.gain", self.valve.gain, 1e-3, 1e4)?;

@@ -1,0 +1,17 @@
+//! What the core promises, one file a subject: each promise as a property or an analytic answer, and for each that
+//! matters a deliberate break that shows the test can fail.
+
+#[cfg(test)]
+mod any_input;
+#[cfg(test)]
+mod blocks;
+#[cfg(test)]
+mod modes;
+#[cfg(test)]
+mod plain_law;
+#[cfg(test)]
+mod saturation;
+#[cfg(test)]
+mod settings;
+#[cfg(test)]
+mod table;

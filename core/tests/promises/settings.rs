@@ -1,0 +1,171 @@
+//! Settings: refused as a whole, with the field, what was given and what is accepted.
+
+use proptest::prelude::*;
+use shakedown_core::guard::GuardSettings;
+use shakedown_core::guard::envelope::ForceSettings;
+use shakedown_core::saturation::Detection;
+use shakedown_core::settings::ReferenceRates;
+use shakedown_core::{Controller, Modification, Settings, SettingsError};
+
+type Field = (&'static str, fn(&mut Settings) -> &mut f32);
+
+/// Every number that settings hold, with the name an error gives it.
+const FIELDS: &[Field] = &[
+    ("rate", |s| &mut s.rate),
+    ("displacement.proportional", |s| &mut s.displacement.proportional),
+    ("displacement.integral", |s| &mut s.displacement.integral),
+    ("velocity.proportional", |s| &mut s.velocity.proportional),
+    ("velocity.integral", |s| &mut s.velocity.integral),
+    ("acceleration.proportional", |s| &mut s.acceleration.proportional),
+    ("acceleration.integral", |s| &mut s.acceleration.integral),
+    ("velocity_limit", |s| &mut s.velocity_limit),
+    ("stroke", |s| &mut s.stroke),
+    ("blend", |s| &mut s.blend),
+    ("washout_frequency", |s| &mut s.washout_frequency),
+    ("observer.frequency", |s| &mut s.observer.frequency),
+    ("reference_rates.frequency", |s| match &mut s.reference_rates {
+        ReferenceRates::Derived { frequency } => frequency,
+        _ => unreachable!("full() derives them"),
+    }),
+    ("preview", |s| match &mut s.modification {
+        Modification::Preview { seconds } => seconds,
+        _ => unreachable!("full() previews"),
+    }),
+    ("valve.gain", |s| &mut s.valve.gain),
+    ("valve.lag", |s| &mut s.valve.lag),
+    ("valve.null_bias", |s| &mut s.valve.null_bias),
+    ("valve.command_limit", |s| &mut s.valve.command_limit),
+    ("ranges.reference", |s| &mut s.ranges.reference),
+    ("ranges.displacement", |s| &mut s.ranges.displacement),
+    ("ranges.velocity", |s| &mut s.ranges.velocity),
+    ("ranges.acceleration", |s| &mut s.ranges.acceleration),
+    ("ranges.external", |s| &mut s.ranges.external),
+    ("ranges.pressure_difference", |s| &mut s.ranges.pressure_difference),
+    ("saturation.plateau", |s| &mut detection(s).plateau),
+    ("saturation.error", |s| &mut detection(s).error),
+    ("saturation.shortfall", |s| &mut detection(s).shortfall),
+    ("saturation.floor", |s| &mut detection(s).floor),
+    ("saturation.hold", |s| &mut detection(s).hold),
+    ("saturation.smoothing", |s| &mut detection(s).smoothing),
+    ("saturation.follow", |s| &mut detection(s).follow),
+    ("saturation.recovery", |s| &mut detection(s).recovery),
+    ("guard.envelope.margin", |s| &mut guard(s).envelope.margin),
+    ("guard.envelope.stopping_latency", |s| &mut guard(s).envelope.stopping_latency),
+    ("guard.envelope.stopping_deceleration", |s| &mut guard(s).envelope.stopping_deceleration),
+    ("guard.envelope.velocity", |s| &mut guard(s).envelope.velocity),
+    ("guard.envelope.acceleration", |s| &mut guard(s).envelope.acceleration),
+    ("guard.envelope.jerk", |s| &mut guard(s).envelope.jerk),
+    ("guard.envelope.force.limit", |s| &mut guard(s).envelope.force.as_mut().unwrap().limit),
+    ("guard.envelope.force.piston_area", |s| &mut guard(s).envelope.force.as_mut().unwrap().piston_area),
+    ("guard.envelope.tracking", |s| &mut guard(s).envelope.tracking),
+    ("guard.envelope.persistence", |s| &mut guard(s).envelope.persistence),
+    ("guard.envelope.smoothing", |s| &mut guard(s).envelope.smoothing),
+    ("guard.plausibility.lost", |s| &mut guard(s).plausibility.lost),
+    ("guard.plausibility.stuck", |s| &mut guard(s).plausibility.stuck),
+    ("guard.plausibility.disagreement", |s| &mut guard(s).plausibility.disagreement),
+    ("guard.plausibility.offset", |s| &mut guard(s).plausibility.offset),
+    ("guard.plausibility.displacement_noise", |s| &mut guard(s).plausibility.displacement_noise),
+    ("guard.plausibility.acceleration_noise", |s| &mut guard(s).plausibility.acceleration_noise),
+    ("guard.valve.mismatch", |s| &mut guard(s).valve.mismatch),
+    ("guard.valve.memory", |s| &mut guard(s).valve.memory),
+    ("guard.ramps.test", |s| &mut guard(s).ramps.test),
+    ("guard.ramps.safe", |s| &mut guard(s).ramps.safe),
+];
+
+fn detection(settings: &mut Settings) -> &mut Detection {
+    settings.saturation.as_mut().unwrap()
+}
+
+fn guard(settings: &mut Settings) -> &mut GuardSettings {
+    settings.guard.as_mut().unwrap()
+}
+
+/// Settings in which every optional part is there.
+fn full() -> Settings {
+    let mut settings = Settings {
+        saturation: Some(Detection::default()),
+        guard: Some(GuardSettings::default()),
+        reference_rates: ReferenceRates::Derived { frequency: 50.0 },
+        modification: Modification::Preview { seconds: 0.1 },
+        ..Settings::default()
+    };
+    guard(&mut settings).envelope.force = Some(ForceSettings { limit: 280e3, piston_area: 0.024 });
+    settings
+}
+
+#[test]
+fn what_is_no_number_is_refused_in_every_field_by_name() {
+    assert_eq!(full().validate(), Ok(()));
+    for (name, field) in FIELDS {
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30] {
+            let mut settings = full();
+            *field(&mut settings) = bad;
+            let Err(SettingsError::OutOfRange { field, value, low, high }) = settings.validate() else {
+                panic!("{name} = {bad} was accepted");
+            };
+            assert_eq!(field, *name);
+            assert!(low < high && (value == bad || value.is_nan() && bad.is_nan()));
+            assert!(Controller::new(&settings).is_err());
+        }
+    }
+}
+
+#[test]
+fn the_list_above_misses_no_number() {
+    // Postcard writes each f32 in four bytes; what is not a number in the list must be an enum or an option's tag.
+    let mut buffer = [0; 1024];
+    let bytes = postcard::to_slice(&full(), &mut buffer).unwrap().len();
+    let tags = bytes - 4 * FIELDS.len();
+    // mode, inner_loop, anti_windup, modification, reference_rates, velocity_source, accelerometer; saturation, guard, force.
+    assert_eq!(tags, 10, "a field was added: name it in FIELDS");
+}
+
+#[test]
+fn what_contradicts_itself_is_refused() {
+    let mut settings = full();
+    settings.acceleration.proportional = 1.0;
+    settings.observer.accelerometer = false;
+    let error = settings.validate().unwrap_err();
+    assert_eq!(error.to_string(), "acceleration does not go with observer.accelerometer = false");
+}
+
+#[test]
+fn a_file_names_only_what_differs_and_a_misspelt_field_is_refused() {
+    let settings: Settings =
+        toml::from_str("rate = 2000.0\nmodification = \"causal\"\n[guard.ramps]\ntest = 5.0").unwrap();
+    assert_eq!((settings.rate, settings.modification), (2000.0, Modification::Causal));
+    assert_eq!(settings.guard.unwrap().ramps.test, 5.0);
+    assert_eq!(settings.displacement, Settings::default().displacement);
+    let error = toml::from_str::<Settings>("veloctiy_limit = 0.3").unwrap_err();
+    assert!(error.to_string().contains("veloctiy_limit"));
+}
+
+proptest! {
+    #[test]
+    fn settings_pass_through_frame_and_file_unchanged(rate in 50.0..20_000.0f32, gain in -20.0..20.0f32, limit in 0.01..2.0f32) {
+        let mut settings = Settings { rate, velocity_limit: limit, ..full() };
+        settings.velocity.integral = gain;
+        let mut buffer = [0; 1024];
+        let frame = postcard::to_slice(&settings, &mut buffer).unwrap();
+        prop_assert_eq!(postcard::from_bytes::<Settings>(frame).unwrap(), settings);
+        prop_assert_eq!(toml::from_str::<Settings>(&toml::to_string(&settings).unwrap()).unwrap(), settings);
+    }
+
+    #[test]
+    fn what_is_accepted_runs(values in proptest::collection::vec((0..FIELDS.len(), -3.0..3.0f32), 0..6)) {
+        let mut settings = full();
+        for (index, exponent) in values {
+            let field = FIELDS[index].1(&mut settings);
+            *field *= libm::exp10f(exponent);
+        }
+        if let Ok(mut controller) = Controller::new(&settings) {
+            let _ = controller.request(shakedown_core::Request::Arm);
+            let _ = controller.request(shakedown_core::Request::Start);
+            for k in 0..100 {
+                let reference = 0.1 * libm::sinf(k as f32 * 0.1);
+                let command = controller.step(&shakedown_core::Sample::new(reference, -reference, 5.0 * reference));
+                prop_assert!(command.valve.is_finite() && command.reference.is_finite());
+            }
+        }
+    }
+}
