@@ -4,7 +4,9 @@ mod failure;
 mod output;
 mod present;
 mod progress;
+mod source;
 mod sweep;
+mod table1;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -23,6 +25,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Sweep(sweep::Args),
+    Table1(table1::Args),
 }
 
 /// Runs what the command line asks for and turns its outcome into an exit status.
@@ -32,6 +35,7 @@ pub(crate) fn main() -> ExitCode {
         None => Ok(()),
         Some(command) => match command {
             Command::Sweep(args) => sweep::run(&args),
+            Command::Table1(args) => table1::run(&args),
         },
     };
     match outcome {

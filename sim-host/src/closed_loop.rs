@@ -13,8 +13,8 @@ mod law;
 pub mod named;
 pub mod published;
 pub mod saw_tooth;
-pub mod table1;
 pub mod scenario;
+pub mod table1;
 pub mod trade_off;
 pub mod trial;
 

@@ -5,7 +5,7 @@
 //! controller = "strong"           # a name of Table 1; or settings = "core.toml", the control core's own settings
 //! conditioning = "table1"         # or "plain", or a list of steps: [{ do = "scale", factor = 0.5 }]
 //! scale_to = "0.74g"              # peak acceleration, after conditioning
-//! fit = "duration-cut"            # Fig. 13: peak kept, duration cut; or "scaled"; or "off"
+//! fit = "peak-kept"               # Fig. 13: "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"
 //! modification = "causal"         # online, in the core: "off", "clip" (Eq. 10) or "causal"
 //! rate_hz = 1000.0                # control rate
 //! steps = 10                      # plant steps in a tick
@@ -26,6 +26,7 @@ use super::named;
 use super::published::Named;
 use super::trial::Setup;
 use crate::motion::condition::Recipe;
+use crate::motion::fit_area::Choice;
 use crate::plant::paper::Paper;
 use crate::plant::sensors::SensorModel;
 use serde::Deserialize;
@@ -48,7 +49,7 @@ pub struct Scenario {
     /// Peak acceleration with its unit, after conditioning.
     pub scale_to: Option<String>,
     /// How the motion is brought within the velocity limit beforehand.
-    pub fit: AreaFit,
+    pub fit: Option<Choice>,
     /// How the core modifies the reference; without it, as the controller says.
     pub modification: Option<Modification>,
     /// Control rate, Hz; without it 1 kHz, or the settings' rate.
@@ -71,7 +72,7 @@ impl Default for Scenario {
             settings: None,
             conditioning: Conditioning::default(),
             scale_to: None,
-            fit: AreaFit::Off,
+            fit: None,
             modification: None,
             rate_hz: None,
             steps: 10,
@@ -120,19 +121,6 @@ pub enum NamedRecipe {
     Table1,
     /// [`Recipe::table1`] without its low-pass: all that the record holds.
     Plain,
-}
-
-/// The two choices of Fig. 13: an area of acceleration within what the velocity limit allows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AreaFit {
-    /// As it is.
-    #[default]
-    Off,
-    /// Peak kept, duration cut.
-    DurationCut,
-    /// Duration kept, everything scaled down.
-    Scaled,
 }
 
 /// Why a scenario was refused; the message names the file, the place and the remedy.
@@ -237,7 +225,7 @@ mod tests {
 
     #[test]
     fn a_whole_scenario_is_read() {
-        let text = "controller = \"strong\"\nconditioning = \"plain\"\nfit = \"duration-cut\"\nmodification = \"causal\"\n\
+        let text = "controller = \"strong\"\nconditioning = \"plain\"\nfit = \"peak-kept\"\nmodification = \"causal\"\n\
                     [record]\nfile = \"a.AT2\"\n[plant]\nvelocity_limit = 0.3\n[sensors]\nseed = 5\n";
         let scenario = read(text).unwrap();
         assert_eq!(scenario.name, "test");

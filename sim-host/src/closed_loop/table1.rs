@@ -11,7 +11,6 @@ use rayon::prelude::*;
 use shakedown_core::settings::ReferenceRates;
 use shakedown_core::{Controller, Settings};
 
-
 /// How the velocity and acceleration loops of Fig. 12 are read. The paper does not say whether they act on an error
 /// against the reference's velocity and acceleration, or on the measured ones alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,6 +3,7 @@
 use super::super::Failure;
 use shakedown::closed_loop::published::Event;
 use shakedown::closed_loop::table1::Case;
+use shakedown::motion::generate::{self, GenerateError};
 use shakedown::motion::{Record, read};
 use std::path::{Path, PathBuf};
 
@@ -62,16 +63,25 @@ impl Source {
     pub(super) fn case(&self) -> Result<Case, Failure> {
         match self {
             Self::File(event, path) => {
-                let record = read::record(path, &read::Options::default()).map_err(|e| Failure::Input(e.to_string()))?;
+                let record =
+                    read::record(path, &read::Options::default()).map_err(|e| Failure::Input(e.to_string()))?;
                 Case::new(*event, &record, false).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))
             }
-            Self::Generated(event) => Case::new(*event, &stand_in(*event), true)
-                .map_err(|e| Failure::Work(format!("stand-in for {}: {e}", event.name()))),
+            Self::Generated(event) => {
+                let failed = |e: String| Failure::Work(format!("stand-in for {}: {e}", event.name()));
+                let record = stand_in(*event).map_err(|e| failed(e.to_string()))?;
+                Case::new(*event, &record, true).map_err(|e| failed(e.to_string()))
+            }
         }
     }
 }
 
-/// A generated motion in place of a record: near field for Kobe, shaped noise for the others.
-fn stand_in(event: Event) -> Record {
-    todo!()
+/// A generated motion in place of a record: a strong and a moderate near-field one, and a far-field one.
+fn stand_in(event: Event) -> Result<Record, GenerateError> {
+    let recipe = match event {
+        Event::Kobe => generate::NEAR_FIELD_STRONG,
+        Event::ElCentro => generate::NEAR_FIELD_MODERATE,
+        Event::Taft => generate::FAR_FIELD,
+    };
+    recipe.generate(1)
 }
