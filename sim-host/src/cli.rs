@@ -5,7 +5,9 @@ mod output;
 mod present;
 mod progress;
 mod prove;
+mod source;
 mod sweep;
+mod table1;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -25,6 +27,7 @@ struct Arguments {
 enum Command {
     Prove(prove::Args),
     Sweep(sweep::Args),
+    Table1(table1::Args),
 }
 
 /// Runs what the command line asks for and turns its outcome into an exit status.
@@ -35,6 +38,7 @@ pub(crate) fn main() -> ExitCode {
         Some(command) => match command {
             Command::Prove(args) => prove::run(&args),
             Command::Sweep(args) => sweep::run(&args),
+            Command::Table1(args) => table1::run(&args),
         },
     };
     match outcome {

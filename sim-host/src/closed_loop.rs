@@ -13,6 +13,10 @@ mod law;
 pub mod named;
 pub mod published;
 pub mod saw_tooth;
+pub mod scenario;
+pub mod table1;
+pub mod trade_off;
+pub mod trial;
 
 pub use law::{Actuation, Law, Measured, PlainPi};
 
@@ -71,14 +75,8 @@ pub enum ClosedLoopError {
     #[error("clock: {0}")]
     Clock(#[from] ClockError),
     /// The core refused its settings.
-    #[error("controller: {0:?}")]
-    Settings(shakedown_core::SettingsError),
-}
-
-impl From<shakedown_core::SettingsError> for ClosedLoopError {
-    fn from(error: shakedown_core::SettingsError) -> Self {
-        Self::Settings(error)
-    }
+    #[error("controller: {0}")]
+    Settings(#[from] shakedown_core::SettingsError),
 }
 
 /// What one run leaves behind, one value a control tick. Lengths are equal.
@@ -166,16 +164,21 @@ pub fn run<P: Plant, L: Law>(
 ) -> Trace {
     let mut trace = Trace::with_capacity(1.0 / clock.rate, reference.len());
     let mut command = 0.0;
+    let mut rate_before = 0.0;
     let (mut before, mut middle) = (plant.velocity(command), plant.velocity(command));
     for (k, &wanted) in reference.iter().enumerate() {
+        let rate_of_reference = if k == 0 { 0.0 } else { (wanted - reference[k - 1]) * clock.rate };
         let (time, x, v) = (k as f64 / clock.rate, plant.displacement(), plant.velocity(command));
         let measured = Measured {
             reference: wanted,
             displacement: sensors.displacement(time, x),
             acceleration: sensors.acceleration(time, (v - before) * clock.rate),
+            velocity: v,
+            reference_velocity: rate_of_reference,
+            reference_acceleration: (rate_of_reference - rate_before) * clock.rate,
         };
         let out = law.step(&measured);
-        (before, command) = (v, out.valve);
+        (before, rate_before, command) = (v, rate_of_reference, out.valve);
         let after = plant.velocity(command);
         plant.advance(command, clock.half_steps);
         let at_half = plant.velocity(command);

@@ -1,23 +1,26 @@
 //! `shakedown sweep`: what the paper's diagrams show, computed.
 
 mod bode;
+mod cancellation;
 mod mass;
 mod saw_tooth;
 mod slew_rate;
+mod trade_off;
 
 use super::Failure;
 use super::output::Outputs;
 use super::present::{self, Part};
+use super::source::Source;
 use clap::ValueEnum;
 use shakedown::report::Page;
 
-/// The table's diagrams: Bode curves by amplitude, the saw-tooth, slew rate.
+/// The table's diagrams: Bode curves by amplitude, the saw-tooth, gain trade-off, slew rate, feedforward cancellation.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   shakedown sweep                                  every part, at the paper's amplitudes and gains
   shakedown sweep bode --gains 3.7,0.6 --amplitudes 1,10,50 --report bode.html
   shakedown sweep slew-rate --flow 6.5 --area 240
-  shakedown sweep saw-tooth --json -")]
+  shakedown sweep trade-off --record kobe.AT2 --json -")]
 pub(crate) struct Args {
     /// What to compute; everything, where nothing is named.
     #[arg(value_enum)]
@@ -26,6 +29,8 @@ pub(crate) struct Args {
     bode: bode::Args,
     #[command(flatten)]
     slew_rate: slew_rate::Args,
+    #[command(flatten)]
+    source: Source,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -39,19 +44,25 @@ enum What {
     Mass,
     /// The saw-tooth of a sine beyond the velocity limit (Fig. 6).
     SawTooth,
+    /// Tracking against saturation over the gain (Fig. 11).
+    TradeOff,
+    /// Both verification tests of the feedforward cancellation (Fig. 2).
+    Cancellation,
     /// Largest speed from flow, pressure drop and area (Eq. 8).
     SlewRate,
 }
 
 impl What {
     /// In the order of the page.
-    const ALL: [Self; 4] = [Self::Bode, Self::Mass, Self::SawTooth, Self::SlewRate];
+    const ALL: [Self; 6] = [Self::Bode, Self::Mass, Self::SawTooth, Self::TradeOff, Self::Cancellation, Self::SlewRate];
 
     fn run(self, args: &Args) -> Result<Part, Failure> {
         match self {
             Self::Bode => bode::run(&args.bode),
             Self::Mass => mass::run(&args.bode),
             Self::SawTooth => saw_tooth::run(),
+            Self::TradeOff => trade_off::run(&args.source),
+            Self::Cancellation => cancellation::run(),
             Self::SlewRate => slew_rate::run(&args.slew_rate),
         }
     }

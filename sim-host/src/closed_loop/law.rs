@@ -3,7 +3,7 @@
 use shakedown_core::{Controller, Sample};
 
 /// What a law is told at one tick.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measured {
     /// Reference displacement, m.
     pub reference: f64,
@@ -11,6 +11,12 @@ pub struct Measured {
     pub displacement: f64,
     /// Measured acceleration, m/s2.
     pub acceleration: f64,
+    /// Measured velocity, m/s, for laws that read a sensor of it.
+    pub velocity: f64,
+    /// Velocity of the reference, m/s, for laws that are supplied with it.
+    pub reference_velocity: f64,
+    /// Acceleration of the reference, m/s2, for laws that are supplied with it.
+    pub reference_acceleration: f64,
 }
 
 /// What a law answers.
@@ -38,7 +44,15 @@ impl Law for Controller {
     fn step(&mut self, measured: &Measured) -> Actuation {
         let command = Controller::step(
             self,
-            &Sample::new(measured.reference as f32, measured.displacement as f32, measured.acceleration as f32),
+            &Sample {
+                reference: measured.reference as f32,
+                displacement: measured.displacement as f32,
+                acceleration: measured.acceleration as f32,
+                velocity: measured.velocity as f32,
+                reference_velocity: measured.reference_velocity as f32,
+                reference_acceleration: measured.reference_acceleration as f32,
+                ..Sample::default()
+            },
         );
         Actuation {
             valve: f64::from(command.valve),

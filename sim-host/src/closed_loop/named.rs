@@ -1,22 +1,23 @@
 //! The control core set up as a controller of Table 1.
 
 use super::published::{Gains, Named};
-use shakedown_core::{Settings, settings};
+use shakedown_core::Settings;
+use shakedown_core::settings::{self, Modification, VelocitySource};
+
+/// Control rate of the paper's controllers here, Hz.
+pub const RATE: f64 = 1000.0;
 
 /// The core's settings for these gains at `rate` (Hz): bare, as the paper's controllers are, with no anti-windup and no
-/// guard.
+/// guard. Velocity comes from a sensor of its own, as the paper's velocity loop asks for; the reference's velocity and
+/// acceleration are its differences.
 pub fn settings(gains: Gains, rate: f64) -> Settings {
-    let pair = |(proportional, integral): (f64, f64)| settings::Gains {
-        proportional: proportional as f32,
-        integral: integral as f32,
-    };
+    let pair = |(proportional, integral): (f64, f64)| settings::Gains::new(proportional as f32, integral as f32);
     Settings {
         rate: rate as f32,
         displacement: pair(gains.displacement),
         velocity: pair(gains.velocity),
         acceleration: pair(gains.acceleration),
-        velocity_limit: 0.242,
-        stroke: 0.12,
+        velocity_source: VelocitySource::Sensor,
         ..Settings::default()
     }
 }
@@ -24,6 +25,7 @@ pub fn settings(gains: Gains, rate: f64) -> Settings {
 impl Named {
     /// The core's settings for this controller at `rate` (Hz).
     pub fn settings(self, rate: f64) -> Settings {
-        settings(self.gains(), rate)
+        let modification = if self == Self::Modified { Modification::Clip } else { Modification::Off };
+        Settings { modification, ..settings(self.gains(), rate) }
     }
 }

@@ -201,7 +201,9 @@ impl Drive {
             (Step::Fill | Step::Stream, Report::Credit { next, room }) => self.credit(next, u32::from(room)),
             // The answer to an earlier asking was lost on the way.
             (Step::ClearTrip, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Vitals),
-            (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::State(State::Ready))) => self.go(Step::Fill),
+            (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::State(State::Ready))) => {
+                self.go(Step::Fill)
+            }
             (Step::Start, Report::Refused(RefusedBecause::State(State::Running))) => self.go(Step::Stream),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Challenge)) => self.go(Step::Challenge),
             (Step::Stream, Report::Refused(RefusedBecause::State(_))) => self.go(Step::Stand),

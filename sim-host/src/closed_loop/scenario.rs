@@ -1,0 +1,259 @@
+//! A closed-loop test as a file: `shakedown run SCENARIO.toml`.
+//!
+//! ```toml
+//! name = "Kobe at the strong gains"
+//! controller = "strong"           # a name of Table 1; or settings = "core.toml", the control core's own settings
+//! conditioning = "table1"         # or "plain", or a list of steps: [{ do = "scale", factor = 0.5 }]
+//! scale_to = "0.74g"              # peak acceleration, after conditioning
+//! fit = "peak-kept"               # Fig. 13: "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"
+//! modification = "causal"         # online, in the core: "off", "clip" (Eq. 10) or "causal"
+//! rate_hz = 1000.0                # control rate
+//! steps = 10                      # plant steps in a tick
+//!
+//! [record]                        # left out: a generated near-field motion
+//! file = "kobe.AT2"               # relative to the scenario
+//! # dt = 0.01   unit = "g"   channel = "1"
+//!
+//! [plant]                         # Eq. 7 and the limiter
+//! velocity_limit = 0.242
+//!
+//! [sensors]                       # left out: the paper's laboratory
+//! displacement_step = 4e-5
+//! seed = 1
+//! ```
+
+use super::named;
+use super::published::Named;
+use super::trial::Setup;
+use crate::motion::condition::Recipe;
+use crate::motion::fit_area::Choice;
+use crate::plant::paper::Paper;
+use crate::plant::sensors::SensorModel;
+use serde::Deserialize;
+use shakedown_core::Settings;
+use shakedown_core::settings::Modification;
+use std::path::{Path, PathBuf};
+
+/// A closed-loop test.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scenario {
+    /// What the test is called.
+    pub name: String,
+    /// A controller of Table 1.
+    pub controller: Option<String>,
+    /// A file of the control core's settings, relative to the scenario; excludes `controller`.
+    pub settings: Option<PathBuf>,
+    /// What the record is made into.
+    pub conditioning: Conditioning,
+    /// Peak acceleration with its unit, after conditioning.
+    pub scale_to: Option<String>,
+    /// How the motion is brought within the velocity limit beforehand.
+    pub fit: Option<Choice>,
+    /// How the core modifies the reference; without it, as the controller says.
+    pub modification: Option<Modification>,
+    /// Control rate, Hz; without it 1 kHz, or the settings' rate.
+    pub rate_hz: Option<f64>,
+    /// Plant steps in a tick.
+    pub steps: usize,
+    /// The record.
+    pub record: RecordSource,
+    /// The plant.
+    pub plant: Paper,
+    /// The sensors.
+    pub sensors: SensorModel,
+}
+
+impl Default for Scenario {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            controller: None,
+            settings: None,
+            conditioning: Conditioning::default(),
+            scale_to: None,
+            fit: None,
+            modification: None,
+            rate_hz: None,
+            steps: 10,
+            record: RecordSource::default(),
+            plant: Paper::default(),
+            sensors: SensorModel::laboratory(1),
+        }
+    }
+}
+
+/// Where the ground motion comes from.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RecordSource {
+    /// The file; none generates a near-field motion.
+    pub file: Option<PathBuf>,
+    /// Sampling interval, s, where the file does not say it.
+    pub dt: Option<f64>,
+    /// Unit of the acceleration, where the file does not say it.
+    pub unit: Option<String>,
+    /// Component, where the file has several.
+    pub channel: Option<String>,
+    /// Seed of the generated motion.
+    pub seed: Option<u64>,
+}
+
+/// How a record is made into a motion.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(untagged)]
+pub enum Conditioning {
+    /// By a named recipe.
+    Named(NamedRecipe),
+    /// By steps.
+    Steps(Recipe),
+    /// As Table 1 does.
+    #[default]
+    #[serde(skip)]
+    Table1,
+}
+
+/// Recipes with names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NamedRecipe {
+    /// [`Recipe::table1`].
+    Table1,
+    /// [`Recipe::table1`] without its low-pass: all that the record holds.
+    Plain,
+}
+
+/// Why a scenario was refused; the message names the file, the place and the remedy.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{file}{place}: {problem}")]
+pub struct ScenarioError {
+    file: String,
+    place: String,
+    problem: String,
+}
+
+impl ScenarioError {
+    fn of(path: &Path, place: String, problem: String) -> Self {
+        Self { file: path.display().to_string(), place, problem }
+    }
+}
+
+/// Reads a TOML file into what is asked for; a key that nobody knows is refused with its line.
+fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| ScenarioError::of(path, String::new(), format!("{e}: expected a readable TOML file")))?;
+    toml::from_str(&text).map_err(|e| {
+        let line = e.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+        ScenarioError::of(path, line.map_or(String::new(), |line| format!(", line {line}")), e.message().to_owned())
+    })
+}
+
+impl Scenario {
+    /// Reads a scenario; its paths become relative to the working folder.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        let mut scenario: Self = read_toml(path)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for file in [&mut scenario.record.file, &mut scenario.settings].into_iter().flatten() {
+            *file = folder.join(&*file);
+        }
+        if scenario.controller.is_some() && scenario.settings.is_some() {
+            let problem = "controller and settings exclude each other: leave one out";
+            return Err(ScenarioError::of(path, String::new(), problem.into()));
+        }
+        if scenario.name.is_empty() {
+            scenario.name = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+        }
+        Ok(scenario)
+    }
+
+    /// The loop that the scenario describes, checked.
+    pub fn setup(&self) -> Result<Setup, ScenarioError> {
+        let here = Path::new(&self.name);
+        let refuse = |place: &str, problem: String| Err(ScenarioError::of(here, format!(", {place}"), problem));
+        let mut settings = match (&self.settings, &self.controller) {
+            (Some(path), _) => read_toml::<Settings>(path)?,
+            (None, name) => {
+                let name = name.as_deref().unwrap_or("current");
+                let Some(named) = Named::parse(name) else {
+                    let known = Named::ALL.map(Named::name).join(" ");
+                    return refuse("controller", format!("`{name}`: expected one of {known}"));
+                };
+                named.settings(self.rate_hz.unwrap_or(named::RATE))
+            }
+        };
+        if let Some(rate) = self.rate_hz {
+            settings.rate = rate as f32;
+        }
+        settings.modification = self.modification.unwrap_or(settings.modification);
+        if let Err(e) = settings.validate() {
+            return refuse("settings", e.to_string());
+        }
+        if let Err(e) = self.plant.validate() {
+            return refuse("plant", e.to_string());
+        }
+        if let Err(e) = super::Clock::new(f64::from(settings.rate), self.steps) {
+            return refuse("steps", e.to_string());
+        }
+        Ok(Setup { settings, plant: self.plant, sensors: self.sensors.clone(), steps: self.steps })
+    }
+
+    /// The recipe at `rate` (Hz).
+    pub fn recipe(&self, rate: f64) -> Recipe {
+        use crate::motion::condition::Step;
+        match &self.conditioning {
+            Conditioning::Steps(recipe) => recipe.clone(),
+            Conditioning::Named(NamedRecipe::Plain) => {
+                let mut recipe = Recipe::table1(rate);
+                recipe.steps.retain(|step| !matches!(step, Step::Filter { .. }));
+                recipe
+            }
+            Conditioning::Named(NamedRecipe::Table1) | Conditioning::Table1 => Recipe::table1(rate),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Scenario, ScenarioError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("test.toml");
+        std::fs::write(&path, text).unwrap();
+        Scenario::read(&path)
+    }
+
+    #[test]
+    fn a_whole_scenario_is_read() {
+        let text = "controller = \"strong\"\nconditioning = \"plain\"\nfit = \"peak-kept\"\nmodification = \"causal\"\n\
+                    [record]\nfile = \"a.AT2\"\n[plant]\nvelocity_limit = 0.3\n[sensors]\nseed = 5\n";
+        let scenario = read(text).unwrap();
+        assert_eq!(scenario.name, "test");
+        assert!(scenario.record.file.as_ref().unwrap().is_absolute());
+        assert_eq!(scenario.plant.velocity_limit, 0.3);
+        let setup = scenario.setup().unwrap();
+        assert_eq!(setup.settings.displacement.proportional, 10.0);
+        assert_eq!(setup.settings.modification, Modification::Causal);
+        assert_eq!(scenario.recipe(1000.0).steps.len(), Recipe::table1(1000.0).steps.len() - 1);
+        assert_eq!(read("").unwrap().setup().unwrap().settings.displacement.proportional, 3.70205);
+    }
+
+    #[test]
+    fn steps_of_conditioning_are_read() {
+        let scenario = read("conditioning = [{ do = \"scale\", factor = 0.5 }]").unwrap();
+        assert_eq!(scenario.recipe(1000.0).steps.len(), 1);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_line() {
+        let message = |text: &str| read(text).unwrap_err().to_string();
+        assert!(message("name = \"x\"\nvelocity = 1\n").contains("test.toml, line 2: unknown field `velocity`"));
+        assert!(message("fit = \"cut\"").contains("line 1"));
+        assert!(message("controller = \"strong\"\nsettings = \"a.toml\"").contains("exclude each other"));
+        let setup = |text: &str| read(text).unwrap().setup().unwrap_err().to_string();
+        assert!(setup("controller = \"fast\"").contains("`fast`: expected one of current strong"));
+        assert!(setup("steps = 3").contains("even"));
+        assert!(setup("rate_hz = 1.0").contains("rate"));
+        assert!(setup("[plant]\na1 = -1.0").contains("a1 = -1"));
+    }
+}

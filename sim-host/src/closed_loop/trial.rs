@@ -1,0 +1,167 @@
+//! A test of the loop with a ground motion, and what it scores: the rows of Table 1 and the figures of `run`.
+
+use super::published::Named;
+use super::{Clock, ClosedLoopError, Law, Trace, run};
+use crate::motion::condition::{Recipe, Step};
+use crate::motion::metrics::{Comparison, Window, compare, intensity};
+use crate::motion::resample::Interpolation;
+use crate::motion::{Motion, Record};
+use crate::plant::paper::{FixedStep, Paper};
+use crate::plant::sensors::{SensorModel, Sensors};
+use shakedown_core::{Controller, Settings};
+
+/// Everything of a test but its motion.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The control core's settings; their rate is the control rate.
+    pub settings: Settings,
+    /// The plant.
+    pub plant: Paper,
+    /// The sensors.
+    pub sensors: SensorModel,
+    /// Plant steps in a tick, an even number.
+    pub steps: usize,
+}
+
+impl Setup {
+    /// A controller of Table 1 on the paper's plant at 1 kHz, sensors off, 10 plant steps a tick.
+    pub fn paper(named: Named) -> Self {
+        let (plant, sensors) = (Paper::default(), SensorModel::default());
+        Self { settings: named.settings(1000.0), plant, sensors, steps: 10 }
+    }
+
+    /// Control rate, Hz.
+    pub fn rate(&self) -> f64 {
+        f64::from(self.settings.rate)
+    }
+
+    /// Plays a motion; it is brought to the control rate first, linear in acceleration between samples.
+    pub fn play(&self, motion: &Motion) -> Result<Trial, TrialError> {
+        self.play_with(&mut Controller::new(&self.settings).map_err(ClosedLoopError::from)?, motion)
+    }
+
+    /// The same with another law at the settings' rate.
+    pub fn play_with(&self, law: &mut impl Law, motion: &Motion) -> Result<Trial, TrialError> {
+        let wanted = Step::Resample { rate_hz: self.rate(), between: Interpolation::Linear }.apply(motion.clone())?;
+        let clock = Clock::new(self.rate(), self.steps).map_err(ClosedLoopError::from)?;
+        let start = wanted.displacement.first().copied().unwrap_or(0.0);
+        let mut plant = FixedStep::new(self.plant, clock.plant_step(), start).map_err(ClosedLoopError::from)?;
+        let trace = run(&mut plant, law, &mut Sensors::new(self.sensors.clone()), &wanted.displacement, clock);
+        Ok(Trial { wanted, trace })
+    }
+}
+
+/// Why a test could not be run or scored.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TrialError {
+    /// The loop could not be set up.
+    #[error(transparent)]
+    Loop(#[from] ClosedLoopError),
+    /// The motion could not be brought to the control rate.
+    #[error("motion: {0}")]
+    Condition(#[from] crate::motion::condition::ConditionError),
+    /// A signal could not be filtered.
+    #[error("response: {0}")]
+    Filter(#[from] crate::motion::filter::FilterError),
+    /// The response could not be compared.
+    #[error("response: {0}")]
+    Compare(#[from] crate::motion::metrics::CompareError),
+}
+
+/// A test that was run.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// What the table was asked for, at the control rate, before any modification.
+    pub wanted: Motion,
+    /// What it did.
+    pub trace: Trace,
+}
+
+/// What a test scores. Accelerations are low-passed at 15 Hz on both sides of every comparison.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scores {
+    /// The response against what was asked for.
+    pub against_wanted: Comparison,
+    /// The response against what was commanded after modification.
+    pub against_commanded: Comparison,
+    /// Time at the velocity limit, s.
+    pub saturated_s: f64,
+}
+
+/// Which response is scored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// The true motion.
+    Truly,
+    /// The motion as the sensors gave it.
+    BySensors,
+}
+
+impl Trial {
+    /// Scores the test over the whole record or over a window of it.
+    pub fn scores(&self, seen: Seen, window: Option<Window>) -> Result<Scores, TrialError> {
+        let response = self.response(seen)?;
+        let within = |k: usize| {
+            let t = k as f64 * self.trace.dt;
+            window.is_none_or(|w| t >= w.from_s && t <= w.to_s)
+        };
+        let saturated = self.trace.flags.iter().enumerate().filter(|(k, f)| f.saturated && within(*k)).count();
+        Ok(Scores {
+            against_wanted: compare(&low_passed(&self.wanted)?, &response, window)?,
+            against_commanded: compare(&low_passed(&self.commanded())?, &response, window)?,
+            saturated_s: saturated as f64 * self.trace.dt,
+        })
+    }
+
+    /// The response, its acceleration low-passed.
+    pub fn response(&self, seen: Seen) -> Result<Motion, TrialError> {
+        let trace = &self.trace;
+        let (displacement, acceleration) = match seen {
+            Seen::Truly => (&trace.displacement, &trace.acceleration),
+            Seen::BySensors => (&trace.measured_displacement, &trace.measured_acceleration),
+        };
+        low_passed(&Motion {
+            dt: trace.dt,
+            displacement: displacement.clone(),
+            velocity: trace.velocity.clone(),
+            acceleration: acceleration.clone(),
+        })
+    }
+
+    /// The reference after modification; where nothing modified it, what was asked for, so that the core's `f32` adds no
+    /// noise to its acceleration.
+    pub fn commanded(&self) -> Motion {
+        let trace = &self.trace;
+        let changed = |(a, b): (&f64, &f64)| (a - b).abs() > 1e-6;
+        if !trace.commanded.iter().zip(&trace.reference).any(changed) {
+            return self.wanted.clone();
+        }
+        let rates = |x: &[f64]| -> Vec<f64> {
+            let before = [x.first().copied().unwrap_or(0.0)];
+            before.iter().chain(x).zip(x).map(|(a, b)| (b - a) / trace.dt).collect()
+        };
+        let velocity = rates(&trace.commanded);
+        let acceleration = rates(&velocity);
+        Motion { dt: trace.dt, displacement: trace.commanded.clone(), velocity, acceleration }
+    }
+}
+
+/// The motion with its acceleration through the 15 Hz low-pass that Table 1 applies.
+fn low_passed(motion: &Motion) -> Result<Motion, TrialError> {
+    use crate::motion::filter::Pass;
+    let acceleration = Recipe::table1_response().apply(&motion.acceleration, motion.dt, Pass::ZeroPhase)?;
+    Ok(Motion { acceleration, ..motion.clone() })
+}
+
+/// The strong and the weak stretch of a motion, as the paper takes them: its Kobe is strong from 1 to 5 s and weak from
+/// 5 to 16 s. Records here start elsewhere, so the paper's second 1 is put where 5 % of the Arias intensity has passed.
+pub fn strong_and_weak(motion: &Motion) -> (Window, Window) {
+    let onset = intensity(&motion.acceleration, motion.dt).start;
+    let window = |from: f64, to: f64| Window { from_s: onset - 1.0 + from, to_s: onset - 1.0 + to };
+    (window(1.0, 5.0), window(5.0, 16.0))
+}
+
+/// Conditions a record as Table 1 needs it and plays it.
+pub fn table1_motion(record: &Record, rate: f64) -> Result<Motion, TrialError> {
+    Ok(Recipe::table1(rate).apply(record)?)
+}
