@@ -2,6 +2,7 @@
 
 mod deny;
 mod figures;
+mod fuzz;
 mod house;
 mod output;
 mod reproduce;
@@ -35,6 +36,7 @@ const CHORES: &[Chore] = &[
         does: "lists every figure the project claims, with the command that prints it",
         run: figures::run,
     },
+    Chore { name: "fuzz", does: "feeds the parsers what nobody would write [TARGET [SECONDS]]", run: fuzz::run },
     Chore { name: "deny", does: "checks licences, sources and banned crates (cargo-deny)", run: deny::run },
     Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
     Chore { name: "reproduce", does: "builds the host tool twice and compares the bytes", run: reproduce::run },

@@ -74,7 +74,12 @@ pub(crate) fn works(words: &[&str]) -> bool {
 
 /// What `cargo metadata` knows, of this workspace alone or with all it depends on.
 pub(crate) fn metadata(dependencies: bool) -> Result<serde_json::Value, Problem> {
-    let mut words = vec!["cargo", "metadata", "--format-version=1", "--locked"];
+    metadata_of("Cargo.toml", dependencies)
+}
+
+/// The same of another workspace.
+pub(crate) fn metadata_of(manifest: &str, dependencies: bool) -> Result<serde_json::Value, Problem> {
+    let mut words = vec!["cargo", "metadata", "--format-version=1", "--locked", "--manifest-path", manifest];
     words.extend((!dependencies).then_some("--no-deps"));
     serde_json::from_str(&read(&mut command(&words))?).map_err(|e| Problem::Failed(format!("cargo metadata: {e}")))
 }

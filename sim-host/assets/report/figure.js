@@ -4,6 +4,7 @@ const figures = (() => {
   const style = getComputedStyle(document.documentElement);
   const paint = (name) => style.getPropertyValue(name).trim();
   const CURVES = 7;
+  const STEPS = 12;
   const SHADES = 3;
 
   function abscissa({ from, step, count, skips, values }) {
@@ -53,20 +54,18 @@ const figures = (() => {
     };
   }
 
-  // Each name has one colour: lines take the palette in turn, the first dashed curve ink, the first faint one grey.
+  // Each name has one colour: the first dashed curve ink, the first faint one grey, all others the palette in turn, or,
+  // where they are many, steps of a ramp.
   function colour(curves) {
-    const next = { line: 0, dashed: 0, faint: 0 };
-    const known = new Map();
-    for (const curve of curves) {
-      const key = `${curve.style} ${curve.name}`;
-      if (!known.has(key)) {
-        const kind = curve.style === "dashed" || curve.style === "faint" ? curve.style : "line";
-        const own = kind === "line" || next[kind] > 0;
-        known.set(key, own ? `--curve-${next.line++ % CURVES}` : `--${kind}`);
-        next[kind] += kind === "line" ? 0 : 1;
-      }
-      curve.colour = known.get(key);
-    }
+    const keyOf = ({ style, name }) => `${style} ${name}`;
+    const keys = [...new Set(curves.map(keyOf))];
+    const first = (style) => keys.find((key) => key.startsWith(style));
+    const [ink, grey] = [first("dashed"), first("faint")];
+    const others = keys.filter((key) => key !== ink && key !== grey);
+    const step = (i) => Math.round((i * (STEPS - 1)) / (others.length - 1));
+    const chosen = (i) => (others.length <= CURVES ? `--curve-${i}` : `--ramp-${step(i)}`);
+    const names = new Map([[ink, "--dashed"], [grey, "--faint"], ...others.map((key, i) => [key, chosen(i)])]);
+    for (const curve of curves) curve.colour = names.get(keyOf(curve));
   }
 
   function read(element) {

@@ -1,3 +1,5 @@
+//! Why an image did not run, or not to its end.
+
 use std::path::PathBuf;
 
 /// Why an image did not run, or not to its end.

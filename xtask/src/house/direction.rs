@@ -10,7 +10,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-truth", &[]),
     ("shakedown-firmware", &["shakedown-core"]),
     ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay"]),
-    ("shakedown-replay", &["shakedown-core", "shakedown"]),
+    ("shakedown-replay", &["shakedown-core", "shakedown", "shakedown-firmware"]),
     ("shakedown-tests", &["shakedown-core", "shakedown", "shakedown-truth"]),
     ("xtask", &[]),
 ];
