@@ -24,8 +24,9 @@ pub enum Modification {
     },
 }
 
-/// Samples of the reference that a preview can hold: half a second at 1 kHz.
-pub const PREVIEW_WINDOW: usize = 512;
+/// Samples of the reference that a preview can hold: half a second at 1 kHz; 32 where the feature `short-preview`
+/// spares a small target's memory, 24 bytes a sample.
+pub const PREVIEW_WINDOW: usize = if cfg!(feature = "short-preview") { 32 } else { 512 };
 
 /// Configuration of the modifier chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
