@@ -105,10 +105,10 @@ pub const NEAR_FIELD_STRONG: Recipe = Recipe {
     rate: 200.0,
 };
 
-/// A moderate near-field motion: 0.2 to 0.4 g, just over what the paper's table can follow.
+/// A moderate near-field motion: 0.2 to 0.45 g, 0.243 to 0.5 m/s, over what the paper's table can follow.
 pub const NEAR_FIELD_MODERATE: Recipe = Recipe {
     name: "near-field-moderate",
-    pulse: Some(Pulse { amplitude: 0.28, frequency: 0.7, oscillations: 1.5, phase: 0.0, time: 5.0 }),
+    pulse: Some(Pulse { amplitude: 0.34, frequency: 0.7, oscillations: 1.5, phase: 0.0, time: 5.0 }),
     noise: Noise { peak: 2.0, low: 0.5, high: 10.0, rise: 3.0, fall: 8.0, decay: 0.3 },
     duration: 35.0,
     rate: 200.0,
@@ -214,7 +214,7 @@ mod tests {
     fn each_recipe_is_as_strong_as_it_says() {
         for (recipe, g, velocity, displacement) in [
             (NEAR_FIELD_STRONG, 0.5..0.95, 0.65..1.2, 0.1..0.35),
-            (NEAR_FIELD_MODERATE, 0.2..0.4, 0.243..0.4, 0.03..0.15),
+            (NEAR_FIELD_MODERATE, 0.2..0.45, 0.243..0.5, 0.03..0.2),
             (FAR_FIELD, 0.14..0.16, 0.05..0.242, 0.0..0.1),
         ] {
             for seed in 0..20 {
