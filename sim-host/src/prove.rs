@@ -9,6 +9,7 @@ pub mod campaign;
 pub mod gates;
 pub mod page;
 pub mod record;
+pub mod rival;
 pub mod score;
 pub mod summary;
 

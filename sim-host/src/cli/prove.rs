@@ -122,6 +122,7 @@ fn show(summary: &Summary, outputs: &Outputs) -> Result<(), Failure> {
     if !outputs.quiet() {
         print_table(&page::gate_table(&summary.gates));
         print_table(&page::row_table(&summary.strata, "Stratum", ""));
+        print_table(&page::beside_table(&summary.beside));
     }
     let mut json = serde_json::to_value(summary).map_err(|e| Failure::Work(e.to_string()))?;
     if let Some(object) = json.as_object_mut() {

@@ -2,6 +2,7 @@
 
 use super::Examinee;
 use super::record::{Attainable, Record, Reply, SCHEMA, Truth};
+use super::rival;
 use crate::files::write_whole;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -182,6 +183,7 @@ fn examine(plan: &Plan, folder: &Path, examinee: &impl Examinee, number: u64) ->
             answered
         }
     };
+    let rivals = rival::replies(&dealt.experiment).map(Vec::from).unwrap_or_default();
     let opened = dealt.sealed.open_after(&stored)?;
     let reply = reply(&answered.diagnosis);
     let truth: Truth = serde_json::from_value(opened.answer.to_json())
@@ -198,6 +200,7 @@ fn examine(plan: &Plan, folder: &Path, examinee: &impl Examinee, number: u64) ->
         seconds: answered.seconds,
         truth,
         attainable,
+        rivals,
     })
 }
 

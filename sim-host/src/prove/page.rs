@@ -1,7 +1,7 @@
 //! The campaign as a page: failures as plain as successes.
 
 use super::gates::{Gate, Limit};
-use super::summary::{Row, Summary};
+use super::summary::{Beside, Row, Summary};
 use crate::report::{Axis, Item, Matrix, Page, Plot, Section, Series, Style, Table};
 
 /// The page of a campaign.
@@ -18,6 +18,10 @@ pub fn page(summary: &Summary) -> Page {
         lead,
         sections: vec![
             section("Gates", vec![Item::Table(gate_table(&summary.gates)), Item::Note(GATE_NOTE.into())]),
+            section(
+                "Beside other methods",
+                vec![Item::Table(beside_table(&summary.beside)), Item::Text(BESIDE.into())],
+            ),
             section("By stratum", vec![Item::Table(row_table(&summary.strata, "Stratum", "Cases by what they hold."))]),
             section("Who was taken for whom", vec![Item::Matrix(matrix(summary))]),
             section("Probabilities", vec![Item::Plot(reliability(summary)), Item::Text(brier(summary))]),
@@ -38,6 +42,24 @@ pub fn page(summary: &Summary) -> Page {
 
 const GATE_NOTE: &str = "A gate fails only where the one-sided 95 % bound (Clopper and Pearson) of its estimate excludes \
                          the limit. A gate without cases says nothing.";
+
+const BESIDE: &str = "Linear refit: the baseline's parameters re-estimated, a mismatch where the held-out chi2 exceeds \
+                      1.08, no name ever. White-noise BIC: forward selection of 13 terms along the predicted motion. \
+                      Sparse regression: the same terms by thresholded least squares. On the cases that all could read.";
+
+/// The diagnosis and its rivals, a row a method.
+pub fn beside_table(beside: &[Beside]) -> Table {
+    let mut columns = vec!["Method".to_string()];
+    if let Some(first) = beside.first() {
+        columns.extend(first.gates.iter().map(|g| format!("{} [%]", g.name)));
+    }
+    let row = |b: &Beside| {
+        let mut cells = vec![b.name.clone()];
+        cells.extend(b.gates.iter().map(|g| percent(g.value)));
+        cells
+    };
+    Table { columns, rows: beside.iter().map(row).collect(), caption: String::new() }
+}
 
 fn percent(share: f64) -> String {
     if share.is_nan() { "\u{2013}".into() } else { format!("{:.1}", 100.0 * share) }

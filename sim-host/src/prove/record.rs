@@ -168,4 +168,7 @@ pub struct Record {
     /// What could be attained; none where it was not asked for.
     #[serde(default)]
     pub attainable: Option<Attainable>,
+    /// What the rivals of [`super::rival`] replied, in their order; empty where the data could not be read.
+    #[serde(default)]
+    pub rivals: Vec<Reply>,
 }

@@ -189,6 +189,7 @@ mod tests {
             seconds: 0.0,
             truth,
             attainable: None,
+            rivals: Vec::new(),
         };
         change(&mut record);
         score(&record)

@@ -3,6 +3,7 @@
 use super::campaign::Plan;
 use super::gates::{Gate, Scored, gates};
 use super::record::Record;
+use super::rival;
 use super::score::score;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -64,6 +65,15 @@ pub struct Coverage {
     pub covering: usize,
 }
 
+/// A method beside the diagnosis, by the same scores.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Beside {
+    /// The method.
+    pub name: String,
+    /// The gates that need no probabilities and no intervals, by its replies.
+    pub gates: Vec<Gate>,
+}
+
 /// A case that went wrong.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Miss {
@@ -98,6 +108,8 @@ pub struct Summary {
     pub brier: Option<f64>,
     /// Intervals by parameter.
     pub coverage: Vec<Coverage>,
+    /// The diagnosis and its rivals, on the cases that all of them could read.
+    pub beside: Vec<Beside>,
     /// Every case that went wrong.
     pub misses: Vec<Miss>,
 }
@@ -128,8 +140,25 @@ pub fn summarise(plan: &Plan, records: &[Record]) -> Summary {
         reliability: reliability(&all),
         brier: mean(&briers),
         coverage: coverage(&all),
+        beside: beside(records),
         misses: all.iter().filter(|s| !s.1.right).map(miss).collect(),
     }
+}
+
+/// Shares of names and sets only: the first five gates.
+const NAMING_GATES: usize = 5;
+
+fn beside(records: &[Record]) -> Vec<Beside> {
+    let common: Vec<&Record> = records.iter().filter(|r| r.rivals.len() == rival::NAMES.len()).collect();
+    let of = |name: &str, replies: Vec<Record>| {
+        let scored: Vec<Scored<'_>> = replies.iter().map(|record| (record, score(record))).collect();
+        Beside { name: name.into(), gates: gates(&scored).into_iter().take(NAMING_GATES).collect() }
+    };
+    let mut out = vec![of("diagnosis", common.iter().map(|r| (*r).clone()).collect())];
+    for (i, name) in rival::NAMES.iter().enumerate() {
+        out.push(of(name, common.iter().map(|r| rival::in_place(r, &r.rivals[i])).collect()));
+    }
+    out
 }
 
 fn mean(values: &[f64]) -> Option<f64> {

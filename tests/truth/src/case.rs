@@ -105,7 +105,7 @@ fn wish(what: Stratum, unlisted: Option<Unlisted>, rng: &mut Stream) -> (Wish, O
                 size: size(effect.needs_saturation()),
                 accelerometer: effect.needs_accelerometer(),
                 damping_known: effect == Effect::ViscousFriction,
-                quiet: strength == Strength::Gross && effect.needs_accelerometer(),
+                quiet: strength != Strength::Faint && effect.needs_accelerometer(),
             };
             (wish, None)
         }

@@ -238,7 +238,7 @@ impl Effect {
             }
             E::ValveDeadband => {
                 let half_width = 0.15 * scales.command * s;
-                physics.valve.overlap = Some(Overlap { half_width, rounding: draw.between(0, 0.05, 0.15) });
+                physics.valve.overlap = Some(Overlap { half_width, rounding: draw.between(0, 0.03, 0.1) });
                 vec![("half_width", half_width)]
             }
             E::ValveLag => {
@@ -332,7 +332,7 @@ impl Effect {
                 let sliding = 3.0 * s;
                 let ratio = if self == E::CoulombFriction { 1.0 } else { draw.between(0, 1.4, 2.2) };
                 let stribeck = draw.log_between(1, 0.004, 0.02);
-                let presliding = draw.log_between(2, 1.5e-5, 4e-5);
+                let presliding = draw.log_between(2, 8e-6, 2.5e-5);
                 physics.table.friction =
                     Some(Friction { sliding, breakaway: ratio * sliding, stribeck, presliding, patch: None });
                 let mut out = vec![("force", sliding * per_mass)];
@@ -342,8 +342,8 @@ impl Effect {
                 out
             }
             E::Backlash => {
-                let gap = 2e-3 * s;
-                physics.table.backlash = Some(Backlash { gap, sharpness: draw.between(0, 16.0, 24.0) });
+                let gap = 1e-3 * s;
+                physics.table.backlash = Some(Backlash { gap, sharpness: draw.between(0, 60.0, 120.0) });
                 vec![("gap", gap)]
             }
             E::EndStop => {
@@ -355,8 +355,8 @@ impl Effect {
             }
             E::BaseCompliance => {
                 let base = Base {
-                    mass_ratio: 0.8 * s,
-                    frequency: draw.between(0, 5.0, 20.0),
+                    mass_ratio: s,
+                    frequency: draw.log_between(0, 5.0, 12.0),
                     damping: draw.between(1, 0.03, 0.12),
                     cubic: 100.0,
                 };
