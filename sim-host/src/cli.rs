@@ -1,6 +1,7 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
 mod failure;
+mod modify;
 mod output;
 mod present;
 mod progress;
@@ -25,6 +26,7 @@ struct Arguments {
 /// What can be asked for; nothing given is `demo`.
 #[derive(Debug, Subcommand)]
 enum Command {
+    Modify(Box<modify::Args>),
     Prove(prove::Args),
     Sweep(sweep::Args),
     Table1(table1::Args),
@@ -36,6 +38,7 @@ pub(crate) fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match arguments.command {
         None => Ok(()),
         Some(command) => match command {
+            Command::Modify(args) => modify::run(&args),
             Command::Prove(args) => prove::run(&args),
             Command::Sweep(args) => sweep::run(&args),
             Command::Table1(args) => table1::run(&args),

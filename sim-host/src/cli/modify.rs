@@ -1,0 +1,319 @@
+//! `shakedown modify`: fits a record to the table's limits and writes the drive in the record's own format.
+
+mod answer;
+mod page;
+
+use super::output::Outputs;
+use super::{Failure, present, progress};
+use answer::Answer;
+use clap::ValueEnum;
+use shakedown::motion::condition::{Recipe, Step, peak_acceleration};
+use shakedown::motion::fit::certificate::{self, Relaxation, Relaxed};
+use shakedown::motion::fit::method::{Method, modify};
+use shakedown::motion::fit::spectrum::Band;
+use shakedown::motion::fit::{FitError, Limits, Norm, Reference};
+use shakedown::motion::resample::Interpolation;
+use shakedown::motion::{AccelerationUnit, Motion, Record, generate, read, write};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Fits a record to the table's limits: the drive is written in the record's own format.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  shakedown modify KJM000.AT2 --out drive.AT2 --scale-to 0.74g
+  shakedown modify KJM000.AT2 --out drive.AT2 --velocity 0.3 --stroke 0.15 --report fit.html
+  shakedown modify KJM000.AT2 --objective spectrum --band 0.05,0.5 --tolerance 0.05 --out drive.AT2
+  shakedown modify KJM000.AT2 --preview 0.5 --json -      what the device itself would make of it
+  shakedown modify KJM000.AT2 --target 0.2                what it would take to come that near
+  shakedown modify near-field-strong --report fit.html    a generated record, with no file at hand")]
+pub(crate) struct Args {
+    /// The record: a file, or the name of a generated one (near-field-strong, near-field-moderate, far-field).
+    record: PathBuf,
+    /// Where the drive goes; without it only the figures are given.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Largest speed, m/s.
+    #[arg(long, value_name = "M/S", default_value_t = 0.242)]
+    velocity: f64,
+    /// Largest displacement to either side, m.
+    #[arg(long, value_name = "M", default_value_t = 0.12)]
+    stroke: f64,
+    /// Largest acceleration, m/s2 (convex only).
+    #[arg(long, value_name = "M/S2")]
+    acceleration: Option<f64>,
+    /// Largest jerk, m/s3 (convex only).
+    #[arg(long, value_name = "M/S3")]
+    jerk: Option<f64>,
+    /// Acceleration at which the actuator stalls, m/s2 (convex only): the flow left under load is
+    /// v^2 <= velocity^2 (1 - |a| / stall).
+    #[arg(long, value_name = "M/S2")]
+    stall: Option<f64>,
+    /// Scales the record to this peak acceleration first.
+    #[arg(long, value_name = "0.74g")]
+    scale_to: Option<String>,
+    /// How it is fitted [default: convex; preview where --preview is given].
+    #[arg(long, value_enum)]
+    method: Option<How>,
+    /// What is kept.
+    #[arg(long, value_enum, default_value_t = Objective::Waveform)]
+    objective: Objective,
+    /// What "nearest" means for --method convex.
+    #[arg(long, value_enum, default_value_t = Measure::Two)]
+    norm: Measure,
+    /// Preview of the online modifier, s [default: 0.5].
+    #[arg(long, value_name = "S")]
+    preview: Option<f64>,
+    /// Periods whose spectral ordinates are kept, s.
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 2, default_values_t = [0.05, 0.5])]
+    band: Vec<f64>,
+    /// Damping of the spectrum, 1.
+    #[arg(long, default_value_t = 0.05)]
+    damping: f64,
+    /// Largest relative deviation of the spectrum, 1.
+    #[arg(long, default_value_t = 0.05)]
+    tolerance: f64,
+    /// An `E_a` to come down to: where the limits do not allow it, the smallest factor on them that does.
+    #[arg(long, value_name = "E_A")]
+    target: Option<f64>,
+    /// Keeps a stretch of the record only, s.
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 2)]
+    trim: Option<Vec<f64>>,
+    /// Takes the record as it is: no rest before and after, no 0.1 Hz high-pass, its own sampling rate.
+    #[arg(long)]
+    as_is: bool,
+    /// Sampling interval, s, where the file states none.
+    #[arg(long, value_name = "S")]
+    dt: Option<f64>,
+    /// Unit of the values, where the file states none: g, m/s2, cm/s2, gal ...
+    #[arg(long)]
+    unit: Option<AccelerationUnit>,
+    /// Which component of the file: its number or a part of its name.
+    #[arg(long, default_value = "")]
+    channel: read::Channel,
+    /// Seed of a generated record.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// Methods by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum How {
+    /// The paper's Eq. 10.
+    Clip,
+    /// Taut string: the best under the velocity limit alone.
+    Taut,
+    /// The best under every limit.
+    Convex,
+    /// Online with no preview, as the device runs it.
+    Causal,
+    /// Online with a preview, as the device runs it.
+    Preview,
+}
+
+/// Objectives by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Objective {
+    /// The acceleration, sample by sample.
+    Waveform,
+    /// The response spectrum over --band; the waveform where that leaves a choice.
+    Spectrum,
+}
+
+/// Norms by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Measure {
+    /// Root of summed squares, the paper's.
+    Two,
+    /// Sum of magnitudes.
+    One,
+    /// Largest magnitude.
+    Peak,
+}
+
+/// Reads, conditions, fits, writes and says what came out.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let method = args.method()?;
+    let limits = args.limits();
+    let (record, inputs) = args.read()?;
+    let motion = args.condition(&record)?;
+    let spinner = progress::spinner(format!("fitting {}", record.name));
+    let tell = |line: &str| spinner.set_message(format!("{}: {line}", record.name));
+    let begin = Instant::now();
+    let modified = modify(&motion, &limits, method, tell).map_err(|e| failure(&e))?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let clipped = modify(&motion, &limits, Method::Clip, |_| {}).map_err(|e| failure(&e))?;
+    let relaxations = args.relaxations(&motion, &limits, tell)?;
+    spinner.finish_and_clear();
+    if let Some(out) = &args.out {
+        let drive = Record { dt: motion.dt, acceleration: modified.motion.acceleration.clone(), ..record.clone() };
+        write::write(out, &drive).map_err(|e| Failure::Work(format!("modify: {e}")))?;
+    }
+    let answer = Answer {
+        name: record.name.clone(),
+        conditioning: args.conditioning(),
+        method,
+        limits,
+        motion,
+        modified,
+        clipped: clipped.motion,
+        relaxations,
+        target: args.target,
+        seconds,
+    };
+    args.give(&answer, &inputs)
+}
+
+impl Args {
+    fn give(&self, answer: &Answer, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let mut page = page::page(answer)?;
+        if !self.outputs.quiet() {
+            for section in &page.sections {
+                present::print_section(section);
+            }
+        }
+        let mut json = answer.json()?;
+        if let (Some(object), Some(out)) = (json.as_object_mut(), &self.out) {
+            object.insert("out".into(), out.display().to_string().into());
+        }
+        self.outputs.write_json(json, inputs)?;
+        self.outputs.write_report(&mut page, inputs)
+    }
+
+    fn method(&self) -> Result<Method, Failure> {
+        let named = self.method.unwrap_or(if self.preview.is_some() { How::Preview } else { How::Convex });
+        let clash = |what: &str| Err(Failure::Input(format!("modify: {what}")));
+        if self.preview.is_some() && named != How::Preview {
+            return clash("--preview belongs to --method preview: leave one of them out");
+        }
+        if self.objective == Objective::Spectrum && named != How::Convex {
+            return clash("--objective spectrum is kept by --method convex only: leave --method out");
+        }
+        let others = [("--acceleration", self.acceleration), ("--jerk", self.jerk), ("--stall", self.stall)];
+        if let Some((name, _)) = others.iter().find(|(_, limit)| limit.is_some())
+            && named != How::Convex
+        {
+            return clash(&format!("{name} is a limit that only --method convex keeps: leave one of them out"));
+        }
+        Ok(match (named, self.objective) {
+            (How::Clip, _) => Method::Clip,
+            (How::Taut, _) => Method::Taut,
+            (How::Causal, _) => Method::Causal,
+            (How::Preview, _) => Method::Preview(self.preview.unwrap_or(0.5)),
+            (How::Convex, Objective::Spectrum) => Method::Spectrum(Band {
+                shortest: self.band[0],
+                longest: self.band[1],
+                damping: self.damping,
+                tolerance: self.tolerance,
+            }),
+            (How::Convex, Objective::Waveform) => Method::Convex(match self.norm {
+                Measure::Two => Norm::Two,
+                Measure::One => Norm::One,
+                Measure::Peak => Norm::Peak,
+            }),
+        })
+    }
+
+    fn limits(&self) -> Limits {
+        Limits {
+            acceleration: self.acceleration,
+            jerk: self.jerk,
+            stall: self.stall,
+            ..Limits::table(self.velocity, self.stroke)
+        }
+    }
+
+    /// The record and the files it came from.
+    fn read(&self) -> Result<(Record, Vec<PathBuf>), Failure> {
+        let generated = self.record.to_str().and_then(generate::Recipe::named).filter(|_| !self.record.exists());
+        if let Some(recipe) = generated {
+            let record = recipe.generate(self.seed).map_err(|e| Failure::Input(format!("modify: {e}")))?;
+            return Ok((record, Vec::new()));
+        }
+        let options = read::Options { dt: self.dt, unit: self.unit, channel: self.channel.clone() };
+        let record = read::record(&self.record, &options).map_err(|e| Failure::Input(e.to_string()))?;
+        Ok((record, vec![self.record.clone()]))
+    }
+
+    /// What is done to the record before it is fitted.
+    fn recipe(&self, record: &Record) -> Result<Recipe, Failure> {
+        let mut steps = Vec::new();
+        if let Some([from_s, to_s]) = self.trim.as_deref() {
+            steps.push(Step::Trim { from_s: *from_s, to_s: *to_s });
+        }
+        if let Some(text) = &self.scale_to {
+            let peak = peak_acceleration(text).map_err(|e| Failure::Input(format!("modify: --scale-to {e}")))?;
+            steps.push(Step::ScaleToPeak { peak });
+        }
+        if !self.as_is {
+            let rate_hz = (1.0 / record.dt).max(RATE);
+            steps.push(Step::Resample { rate_hz, between: Interpolation::Linear });
+            steps.push(Step::Rest { before_s: BEFORE, after_s: AFTER });
+            steps.push(Step::HighPassMotion { corner_hz: CORNER, order: 2 });
+        }
+        Ok(Recipe { steps })
+    }
+
+    fn condition(&self, record: &Record) -> Result<Motion, Failure> {
+        let place = self.record.display();
+        self.recipe(record)?.apply(record).map_err(|e| Failure::Input(format!("{place}: {e}")))
+    }
+
+    /// The conditioning in a sentence.
+    fn conditioning(&self) -> String {
+        let mut parts = Vec::new();
+        if let Some([from, to]) = self.trim.as_deref() {
+            parts.push(format!("{from} to {to} s of the record"));
+        }
+        parts.extend(self.scale_to.iter().map(|peak| format!("scaled to {peak}")));
+        if self.as_is {
+            parts.push("nothing else done to the record".into());
+        } else {
+            parts.push(format!(
+                "at {RATE} Hz or the record's own rate, {BEFORE} s of rest before and {AFTER} s after, {CORNER} Hz \
+                 2nd-order zero-phase high-pass on acceleration and velocity"
+            ));
+        }
+        parts.join("; ")
+    }
+
+    /// What it would take to meet the target, by the velocity limit and by all limits together.
+    fn relaxations(&self, motion: &Motion, limits: &Limits, tell: impl Fn(&str)) -> Result<Vec<Relaxation>, Failure> {
+        let Some(target) = self.target else { return Ok(Vec::new()) };
+        if !(target > 0.0 && target.is_finite()) {
+            return Err(Failure::Input(format!("modify: --target {target}: expected a number above zero")));
+        }
+        let start = motion.displacement.first().copied().unwrap_or(0.0);
+        let reference = Reference::new(motion.dt, motion.velocity.clone(), start).map_err(|e| failure(&e))?;
+        let mut found = Vec::new();
+        for relaxed in [Relaxed::Velocity, Relaxed::Stroke, Relaxed::All] {
+            tell(&format!("looking for the smallest factor on {}", relaxed.name()));
+            match certificate::relaxation(&reference, limits, relaxed, target) {
+                Ok(relaxation) => found.extend(relaxation),
+                // This limit alone cannot do it: the others may.
+                Err(FitError::Infeasible(_)) => {}
+                Err(e) => return Err(failure(&e)),
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// Sampling rate of a fit at least, Hz; rest before and after, s; corner of the high-pass, Hz.
+const RATE: f64 = 200.0;
+const BEFORE: f64 = 3.0;
+const AFTER: f64 = 5.0;
+const CORNER: f64 = 0.1;
+
+/// Which exit status a failed fit has.
+fn failure(error: &FitError) -> Failure {
+    match error {
+        FitError::Infeasible(_) | FitError::Solver(_) => Failure::Work(format!("modify: {error}")),
+        FitError::OutsideStroke { .. } => Failure::Input(format!("modify: {error}: a larger --stroke holds it")),
+        FitError::Limit { name, value } => {
+            Failure::Input(format!("modify: --{name} {value}: expected a number above zero"))
+        }
+        other => Failure::Input(format!("modify: {other}")),
+    }
+}

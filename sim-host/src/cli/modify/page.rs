@@ -1,0 +1,263 @@
+//! The report: before and after in time, spectra, what was given up and where.
+
+use super::super::Failure;
+use super::answer::Answer;
+use shakedown::motion::fit::method::Method;
+use shakedown::motion::spectrum::{periods, response_spectrum};
+use shakedown::motion::{Motion, STANDARD_GRAVITY};
+use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
+
+/// Points of a curve at most.
+const POINTS: usize = 12_000;
+
+/// The whole page.
+pub(super) fn page(answer: &Answer) -> Result<Page, Failure> {
+    let fitted = answer.compared(&answer.modified.motion)?;
+    let clipped = answer.compared(&answer.clipped)?;
+    let lead = format!(
+        "{} fitted to {:.3} m/s and {:.3} m ({}): acceleration error E_a {:.3}, where clipping leaves {:.3}.",
+        answer.name,
+        answer.limits.velocity,
+        answer.limits.stroke.unwrap_or(f64::INFINITY),
+        answer.method_name(),
+        fitted.e_a_unshifted.ratio,
+        clipped.e_a_unshifted.ratio,
+    );
+    Ok(Page {
+        title: format!("{} fitted", answer.name),
+        lead,
+        sections: vec![summary(answer)?, given_up(answer), in_time(answer), spectra(answer)?],
+        provenance: vec![("conditioning".into(), answer.conditioning.clone())],
+    })
+}
+
+fn summary(answer: &Answer) -> Result<Section, Failure> {
+    let rows = [
+        ("asked for", &answer.motion),
+        ("fitted", &answer.modified.motion),
+        ("clipped (Eq. 10)", &answer.clipped),
+    ];
+    let mut table = Table {
+        columns: ["motion", "E_a", "E_d", "peak [g]", "peak [m/s]", "farthest [m]", "end [mm]"].map(Into::into).into(),
+        rows: Vec::new(),
+        caption: "E_a and E_d unsquared and without shift, against what was asked for.".into(),
+    };
+    for (name, motion) in rows {
+        let against = answer.compared(motion)?;
+        let (x, v, a) = motion.peaks();
+        let end = motion.displacement.last().copied().unwrap_or(0.0);
+        table.rows.push(vec![
+            name.into(),
+            format!("{:.4}", against.e_a_unshifted.ratio),
+            format!("{:.4}", against.e_d_unshifted.ratio),
+            format!("{:.3}", a / STANDARD_GRAVITY),
+            format!("{v:.4}"),
+            format!("{x:.4}"),
+            format!("{:.3}", 1e3 * end),
+        ]);
+    }
+    let mut items = vec![
+        Item::Text(format!("Method: {}. Conditioning: {}.", answer.method_name(), answer.conditioning)),
+        Item::Table(table),
+    ];
+    if let Some(bound) = answer.modified.bound {
+        items.push(Item::Text(format!(
+            "Proven: no motion within these limits has a relative acceleration error below {bound:.4} in the norm that was \
+             made small."
+        )));
+    }
+    if matches!(answer.method, Method::Clip | Method::Taut) {
+        items.push(Item::Note("This method does not look at the stroke: see how far the motion goes.".into()));
+    }
+    items.extend(target(answer));
+    Ok(Section { heading: format!("{} fitted to the table", answer.name), items })
+}
+
+/// What it would take to meet the target.
+fn target(answer: &Answer) -> Vec<Item> {
+    let Some(target) = answer.target else { return Vec::new() };
+    if answer.relaxations.is_empty() {
+        return vec![Item::Text(format!("The target, E_a {target}, is met within the limits."))];
+    }
+    let rows = answer
+        .relaxations
+        .iter()
+        .map(|r| {
+            vec![
+                r.relaxed.name().into(),
+                format!("{:.3}", r.met_at),
+                format!("{:.4}", r.error),
+                format!("{:.3}", r.missed_at),
+                format!("{:.4}", r.bound),
+            ]
+        })
+        .collect();
+    vec![Item::Table(Table {
+        columns: ["relaxed", "enough: times", "E_a reached", "not enough: times", "E_a at least"].map(Into::into).into(),
+        rows,
+        caption: format!("What E_a {target} takes: smallest factors, proven from both sides."),
+    })]
+}
+
+fn given_up(answer: &Answer) -> Section {
+    let stretches = answer.stretches();
+    let rows: Vec<Vec<String>> = stretches
+        .iter()
+        .take(12)
+        .map(|s| {
+            vec![
+                format!("{:.2}", s.from),
+                format!("{:.2}", s.to),
+                format!("{:.1}", 100.0 * s.share),
+                format!("{:.3}", s.peak / STANDARD_GRAVITY),
+                if s.limits.is_empty() { "none: making good".into() } else { s.limits.join(", ") },
+            ]
+        })
+        .collect();
+    let mut items = Vec::new();
+    if rows.is_empty() {
+        items.push(Item::Text("Nothing was given up: the record keeps within the limits.".into()));
+    } else {
+        items.push(Item::Table(Table {
+            columns: ["from [s]", "to [s]", "share [%]", "largest error [g]", "limits touched"].map(Into::into).into(),
+            rows,
+            caption: format!("Stretches by their share of the squared acceleration error; {} in all.", stretches.len()),
+        }));
+    }
+    items.extend(missed_periods(answer));
+    Section { heading: "What was given up, and where".into(), items }
+}
+
+/// Periods whose ordinate could not be kept.
+fn missed_periods(answer: &Answer) -> Option<Item> {
+    let (Some(found), Method::Spectrum(band)) = (&answer.modified.spectrum, answer.method) else { return None };
+    let missed: Vec<_> = found.ordinates.iter().filter(|o| o.deviation().abs() > band.tolerance).collect();
+    if missed.is_empty() {
+        let kept = format!("S_a is kept within {:.1} % at every period of the band.", 100.0 * found.deviation);
+        return Some(Item::Text(kept));
+    }
+    let rows = missed
+        .iter()
+        .map(|o| {
+            vec![
+                format!("{:.3}", o.period),
+                format!("{:.3}", o.asked / STANDARD_GRAVITY),
+                format!("{:.3}", o.got / STANDARD_GRAVITY),
+                format!("{:+.1}", 100.0 * o.deviation()),
+                format!("{:.3}", o.velocity_factor(band.tolerance)),
+            ]
+        })
+        .collect();
+    Some(Item::Table(Table {
+        columns: ["period [s]", "asked [g]", "got [g]", "deviation [%]", "velocity limit: times at least"]
+            .map(Into::into)
+            .into(),
+        rows,
+        caption: format!(
+            "Periods that miss {:.1} %. With the reference's peaks kept where they are the whole band needs {:.1} %; the \
+             last column is the factor on the velocity limit without which no motion at all reaches that period alone.",
+            100.0 * band.tolerance,
+            100.0 * found.smallest_tolerance
+        ),
+    }))
+}
+
+fn in_time(answer: &Answer) -> Section {
+    let (before, after) = (&answer.motion, &answer.modified.motion);
+    let bands: Vec<Band> = answer
+        .stretches()
+        .iter()
+        .filter(|s| s.share > 0.01)
+        .map(|s| Band { from: s.from, to: s.to, label: s.limits.join(", ") })
+        .collect();
+    let error: Vec<f64> =
+        before.acceleration.iter().zip(&after.acceleration).map(|(a, b)| (b - a) / STANDARD_GRAVITY).collect();
+    let g = |m: &Motion| m.acceleration.iter().map(|a| a / STANDARD_GRAVITY).collect::<Vec<_>>();
+    let plot = |title: &str, unit: &str, series: Vec<Series>| {
+        Item::Plot(Plot {
+            title: title.into(),
+            x: Axis { label: "time [s]".into(), log: false },
+            y: Axis { label: format!("{} [{unit}]", title.to_lowercase()), log: false },
+            series,
+            bands: bands.clone(),
+            group: Some("time".into()),
+        })
+    };
+    let dt = before.dt;
+    let curve = |name: &str, y: &[f64], style| curve(name, y, dt, style);
+    let (last, v, x) = (before.duration(), answer.limits.velocity, answer.limits.stroke);
+    let mut speed = vec![
+        curve("clipped", &answer.clipped.velocity, Style::Faint),
+        curve("asked for", &before.velocity, Style::Dashed),
+        curve("fitted", &after.velocity, Style::Line),
+    ];
+    speed.extend(walls(Some(v), last));
+    let mut travel = vec![
+        curve("clipped", &answer.clipped.displacement, Style::Faint),
+        curve("asked for", &before.displacement, Style::Dashed),
+        curve("fitted", &after.displacement, Style::Line),
+    ];
+    travel.extend(walls(x, last));
+    let shaken = vec![curve("asked for", &g(before), Style::Dashed), curve("fitted", &g(after), Style::Line)];
+    Section {
+        heading: "In time".into(),
+        items: vec![
+            plot("Acceleration", "g", shaken),
+            plot("Acceleration error", "g", vec![curve("fitted less asked for", &error, Style::Line)]),
+            plot("Velocity", "m/s", speed),
+            plot("Displacement", "m", travel),
+        ],
+    }
+}
+
+/// A limit as two dashed lines.
+fn walls(limit: Option<f64>, last: f64) -> Vec<Series> {
+    let line = |name: &str, y: f64| Series { name: name.into(), x: vec![0.0, last], y: vec![y, y], style: Style::Dashed };
+    limit.map_or_else(Vec::new, |l| vec![line("limit", l), line("limit below", -l)])
+}
+
+/// A curve thinned to what a screen shows, the largest magnitude of every group kept.
+fn curve(name: &str, y: &[f64], dt: f64, style: Style) -> Series {
+    let group = y.len().div_ceil(POINTS).max(1);
+    let (mut xs, mut ys) = (Vec::new(), Vec::new());
+    for (k, values) in y.chunks(group).enumerate() {
+        let (at, value) =
+            values.iter().copied().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((0, 0.0));
+        xs.push((k * group + at) as f64 * dt);
+        ys.push(value);
+    }
+    Series { name: name.into(), x: xs, y: ys, style }
+}
+
+fn spectra(answer: &Answer) -> Result<Section, Failure> {
+    let at = periods(0.03, 5.0, 160);
+    let of = |motion: &Motion| {
+        response_spectrum(&motion.acceleration, motion.dt, 0.05, &at)
+            .map(|s| s.s_a_in_g())
+            .map_err(|e| Failure::Work(format!("modify: {e}")))
+    };
+    let curves = [
+        ("clipped", &answer.clipped, Style::Faint),
+        ("asked for", &answer.motion, Style::Dashed),
+        ("fitted", &answer.modified.motion, Style::Line),
+    ];
+    let mut series = Vec::new();
+    for (name, motion, style) in curves {
+        series.push(Series { name: name.into(), x: at.clone(), y: of(motion)?, style });
+    }
+    let mut bands = Vec::new();
+    if let Method::Spectrum(band) = answer.method {
+        bands.push(Band { from: band.shortest, to: band.longest, label: "kept".into() });
+    }
+    Ok(Section {
+        heading: "Response spectrum".into(),
+        items: vec![Item::Plot(Plot {
+            title: "Spectral acceleration, 5 % damping".into(),
+            x: Axis { label: "period [s]".into(), log: true },
+            y: Axis { label: "S_a [g]".into(), log: false },
+            series,
+            bands,
+            group: None,
+        })],
+    })
+}
