@@ -16,40 +16,46 @@ mod watch;
 
 pub(crate) use config::Config;
 use law::Law;
-use watch::Watch;
+use watch::{Drive, Watch};
 
 use crate::guard::{Refused, Request, State, Supervisor, Trip};
 use crate::modifier::ModifierState;
-use crate::sample::{Channels, Command, Relay, Sample, Status};
+use crate::sample::{Channels, Command, Sample, Status};
 use crate::scalar::Scalar;
 use crate::settings::{Mode, Settings, SettingsError};
 
 /// The whole control law.
 #[derive(Debug, Clone)]
+// In this order, so that all that a tick touches lies within reach of one base register, and the long buffer behind it.
+#[repr(C)]
 pub struct Controller {
     config: Config,
     /// The last believable reading of every channel.
     readings: Sample,
     watch: Watch,
     law: Law,
-    modifier: ModifierState,
-    /// None without a guard: always running.
-    supervisor: Option<Supervisor>,
+    supervisor: Supervisor,
     blend: Blend,
     /// Where the reference stands while the test is faded out, m.
     anchor: f32,
     /// What the record modifier was last given, m.
     target: f32,
-    /// The reference after modification, m; none before the first tick.
-    reference: Option<f32>,
-    /// Last output, m, and its part beyond zero flow, m.
+    /// The reference after modification, m.
+    reference: f32,
+    /// Last output, m.
     output: f32,
+    /// Its part beyond zero flow, m.
     excess: f32,
     limited: bool,
+    /// Whether [`Blend`] has anything to do.
+    blending: bool,
+    /// Whether every needed channel has been read at least once.
+    begun: bool,
+    modifier: ModifierState,
 }
 
 /// What is left of the output before a change of settings.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Blend {
     offset: f32,
     weight: f32,
@@ -65,51 +71,54 @@ impl Controller {
             readings: Sample::default(),
             watch: Watch::new(&config),
             law: Law::default(),
-            modifier: config.modifier.start(0.0),
-            supervisor: config.guard.is_some().then(Supervisor::off),
-            blend: Blend { offset: 0.0, weight: 0.0, pending: false },
+            supervisor: if config.guard.is_some() { Supervisor::off() } else { Supervisor::unguarded() },
+            blend: Blend::default(),
             anchor: 0.0,
             target: 0.0,
-            reference: None,
-            output: 0.0,
+            reference: 0.0,
+            output: config.null_bias,
             excess: 0.0,
             limited: false,
+            blending: false,
+            begun: false,
+            modifier: config.modifier.start(0.0),
             config,
         })
     }
 
     /// Exchanges the settings between two ticks, whole or not at all, while the state goes on. The output does not jump:
     /// what it would jump by is taken up and let go over [`Settings::blend`]. A change of mode is the same thing.
-    /// Settings with a guard put a controller that had none off, and the other way round is refused while not off.
+    /// Settings with a guard put a controller that had none off; the guard is not taken away from a test that is not off.
     pub fn retune(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let config = Config::new(settings)?;
-        match (&self.supervisor, &config.guard) {
-            (Some(supervisor), None) if supervisor.state() != State::Off => {
+        match (&self.config.guard, &config.guard) {
+            (Some(_), None) if self.supervisor.state() != State::Off => {
                 return Err(SettingsError::Contradiction { field: "guard", with: "a test that is not off" });
             }
-            (Some(_), None) => self.supervisor = None,
-            (None, Some(_)) => self.supervisor = Some(Supervisor::off()),
+            (Some(_), None) => self.supervisor = Supervisor::unguarded(),
+            (None, Some(_)) => self.supervisor = Supervisor::off(),
             _ => {}
         }
         self.watch.retune(&config, &self.config);
         if !config.modifier.owns(&self.modifier) {
-            self.modifier = config.modifier.start(self.reference.unwrap_or(self.readings.displacement));
+            config.modifier.restart(&mut self.modifier, self.reference);
         }
-        self.blend.pending = self.reference.is_some();
+        self.blend.pending = self.begun;
+        self.blending = self.begun;
         self.config = config;
         Ok(())
     }
 
     /// Asks for a change of state, for instance [`Request::Arm`] and then [`Request::Start`].
     pub fn request(&mut self, request: Request) -> Result<(), Refused> {
-        let Some(supervisor) = &mut self.supervisor else { return Err(Refused::NoGuard) };
-        if request == Request::Arm
-            && let Some(cause) = self.watch.cause()
-        {
+        if self.config.guard.is_none() {
+            return Err(Refused::NoGuard);
+        }
+        if let (Request::Arm, Some(cause)) = (request, self.watch.cause()) {
             return Err(Refused::Cause(cause));
         }
-        let whole = supervisor.whole();
-        supervisor.request(request)?;
+        let whole = self.supervisor.whole();
+        self.supervisor.request(request)?;
         match request {
             Request::Arm => self.start_at(self.readings.displacement),
             Request::Hold | Request::Stop if whole => self.anchor = self.target,
@@ -122,75 +131,80 @@ impl Controller {
     fn start_at(&mut self, displacement: f32) {
         self.anchor = displacement;
         self.target = displacement;
-        self.law = Law::default();
-        self.modifier = self.config.modifier.start(displacement);
-        self.blend = Blend { offset: 0.0, weight: 0.0, pending: false };
-        self.reference = Some(displacement);
+        self.reference = displacement;
+        self.law = Law::at(displacement);
+        self.config.modifier.restart(&mut self.modifier, displacement);
+        self.blend = Blend::default();
+        self.blending = false;
         self.limited = false;
     }
 
     /// One tick: measure, decide, command.
     pub fn step(&mut self, sample: &Sample) -> Command {
         let missing = self.config.walls.take(sample, &mut self.readings);
-        if self.reference.is_none() && missing.is_empty() {
-            self.modifier = self.config.modifier.start(self.readings.reference);
-            self.reference = Some(self.readings.reference);
-        }
-        let cause = self.watch(missing);
-        let moves = match (&mut self.supervisor, &self.config.guard) {
-            (Some(supervisor), Some(guard)) => {
-                if let Some(cause) = cause
-                    && supervisor.moves()
-                {
-                    supervisor.trip(cause);
-                }
-                supervisor.advance(&guard.ramps);
-                supervisor.moves()
+        if self.begun || self.begin(missing) {
+            let cause = self.watch(missing);
+            if cause.is_some() || !self.supervisor.steady() {
+                self.supervise(cause);
             }
-            _ => true,
-        };
-        if !moves {
-            self.make_safe();
-        } else if missing.is_empty() {
-            self.decide();
+            if !self.supervisor.moves() {
+                self.make_safe();
+            } else if missing.is_empty() {
+                self.decide();
+            }
         }
         self.command(missing)
+    }
+
+    /// Takes up what the guard has found, and moves the ramps on.
+    #[inline(never)]
+    fn supervise(&mut self, cause: Option<Trip>) {
+        let Some(guard) = &self.config.guard else { return };
+        if let Some(cause) = cause {
+            self.supervisor.doubt(cause);
+        }
+        self.supervisor.advance(guard.ramps);
+    }
+
+    /// The first tick for which every needed channel is there. Until then nothing moves.
+    #[cold]
+    fn begin(&mut self, missing: Channels) -> bool {
+        self.begun = missing.is_empty();
+        if self.begun {
+            self.watch.begin(self.readings.displacement);
+            self.start_at(self.readings.reference);
+        }
+        self.begun
     }
 
     /// What the sensors say of the table, the valve and themselves.
     #[inline]
     fn watch(&mut self, missing: Channels) -> Option<Trip> {
-        let (error, demand) = match self.config.mode {
-            Mode::Guard => (self.excess, self.excess * self.config.valve_gain),
-            Mode::Controller => {
-                (self.reference.unwrap_or(0.0) - self.readings.displacement, self.excess * self.config.valve_gain)
-            }
-            Mode::Modifier => {
-                (self.reference.unwrap_or(0.0) - self.readings.displacement, self.law.reference_velocity())
-            }
-        };
-        self.watch.step(&self.config, &self.readings, missing, error, demand)
+        let drive =
+            Drive { reference: self.reference, reference_velocity: self.law.reference_velocity(), excess: self.excess };
+        if missing.is_empty() {
+            self.watch.step(&self.config, &self.readings, &drive)
+        } else {
+            self.watch.step_without(&self.config, missing, &self.readings, &drive)
+        }
     }
 
     /// The output at which no oil flows, m.
     #[inline]
     fn zero_flow(&self) -> f32 {
-        match self.config.mode {
-            // An existing position controller subtracts the LVDT.
-            Mode::Modifier => self.readings.displacement,
-            _ => self.config.inner_loop.cancellation(self.readings.displacement) + self.config.null_bias,
-        }
+        self.config.cancellation * self.readings.displacement + self.config.null_bias
     }
 
     /// The safe ramp: what was asked for at the trip, let go.
+    #[inline(never)]
     fn make_safe(&mut self) {
-        let left = self.supervisor.map_or(0.0, |supervisor| supervisor.command());
         // Beyond wide open the command could fall a long way without slowing the table.
-        self.excess = self.excess.within(-self.config.wide_open, self.config.wide_open);
-        self.output = self.zero_flow() + left * self.excess;
+        self.excess = self.excess.bounded(self.config.wide_open);
+        self.output = self.zero_flow() + self.supervisor.command() * self.excess;
     }
 
     /// The output of the mode, all inputs being good.
+    #[inline]
     fn decide(&mut self) {
         let zero = self.zero_flow();
         let (asked, whole) = match self.config.mode {
@@ -206,80 +220,78 @@ impl Controller {
                 (asked, zero + asked)
             }
         };
-        let faded = match &self.supervisor {
-            Some(supervisor) if self.config.mode == Mode::Guard && !supervisor.whole() => supervisor.presence() * asked,
-            _ => asked,
-        };
-        let blended = self.blend(faded, zero);
-        let limit = self.config.command_limit;
-        let excess = blended.within(-limit, limit);
-        if excess.is_nan() {
-            self.recover();
+        let wanted = if self.supervisor.steady() && !self.blending { asked } else { self.fade(asked, zero) };
+        if wanted.abs() <= self.config.command_limit {
+            self.limited = false;
+            self.excess = wanted;
+            // What nothing acts on passes to the last bit, which `zero + (external - zero)` would not.
+            self.output = if wanted == asked { whole } else { zero + wanted };
+        } else {
+            self.limit(wanted, zero);
+        }
+    }
+
+    /// A command beyond what the valve is given, or none at all: no input makes the law's state other than a number,
+    /// but a flipped bit might.
+    #[cold]
+    fn limit(&mut self, wanted: f32, zero: f32) {
+        if wanted.is_nan() {
+            self.start_at(self.readings.displacement);
+            if self.config.guard.is_some() {
+                self.supervisor.trip(Trip::Internal);
+            }
             return;
         }
-        self.limited = excess != blended;
-        self.excess = excess;
-        // What nothing acts on passes to the last bit, which `zero + (external - zero)` would not.
-        self.output = if excess == asked { whole } else { zero + excess };
+        self.limited = true;
+        self.excess = wanted.bounded(self.config.command_limit);
+        self.output = zero + self.excess;
+    }
+
+    /// Lets through what the state of the test lets through of an existing controller's command, and what is left of
+    /// the output before a change of settings.
+    #[inline(never)]
+    fn fade(&mut self, asked: f32, zero: f32) -> f32 {
+        let guards = self.config.mode == Mode::Guard;
+        let faded = if guards { self.supervisor.presence() * asked } else { asked };
+        if self.blend.pending {
+            self.blend = Blend { offset: self.output - zero - faded, weight: 1.0, pending: false };
+        }
+        let w = self.blend.weight;
+        let next = w - self.config.blend_step;
+        self.blend.weight = if next > 0.0 { next } else { 0.0 };
+        self.blending = self.blend.weight > 0.0;
+        if w > 0.0 { faded + self.blend.offset * (w * w * (3.0 - 2.0 * w)) } else { faded }
     }
 
     /// The reference as the test's ramps and the record modifier let it through, m.
     #[inline]
     fn fit_reference(&mut self) -> f32 {
-        self.target = match &self.supervisor {
-            Some(supervisor) if !supervisor.whole() => {
-                self.anchor + supervisor.presence() * (self.readings.reference - self.anchor)
-            }
-            _ => self.readings.reference,
-        };
-        let limit = self.watch.velocity_limit(&self.config);
-        let reference = self.config.modifier.advance(&mut self.modifier, self.target, limit);
-        self.law.see_reference(&self.config, reference, self.reference.unwrap_or(reference));
-        self.reference = Some(reference);
-        reference
-    }
-
-    /// Takes up what a change of settings would make the command jump by, and lets it go.
-    #[inline]
-    fn blend(&mut self, asked: f32, zero: f32) -> f32 {
-        if self.blend.pending {
-            self.blend = Blend { offset: self.output - zero - asked, weight: 1.0, pending: false };
+        self.target = self.readings.reference;
+        if !self.supervisor.steady() {
+            self.target = self.anchor + self.supervisor.presence() * (self.target - self.anchor);
         }
-        if self.blend.weight <= 0.0 {
-            return asked;
+        let limit = self.watch.velocity_limit();
+        self.reference = self.config.modifier.advance(&mut self.modifier, self.target, limit);
+        if self.config.uses_rates {
+            self.law.see_reference(&self.config, self.reference, &self.readings);
         }
-        let w = self.blend.weight;
-        self.blend.weight = w - self.config.blend_step;
-        asked + self.blend.offset * (w * w * (3.0 - 2.0 * w))
-    }
-
-    /// The law's state was not a number. No input does this; a flipped bit might.
-    #[cold]
-    fn recover(&mut self) {
-        self.start_at(self.readings.displacement);
-        if let Some(supervisor) = &mut self.supervisor {
-            supervisor.trip(Trip::Internal);
-        }
+        self.reference
     }
 
     #[inline]
     fn command(&self, missing: Channels) -> Command {
-        let (state, trip, relay) = match &self.supervisor {
-            Some(supervisor) => (supervisor.state(), supervisor.cause(), supervisor.relay()),
-            None => (State::Running, None, Relay::Closed),
-        };
         Command {
             valve: self.output,
-            reference: self.reference.unwrap_or(0.0),
+            reference: self.reference,
             status: Status {
                 saturated: self.watch.saturated(),
                 held: !missing.is_empty(),
                 missing,
                 limited: self.limited,
-                velocity_limit: self.watch.velocity_limit(&self.config),
-                state,
-                trip,
-                relay,
+                velocity_limit: self.watch.velocity_limit(),
+                state: self.supervisor.state(),
+                trip: self.supervisor.cause(),
+                relay: self.supervisor.relay(),
             },
         }
     }

@@ -72,6 +72,12 @@ impl Modifier {
         }
     }
 
+    /// Puts `state` at rest at `reference` (m).
+    #[inline(never)]
+    pub(crate) fn restart(&self, state: &mut ModifierState, reference: f32) {
+        *state = self.start(reference);
+    }
+
     /// Whether `state` is of this modifier, so that it can go on under a new configuration.
     pub(crate) fn owns(&self, state: &ModifierState) -> bool {
         matches!(
@@ -86,6 +92,11 @@ impl Modifier {
     /// One tick: reference (m) and the velocity limit now in force (m/s) in, modified reference (m) out.
     #[inline]
     pub(crate) fn advance(&self, state: &mut ModifierState, reference: f32, velocity_limit: f32) -> f32 {
+        if matches!(self, Self::Off) { reference } else { self.modify(state, reference, velocity_limit) }
+    }
+
+    #[inline(never)]
+    fn modify(&self, state: &mut ModifierState, reference: f32, velocity_limit: f32) -> f32 {
         match (self, state) {
             (Self::Clip(config), ModifierState::Clip(state)) => clip::step(config, state, reference, velocity_limit),
             (Self::Causal(config), ModifierState::Causal(state)) => {

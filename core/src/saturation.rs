@@ -5,13 +5,13 @@
 //! alone is no evidence and its absence no alibi:
 //!
 //! ```text
-//! collapsed = |lag(a)| <= plateau
+//! collapsed = |a| <= plateau
 //! pushed    = e sgn(v) > error
 //! near      = |v| >= 0.92 V(side)
 //! wanting   = d sgn(v) > (1 + shortfall) |v|
 //! evidence  = collapsed and pushed and |v| >= floor V0 and (near or wanting),     saturated once it lasts `hold`
 //! ```
-//! e is the displacement error (m; in guard mode the external command beyond zero flow), d the speed that is asked for
+//! a is the observer's acceleration, low-passed (m/s2); e the displacement error (m; in guard mode the external command beyond zero flow), d the speed that is asked for
 //! (m/s): the command through the valve's linear model, or in modifier mode the reference's own velocity. At the crest of
 //! an unsaturated swing the acceleration also passes zero, but there d equals v: wanting is what tells.
 //!
@@ -21,10 +21,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, BlockError, require};
+use crate::block::{BlockError, require};
 use crate::control::Blocked;
-use crate::filter::Lag;
-use crate::filter::lag::LagState;
 
 /// How saturation is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -40,8 +38,6 @@ pub struct Detection {
     pub floor: f32,
     /// How long the evidence must last, s.
     pub hold: f32,
-    /// Smoothing of the acceleration, s.
-    pub smoothing: f32,
     /// Time constant with which the estimate goes to a speed seen in saturation, s.
     pub follow: f32,
     /// Time constant with which the estimate recovers to the set limit, s.
@@ -50,16 +46,7 @@ pub struct Detection {
 
 impl Default for Detection {
     fn default() -> Self {
-        Self {
-            plateau: 0.4,
-            error: 1e-3,
-            shortfall: 0.2,
-            floor: 0.25,
-            hold: 0.01,
-            smoothing: 0.008,
-            follow: 0.02,
-            recovery: 5.0,
-        }
+        Self { plateau: 0.4, error: 1e-3, shortfall: 0.2, floor: 0.25, hold: 0.01, follow: 0.02, recovery: 5.0 }
     }
 }
 
@@ -68,7 +55,7 @@ impl Default for Detection {
 pub struct Evidence {
     /// Velocity of the table, m/s.
     pub velocity: f32,
-    /// Acceleration of the table, m/s2.
+    /// Acceleration of the table, low-passed, m/s2.
     pub acceleration: f32,
     /// What pushes it, m: displacement error, or external command beyond zero flow.
     pub error: f32,
@@ -79,7 +66,6 @@ pub struct Evidence {
 /// The detector's configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detector {
-    smoothing: Lag,
     plateau: f32,
     error: f32,
     excess: f32,
@@ -93,7 +79,6 @@ pub struct Detector {
 /// What the detector remembers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DetectorState {
-    acceleration: LagState,
     lasted: u32,
     positive: f32,
     negative: f32,
@@ -101,6 +86,11 @@ pub struct DetectorState {
 }
 
 impl DetectorState {
+    /// A state that has seen nothing of a table of `limit` (m/s).
+    pub fn at(limit: f32) -> Self {
+        Self { lasted: 0, positive: limit, negative: limit, blocked: Blocked::Neither }
+    }
+
     /// The direction in which the table is at its limit.
     #[inline]
     pub fn blocked(&self) -> Blocked {
@@ -128,7 +118,6 @@ impl Detector {
         let follow = require("saturation.follow", settings.follow, 1e-3, 10.0)?;
         let recovery = require("saturation.recovery", settings.recovery, 0.01, 1000.0)?;
         Ok(Self {
-            smoothing: Lag::new(require("saturation.smoothing", settings.smoothing, 0.0, 1.0)?, dt)?,
             plateau: require("saturation.plateau", settings.plateau, 1e-3, 100.0)?,
             error: require("saturation.error", settings.error, 0.0, 1.0)?,
             excess: 1.0 + require("saturation.shortfall", settings.shortfall, 0.0, 10.0)?,
@@ -142,45 +131,36 @@ impl Detector {
 
     /// A state that has seen nothing.
     pub fn start(&self) -> DetectorState {
-        DetectorState {
-            acceleration: LagState::default(),
-            lasted: 0,
-            positive: self.limit,
-            negative: self.limit,
-            blocked: Blocked::Neither,
-        }
+        DetectorState::at(self.limit)
     }
 
     /// One tick.
     #[inline]
     pub fn advance(&self, state: &mut DetectorState, seen: Evidence) {
-        let acceleration = self.smoothing.advance(&mut state.acceleration, seen.acceleration);
+        let speed = seen.velocity.abs();
         let forward = seen.velocity >= 0.0;
-        let (speed, error, demand) = if forward {
-            (seen.velocity, seen.error, seen.demand)
+        let (error, demand, limit) = if forward {
+            (seen.error, seen.demand, &mut state.positive)
         } else {
-            (-seen.velocity, -seen.error, -seen.demand)
+            (-seen.error, -seen.demand, &mut state.negative)
         };
-        let limit = if forward { &mut state.positive } else { &mut state.negative };
-
-        let near = speed >= 0.92 * *limit;
-        let wanting = demand > self.excess * speed;
-        let flat = acceleration >= -self.plateau && acceleration <= self.plateau;
-        let evidence = flat && error > self.error && speed >= self.slowest && (near || wanting);
-        state.lasted = if evidence { state.lasted.saturating_add(1) } else { 0 };
-
+        let pushed = error > self.error && seen.acceleration.abs() <= self.plateau && speed >= self.slowest;
+        if pushed && (speed >= 0.92 * *limit || demand > self.excess * speed) {
+            state.lasted = state.lasted.saturating_add(1);
+        } else {
+            state.lasted = 0;
+        }
+        let mut now = *limit;
         if state.lasted > self.hold {
             state.blocked = if forward { Blocked::Positive } else { Blocked::Negative };
-            *limit += self.follow * (speed - *limit);
+            now += self.follow * (speed - now);
         } else {
             state.blocked = Blocked::Neither;
-            *limit += self.recovery * (self.limit - *limit);
-            if speed > *limit {
-                *limit = speed;
+            now += self.recovery * (self.limit - now);
+            if speed > now {
+                now = speed;
             }
         }
-        if *limit > self.limit {
-            *limit = self.limit;
-        }
+        *limit = if now > self.limit { self.limit } else { now };
     }
 }

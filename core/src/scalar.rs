@@ -32,10 +32,23 @@ pub trait Scalar:
             self
         }
     }
+
+    /// Held within `limit` of zero, `limit >= 0`. A NaN stays one.
+    #[inline]
+    #[must_use]
+    fn bounded(self, limit: Self) -> Self {
+        self.within(-limit, limit)
+    }
 }
 
 impl Scalar for f32 {
     const ZERO: Self = 0.0;
+
+    #[inline]
+    fn bounded(self, limit: Self) -> Self {
+        // Inside, where a law nearly always is, this is one comparison.
+        if self.abs() <= limit { self } else { self.within(-limit, limit) }
+    }
 
     #[inline]
     fn from_f32(value: f32) -> Self {

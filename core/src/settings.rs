@@ -87,11 +87,13 @@ pub struct ObserverSettings {
     pub frequency: f32,
     /// Whether an accelerometer is fitted; without one [`crate::Sample::acceleration`] is not read.
     pub accelerometer: bool,
+    /// Time constant of the low-pass on the acceleration that saturation detection and guard look at, s.
+    pub smoothing: f32,
 }
 
 impl Default for ObserverSettings {
     fn default() -> Self {
-        Self { frequency: 2.0, accelerometer: true }
+        Self { frequency: 2.0, accelerometer: true, smoothing: 0.006 }
     }
 }
 

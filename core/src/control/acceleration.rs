@@ -7,7 +7,7 @@
 //! u[k] = rho u[k-1] + dt w[k],                         m
 //! rho = exp(-2 pi f dt)
 //! ```
-//! each held within +/- limit. e in m/s2, u in m, kp in 1, ki in 1/s. Above the washout's frequency f this is
+//! the last held within +/- limit, the others within a hundred times that. e in m/s2, u in m, kp in 1, ki in 1/s. Above the washout's frequency f this is
 //! `(kp + ki / s) / s^2`, the double integration of Fig. 12. Below it every integrator leaks and the washout removes what
 //! stays: a constant error of any size, an accelerometer's bias among them, ends in a command of exactly zero in the
 //! limit, and a bounded error can never move the command beyond `(kp + ki / w) |e| / w^2`, w = 2 pi f.
@@ -26,12 +26,14 @@ pub struct AccelerationLoop<S = f32> {
     rho: S,
     gain: S,
     limit: S,
+    /// Bound of what is not yet a displacement: a hundred times the limit, in 1/s and 1/s2.
+    wide: S,
 }
 
 /// What the acceleration loop remembers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AccelerationState<S = f32> {
-    error: Option<S>,
+    error: S,
     washed: S,
     /// The integral term, m/s2.
     pub integral: S,
@@ -43,7 +45,7 @@ pub struct AccelerationState<S = f32> {
 
 impl<S: Scalar> Default for AccelerationState<S> {
     fn default() -> Self {
-        Self { error: None, washed: S::ZERO, integral: S::ZERO, rate: S::ZERO, command: S::ZERO }
+        Self { error: S::ZERO, washed: S::ZERO, integral: S::ZERO, rate: S::ZERO, command: S::ZERO }
     }
 }
 
@@ -60,23 +62,21 @@ impl<S: Scalar> AccelerationLoop<S> {
             rho: S::from_f32(rho),
             gain: S::from_f32(0.5 * (1.0 + rho)),
             limit: S::from_f32(limit),
+            wide: S::from_f32(100.0 * limit),
         })
     }
 
     /// One tick: acceleration error (m/s2) in, command (m) out.
     #[inline]
     pub fn advance(&self, state: &mut AccelerationState<S>, error: S, blocked: Blocked) -> S {
-        let before = state.error.unwrap_or(error);
-        state.error = Some(error);
-        state.washed = self.rho * state.washed + self.gain * (error - before);
+        state.washed = self.rho * state.washed + self.gain * (error - state.error);
+        state.error = error;
         let more = if blocked.allows(state.washed) { self.integral_step * state.washed } else { S::ZERO };
-        // An acceleration is bounded by what a table can do, not by the stroke: a hundred times the limit in 1/s2.
-        let wide = S::from_f32(100.0) * self.limit;
-        state.integral = (self.rho * state.integral + more).within(-wide, wide);
+        state.integral = (self.rho * state.integral + more).bounded(self.wide);
         let push = self.proportional * state.washed + state.integral;
         let more = if blocked.allows(push) { self.dt * push } else { S::ZERO };
-        state.rate = (self.rho * state.rate + more).within(-wide, wide);
-        state.command = (self.rho * state.command + self.dt * state.rate).within(-self.limit, self.limit);
+        state.rate = (self.rho * state.rate + more).bounded(self.wide);
+        state.command = (self.rho * state.command + self.dt * state.rate).bounded(self.limit);
         state.command
     }
 }

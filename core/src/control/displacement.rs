@@ -44,7 +44,7 @@ impl<S: Scalar> DisplacementLoop<S> {
     pub fn advance(&self, state: &mut DisplacementState<S>, error: S, blocked: Blocked) -> S {
         if blocked.allows(error) {
             let integral = state.integral + self.integral_step * error;
-            state.integral = integral.within(-self.limit, self.limit);
+            state.integral = integral.bounded(self.limit);
         }
         self.proportional * error + state.integral
     }

@@ -48,11 +48,11 @@ impl<S: Scalar> VelocityLoop<S> {
     pub fn advance(&self, state: &mut VelocityState<S>, error: S, blocked: Blocked) -> S {
         if blocked.allows(error) {
             let integral = state.integral + self.integral_step * error;
-            state.integral = integral.within(-self.limit, self.limit);
+            state.integral = integral.bounded(self.limit);
         }
         let rate = self.proportional * error + state.integral;
         if blocked.allows(rate) {
-            state.command = (state.command + self.dt * rate).within(-self.limit, self.limit);
+            state.command = (state.command + self.dt * rate).bounded(self.limit);
         }
         state.command
     }

@@ -1,8 +1,9 @@
 //! Settings worked out into coefficients: everything a tick needs and nothing it has to divide by.
 
+use super::watch::TURNS;
 use crate::block::{BlockError, require};
-use crate::control::{AccelerationLoop, DisplacementLoop, InnerLoop, LoopGains, VelocityLoop};
-use crate::filter::{Differentiator, Fusion};
+use crate::control::{AccelerationLoop, DisplacementLoop, LoopGains, VelocityLoop};
+use crate::filter::{Differentiator, Fusion, Lag};
 use crate::guard::supervisor::Ramps;
 use crate::guard::{Envelope, GuardSettings, Plausibility, ValveMonitor, Walls};
 use crate::modifier::Modifier;
@@ -31,10 +32,9 @@ pub(crate) struct Guard {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Config {
     pub(crate) mode: Mode,
-    pub(crate) rate: f32,
     pub(crate) walls: Walls,
     pub(crate) observer: Option<Fusion>,
-    pub(crate) accelerometer: bool,
+    pub(crate) smoothing: Lag,
     pub(crate) velocity_sensor: bool,
     pub(crate) detector: Option<Detector>,
     pub(crate) modifier: Modifier,
@@ -42,7 +42,10 @@ pub(crate) struct Config {
     pub(crate) velocity: Option<VelocityLoop>,
     pub(crate) acceleration: Option<AccelerationLoop>,
     pub(crate) rates: Rates,
-    pub(crate) inner_loop: InnerLoop,
+    /// Whether anything looks at the reference's rates.
+    pub(crate) uses_rates: bool,
+    /// Output at which no oil flows: this share of the LVDT's reading, and the null bias, m.
+    pub(crate) cancellation: f32,
     pub(crate) null_bias: f32,
     pub(crate) valve_gain: f32,
     pub(crate) command_limit: f32,
@@ -68,19 +71,20 @@ impl Config {
         let observer = Fusion::new(s.observer.frequency, dt).map_err(|error| error.named("observer.frequency"))?;
         Ok(Self {
             mode: s.mode,
-            rate: s.rate,
             walls: Walls::new(s),
             observer: (watched || tracked).then_some(observer),
-            accelerometer: s.observer.accelerometer,
+            smoothing: Lag::new(s.observer.smoothing, dt).map_err(|error| error.named("observer.smoothing"))?,
             velocity_sensor: s.velocity_source == VelocitySource::Sensor,
-            detector: s.saturation.map(|d| Detector::new(&d, s.velocity_limit, dt)).transpose()?,
+            detector: s.saturation.map(|d| Detector::new(&d, s.velocity_limit, f32::from(TURNS) * dt)).transpose()?,
             modifier: Modifier::new(s)?,
             displacement: DisplacementLoop::new(loop_gains(s.displacement), dt, limit),
             velocity: s.velocity.act().then(|| VelocityLoop::new(loop_gains(s.velocity), dt, limit)),
             acceleration: if s.acceleration.act() { acceleration } else { None },
+            uses_rates: s.velocity.act() || s.acceleration.act() || s.mode == Mode::Modifier,
             rates: rates(s.reference_rates, s.rate, dt)?,
-            inner_loop: s.inner_loop,
-            null_bias: s.valve.null_bias,
+            // An existing position controller subtracts the LVDT, and its own null bias is not ours to know.
+            cancellation: if s.mode == Mode::Modifier { 1.0 } else { s.inner_loop.cancellation(1.0) },
+            null_bias: if s.mode == Mode::Modifier { 0.0 } else { s.valve.null_bias },
             valve_gain: s.valve.gain,
             command_limit: limit,
             wide_open: s.velocity_limit / s.valve.gain,
@@ -94,11 +98,12 @@ impl Config {
 
 impl Guard {
     fn new(guard: &GuardSettings, s: &Settings, dt: f32) -> Result<Self, BlockError> {
-        let plausibility = Plausibility::new(&guard.plausibility, dt)?;
+        let turn = f32::from(TURNS) * dt;
+        let plausibility = Plausibility::new(&guard.plausibility, turn)?;
         Ok(Self {
-            envelope: Envelope::new(&guard.envelope, s.stroke, dt)?,
+            envelope: Envelope::new(&guard.envelope, s.stroke, turn)?,
             plausibility: s.observer.accelerometer.then_some(plausibility),
-            valve: ValveMonitor::new(&guard.valve, s.valve.lag, dt)?,
+            valve: ValveMonitor::new(&guard.valve, s.valve.lag, turn)?,
             ramps: Ramps::new(&guard.ramps, dt)?,
             lost: (require("guard.plausibility.lost", guard.plausibility.lost, 0.0, 1.0)? / dt) as u32,
         })

@@ -19,23 +19,28 @@ pub(super) struct Law {
 }
 
 impl Law {
+    /// At rest, with the reference at `displacement` (m).
+    pub(super) fn at(displacement: f32) -> Self {
+        Self { first: DifferentiatorState::at(displacement), ..Self::default() }
+    }
+
     /// Velocity of the modified reference, m/s.
     #[inline]
     pub(super) fn reference_velocity(&self) -> f32 {
         self.reference_velocity
     }
 
-    /// Works out the rates of the modified reference (m), which was `before` (m) a tick ago, as far as they are used.
+    /// Works out the rates of the modified `reference` (m).
     #[inline]
-    pub(super) fn see_reference(&mut self, config: &Config, reference: f32, before: f32) {
-        if config.velocity.is_none() && config.acceleration.is_none() {
-            self.reference_velocity = (reference - before) * config.rate;
-            return;
-        }
-        if let Rates::Differentiated(differentiator) = &config.rates {
-            self.reference_velocity = differentiator.advance(&mut self.first, reference);
-            self.reference_acceleration = differentiator.advance(&mut self.second, self.reference_velocity);
-        }
+    pub(super) fn see_reference(&mut self, config: &Config, reference: f32, readings: &Sample) {
+        (self.reference_velocity, self.reference_acceleration) = match &config.rates {
+            Rates::Differentiated(differentiator) => {
+                let velocity = differentiator.advance(&mut self.first, reference);
+                (velocity, differentiator.advance(&mut self.second, velocity))
+            }
+            Rates::Supplied => (readings.reference_velocity, readings.reference_acceleration),
+            Rates::Zero => (0.0, 0.0),
+        };
     }
 
     /// One tick: modified reference (m), readings and measured velocity (m/s) in, command (m) out.
@@ -48,18 +53,14 @@ impl Law {
         velocity: f32,
         blocked: Blocked,
     ) -> f32 {
-        let (wanted_velocity, wanted_acceleration) = match config.rates {
-            Rates::Differentiated(_) => (self.reference_velocity, self.reference_acceleration),
-            Rates::Supplied => (readings.reference_velocity, readings.reference_acceleration),
-            Rates::Zero => (0.0, 0.0),
-        };
-        let mut command =
-            config.displacement.advance(&mut self.displacement, reference - readings.displacement, blocked);
+        let error = reference - readings.displacement;
+        let mut command = config.displacement.advance(&mut self.displacement, error, blocked);
         if let Some(law) = &config.velocity {
-            command += law.advance(&mut self.velocity, wanted_velocity - velocity, blocked);
+            command += law.advance(&mut self.velocity, self.reference_velocity - velocity, blocked);
         }
         if let Some(law) = &config.acceleration {
-            command += law.advance(&mut self.acceleration, wanted_acceleration - readings.acceleration, blocked);
+            let error = self.reference_acceleration - readings.acceleration;
+            command += law.advance(&mut self.acceleration, error, blocked);
         }
         command
     }

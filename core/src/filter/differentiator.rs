@@ -6,8 +6,7 @@
 //! ```
 //! Output in the input's unit per second, sign kept. At its widest band, `f = rate / pi`, alpha is 0 and beta is the
 //! rate: the plain backward difference. The sum of `d[k] dt` is the input less its start, lagged by `1 / (2 pi f)`:
-//! nothing drifts between a signal and the integral of its derivative. The first input is taken as having stood for
-//! ever.
+//! nothing drifts between a signal and the integral of its derivative.
 
 use core::f32::consts::PI;
 
@@ -21,16 +20,23 @@ pub struct Differentiator<S = f32> {
     beta: S,
 }
 
-/// What a differentiator remembers: its last input, none before the first, and its output.
+/// What a differentiator remembers: its last input and its output. The default has stood at zero for ever.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DifferentiatorState<S = f32> {
-    input: Option<S>,
+    input: S,
     output: S,
 }
 
 impl<S: Scalar> Default for DifferentiatorState<S> {
     fn default() -> Self {
-        Self { input: None, output: S::ZERO }
+        Self::at(S::ZERO)
+    }
+}
+
+impl<S: Scalar> DifferentiatorState<S> {
+    /// As after an input that has stood at `input` for ever.
+    pub fn at(input: S) -> Self {
+        Self { input, output: S::ZERO }
     }
 }
 
@@ -51,9 +57,8 @@ impl<S: Scalar> Block<S> for Differentiator<S> {
 
     #[inline]
     fn advance(&self, state: &mut DifferentiatorState<S>, input: S) -> S {
-        let before = state.input.unwrap_or(input);
-        state.output = self.alpha * state.output + self.beta * (input - before);
-        state.input = Some(input);
+        state.output = self.alpha * state.output + self.beta * (input - state.input);
+        state.input = input;
         state.output
     }
 

@@ -11,7 +11,6 @@
 //! (m/s2, to be added to the reading) learns the accelerometer's zero, so a bias makes no velocity. Without an
 //! accelerometer `a` is 0, `o` becomes the estimate of the acceleration, and the observer is a third-order tracking
 //! differentiator of the LVDT. The innovation is what tells two sensors that disagree ([`crate::guard`]).
-//! The first reading sets the displacement, at rest.
 
 use core::f32::consts::TAU;
 
@@ -28,7 +27,7 @@ pub struct Fusion {
     l3: f32,
 }
 
-/// What the observer remembers.
+/// What the observer remembers; the default is rest at zero, [`FusionState::at`] rest elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FusionState {
     /// Displacement, m.
@@ -39,7 +38,13 @@ pub struct FusionState {
     pub offset: f32,
     /// LVDT less prediction, m.
     pub innovation: f32,
-    started: bool,
+}
+
+impl FusionState {
+    /// At rest at `displacement` (m).
+    pub fn at(displacement: f32) -> Self {
+        Self { displacement, ..Self::default() }
+    }
 }
 
 impl Fusion {
@@ -61,9 +66,6 @@ impl Fusion {
     /// One tick: displacement (m) and acceleration (m/s2) as measured, both finite and within range.
     #[inline]
     pub fn advance(&self, state: &mut FusionState, displacement: f32, acceleration: f32) {
-        if !state.started {
-            *state = FusionState { displacement, started: true, ..FusionState::default() };
-        }
         let f = acceleration + state.offset;
         let predicted = state.displacement + self.dt * state.velocity + self.half_dt2 * f;
         let innovation = displacement - predicted;

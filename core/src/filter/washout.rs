@@ -3,8 +3,7 @@
 //! ```text
 //! y[k] = rho y[k-1] + g (x[k] - x[k-1]),      rho = exp(-2 pi f dt),  g = (1 + rho) / 2
 //! ```
-//! Gain 0 at rest and 1 at the Nyquist frequency, sign kept, output in the input's unit. The first input is taken as
-//! having stood for ever: a washout that is switched on at an offset starts at zero.
+//! Gain 0 at rest and 1 at the Nyquist frequency, sign kept, output in the input's unit.
 
 use crate::block::{Block, BlockError, require};
 use crate::math;
@@ -17,16 +16,23 @@ pub struct Washout<S = f32> {
     gain: S,
 }
 
-/// What a washout remembers: its last input, none before the first, and its output.
+/// What a washout remembers: its last input and its output. The default has stood at zero for ever.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WashoutState<S = f32> {
-    input: Option<S>,
+    input: S,
     output: S,
 }
 
 impl<S: Scalar> Default for WashoutState<S> {
     fn default() -> Self {
-        Self { input: None, output: S::ZERO }
+        Self::at(S::ZERO)
+    }
+}
+
+impl<S: Scalar> WashoutState<S> {
+    /// As after an input that has stood at `input` for ever: switched on at an offset, a washout starts at zero.
+    pub fn at(input: S) -> Self {
+        Self { input, output: S::ZERO }
     }
 }
 
@@ -45,9 +51,8 @@ impl<S: Scalar> Block<S> for Washout<S> {
 
     #[inline]
     fn advance(&self, state: &mut WashoutState<S>, input: S) -> S {
-        let before = state.input.unwrap_or(input);
-        state.output = self.rho * state.output + self.gain * (input - before);
-        state.input = Some(input);
+        state.output = self.rho * state.output + self.gain * (input - state.input);
+        state.input = input;
         state.output
     }
 

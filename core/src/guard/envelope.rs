@@ -1,19 +1,17 @@
 //! The envelope: where the table may be and how it may move, with the distance it needs to stop.
 //!
 //! ```text
-//! d = |v| latency + v^2 / (2 deceleration)                stopping distance, m
-//! x sgn(v) + d > stroke - margin   or   |x| > stroke - margin          trips at once
+//! d = v latency + v |v| / (2 deceleration)                             stopping distance in the direction of v, m
+//! |x + d| > stroke - margin   or   |x| > stroke - margin   or   |v| > velocity          trips at once
 //! ```
-//! Velocity, acceleration, jerk, actuator force and distance from the reference trip when one or another of them has
-//! been beyond its limit for `persistence` without a break. Acceleration is low-passed (`smoothing`) before it is
-//! judged and differenced for jerk; force is the pressure difference times the piston's area.
+//! Acceleration, jerk, actuator force and distance from the reference trip when one or another of them has been beyond
+//! its limit for `persistence` without a break. Acceleration comes low-passed from the observer and is
+//! differenced for jerk; force is the pressure difference times the piston's area.
 
 use serde::{Deserialize, Serialize};
 
 use super::Trip;
-use crate::block::{Block, BlockError, require};
-use crate::filter::Lag;
-use crate::filter::lag::LagState;
+use crate::block::{BlockError, require};
 
 /// Largest force of the actuator and how it is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -45,10 +43,8 @@ pub struct EnvelopeSettings {
     pub force: Option<ForceSettings>,
     /// Largest distance between table and reference, m; not judged in guard mode.
     pub tracking: f32,
-    /// How long velocity, acceleration, jerk, force and tracking may be beyond, s.
+    /// How long acceleration, jerk, force and tracking may be beyond, s.
     pub persistence: f32,
-    /// Time constant of the acceleration's low-pass, s.
-    pub smoothing: f32,
 }
 
 impl Default for EnvelopeSettings {
@@ -63,19 +59,14 @@ impl Default for EnvelopeSettings {
             force: None,
             tracking: 0.2,
             persistence: 0.02,
-            smoothing: 0.005,
         }
     }
 }
 
-/// How the table moves at one tick.
+/// What of the table's motion may be beyond its limit for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
-    /// Displacement, m.
-    pub displacement: f32,
-    /// Velocity, m/s.
-    pub velocity: f32,
-    /// Acceleration, m/s2.
+    /// Acceleration, low-passed, m/s2.
     pub acceleration: f32,
     /// Pressure difference, Pa.
     pub pressure_difference: f32,
@@ -95,13 +86,12 @@ pub struct Envelope {
     pressure: f32,
     tracking: f32,
     persistence: u32,
-    smoothing: Lag,
 }
 
 /// What the envelope remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnvelopeState {
-    acceleration: LagState,
+    acceleration: f32,
     lasted: u32,
 }
 
@@ -128,36 +118,41 @@ impl Envelope {
             pressure,
             tracking: require("guard.envelope.tracking", s.tracking, 1e-4, 100.0)?,
             persistence: (require("guard.envelope.persistence", s.persistence, 0.0, 10.0)? / dt) as u32,
-            smoothing: Lag::new(require("guard.envelope.smoothing", s.smoothing, 0.0, 1.0)?, dt)?,
         })
     }
 
-    /// Distance in which the table comes to rest from `velocity` (m/s), m.
+    /// Distance in which the table comes to rest from `velocity` (m/s), in its direction, m.
     #[inline]
     pub fn stopping_distance(&self, velocity: f32) -> f32 {
-        let speed = if velocity < 0.0 { -velocity } else { velocity };
-        speed * (self.latency + speed * self.half_inverse_deceleration)
+        velocity * (self.latency + velocity.abs() * self.half_inverse_deceleration)
     }
 
-    /// One tick.
+    /// Whether a table at `displacement` (m) with `velocity` (m/s) is too fast, or can no longer be stopped inside.
+    #[inline]
+    pub fn is_left(&self, displacement: f32, velocity: f32) -> bool {
+        let rest = displacement + self.stopping_distance(velocity);
+        rest.abs() > self.room || displacement.abs() > self.room || velocity.abs() > self.velocity
+    }
+
+    /// By which limit [`Envelope::is_left`].
+    #[cold]
+    pub fn leaves_by(&self, displacement: f32, velocity: f32) -> Trip {
+        let rest = displacement + self.stopping_distance(velocity);
+        if rest.abs() > self.room || displacement.abs() > self.room { Trip::Displacement } else { Trip::Velocity }
+    }
+
+    /// One tick of what may last.
     #[inline]
     pub fn advance(&self, state: &mut EnvelopeState, motion: &Motion) -> Option<Trip> {
-        let before = state.acceleration;
-        let acceleration = self.smoothing.advance(&mut state.acceleration, motion.acceleration);
-        let jerk_step = acceleration - self.smoothing.last(&before);
-        let toward = if motion.velocity < 0.0 { -motion.displacement } else { motion.displacement };
-        if toward + self.stopping_distance(motion.velocity) > self.room || beyond(motion.displacement, self.room) {
-            return Some(Trip::Displacement);
-        }
-        let cause = if beyond(motion.velocity, self.velocity) {
-            Trip::Velocity
-        } else if beyond(acceleration, self.acceleration) {
+        let jerk_step = motion.acceleration - state.acceleration;
+        state.acceleration = motion.acceleration;
+        let cause = if motion.acceleration.abs() > self.acceleration {
             Trip::Acceleration
-        } else if beyond(jerk_step, self.jerk_step) {
+        } else if jerk_step.abs() > self.jerk_step {
             Trip::Jerk
-        } else if beyond(motion.pressure_difference, self.pressure) {
+        } else if motion.pressure_difference.abs() > self.pressure {
             Trip::Force
-        } else if beyond(motion.error, self.tracking) {
+        } else if motion.error.abs() > self.tracking {
             Trip::Tracking
         } else {
             state.lasted = 0;
@@ -166,9 +161,4 @@ impl Envelope {
         state.lasted = state.lasted.saturating_add(1);
         (state.lasted > self.persistence).then_some(cause)
     }
-}
-
-#[inline]
-fn beyond(value: f32, limit: f32) -> bool {
-    value > limit || value < -limit
 }

@@ -1,12 +1,15 @@
 //! Whether the sensors can be believed: each by itself, and both against the observer.
 //!
 //! ```text
-//! m = lag(innovation, 50 ms)       a = lag(|innovation|, 50 ms)      n = lag(|acceleration[k] - acceleration[k-1]|, 50 ms)
+//! n = lag(|innovation|, 50 ms)          r = lag(|acceleration[k] - acceleration[k-1]|, 50 ms)
 //! ```
-//! `|m| > disagreement`, or an accelerometer offset beyond `offset`: the sensors contradict each other. A quarter of
-//! the disagreement is enough against a sensor that has not changed by a bit for `stuck`: it is that one.
-//! `a` and `n` beyond their limits: that sensor is too noisy. Readings that the walls refused for longer than `lost`:
-//! open, saturated or dead. A table at rest with quiet sensors changes nothing and trips nothing.
+//! `n > disagreement`: LVDT and accelerometer contradict each other, and the accelerometer is off by as much as the
+//! observer's offset says; where the offset is small the LVDT is noisy instead. An offset beyond `offset` by itself: the
+//! same. A quarter of the disagreement is enough against a sensor that has not changed by a bit for `stuck`: it is that
+//! one. `r` beyond its limit: the accelerometer is too noisy. A table at rest with quiet sensors changes nothing and
+//! trips nothing.
+//!
+//! Readings that the walls refused for longer than `lost`: open, saturated or dead.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,26 +27,17 @@ pub struct PlausibilitySettings {
     pub lost: f32,
     /// How long a reading may stay the same to the last bit while the other sensor moves, s.
     pub stuck: f32,
-    /// Largest mean innovation of the observer, m.
+    /// Largest mean magnitude of the observer's innovation, m.
     pub disagreement: f32,
     /// Largest offset that the accelerometer can have, m/s2.
     pub offset: f32,
-    /// Largest mean magnitude of the innovation, m.
-    pub displacement_noise: f32,
     /// Largest mean change of acceleration from tick to tick, m/s2.
     pub acceleration_noise: f32,
 }
 
 impl Default for PlausibilitySettings {
     fn default() -> Self {
-        Self {
-            lost: 0.01,
-            stuck: 0.02,
-            disagreement: 2e-3,
-            offset: 3.0,
-            displacement_noise: 3e-3,
-            acceleration_noise: 3.0,
-        }
+        Self { lost: 0.01, stuck: 0.02, disagreement: 2e-3, offset: 3.0, acceleration_noise: 3.0 }
     }
 }
 
@@ -51,9 +45,9 @@ impl Default for PlausibilitySettings {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plausibility {
     stuck: u32,
+    suspicious: f32,
     disagreement: f32,
     offset: f32,
-    displacement_noise: f32,
     acceleration_noise: f32,
     mean: Lag,
 }
@@ -66,7 +60,6 @@ pub struct PlausibilityState {
     displacement_same: u32,
     acceleration_same: u32,
     innovation: LagState,
-    innovation_size: LagState,
     roughness: LagState,
 }
 
@@ -74,11 +67,12 @@ impl Plausibility {
     /// A monitor at ticks of `dt` (s).
     pub fn new(settings: &PlausibilitySettings, dt: f32) -> Result<Self, BlockError> {
         let s = settings;
+        let disagreement = require("guard.plausibility.disagreement", s.disagreement, 1e-6, 1.0)?;
         Ok(Self {
             stuck: (require("guard.plausibility.stuck", s.stuck, 0.0, 10.0)? / dt) as u32,
-            disagreement: require("guard.plausibility.disagreement", s.disagreement, 1e-6, 1.0)?,
+            suspicious: 0.25 * disagreement,
+            disagreement,
             offset: require("guard.plausibility.offset", s.offset, 0.01, 1e3)?,
-            displacement_noise: require("guard.plausibility.displacement_noise", s.displacement_noise, 1e-6, 1.0)?,
             acceleration_noise: require("guard.plausibility.acceleration_noise", s.acceleration_noise, 1e-3, 1e4)?,
             mean: Lag::new(0.05, dt)?,
         })
@@ -99,23 +93,28 @@ impl Plausibility {
         state.displacement = displacement;
         state.acceleration = acceleration;
 
-        let mean = magnitude(self.mean.advance(&mut state.innovation, seen.innovation));
-        let size = self.mean.advance(&mut state.innovation_size, magnitude(seen.innovation));
-        let roughness = self.mean.advance(&mut state.roughness, magnitude(change));
-        if 4.0 * mean > self.disagreement {
-            if state.displacement_same > self.stuck {
-                return Some(Trip::DisplacementStuck);
-            }
-            if state.acceleration_same > self.stuck {
-                return Some(Trip::AccelerationStuck);
-            }
-        }
-        if size > self.displacement_noise {
-            Some(Trip::DisplacementNoisy)
+        let innovation = self.mean.advance(&mut state.innovation, seen.innovation.abs());
+        let roughness = self.mean.advance(&mut state.roughness, change.abs());
+        if innovation > self.suspicious {
+            self.accuse(state, innovation, seen.offset)
+        } else if seen.offset.abs() > self.offset {
+            Some(Trip::SensorsDisagree)
         } else if roughness > self.acceleration_noise {
             Some(Trip::AccelerationNoisy)
-        } else if mean > self.disagreement || magnitude(seen.offset) > self.offset {
-            Some(Trip::SensorsDisagree)
+        } else {
+            None
+        }
+    }
+
+    /// Which sensor it is, given a suspicious mean `innovation` (m) and the observer's `offset` (m/s2).
+    #[inline(never)]
+    fn accuse(&self, state: &PlausibilityState, innovation: f32, offset: f32) -> Option<Trip> {
+        if state.displacement_same > self.stuck {
+            Some(Trip::DisplacementStuck)
+        } else if state.acceleration_same > self.stuck {
+            Some(Trip::AccelerationStuck)
+        } else if innovation > self.disagreement || offset.abs() > self.offset {
+            Some(if offset.abs() > 0.5 * self.offset { Trip::SensorsDisagree } else { Trip::DisplacementNoisy })
         } else {
             None
         }
@@ -125,9 +124,4 @@ impl Plausibility {
 #[inline]
 fn count(so_far: u32, goes_on: bool) -> u32 {
     if goes_on { so_far.saturating_add(1) } else { 0 }
-}
-
-#[inline]
-fn magnitude(x: f32) -> f32 {
-    if x < 0.0 { -x } else { x }
 }

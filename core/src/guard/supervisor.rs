@@ -102,12 +102,19 @@ pub struct Supervisor {
     trip: Option<Trip>,
     presence: f32,
     command: f32,
+    relay: Relay,
+    steady: bool,
 }
 
 impl Supervisor {
     /// Off, and never tripped.
     pub const fn off() -> Self {
-        Self { state: State::Off, trip: None, presence: 0.0, command: 0.0 }
+        Self { state: State::Off, trip: None, presence: 0.0, command: 0.0, relay: Relay::Open, steady: false }
+    }
+
+    /// A test that needs no arming and is never stopped: that of a bare law.
+    pub const fn unguarded() -> Self {
+        Self { state: State::Running, trip: None, presence: 1.0, command: 0.0, relay: Relay::Closed, steady: true }
     }
 
     /// Where the test stands.
@@ -125,11 +132,23 @@ impl Supervisor {
     /// What the relay of the hydraulic block is to do.
     #[inline]
     pub fn relay(&self) -> Relay {
-        match self.state {
+        self.relay
+    }
+
+    /// Works out what follows from the rest; done at every change, so that a tick need not.
+    fn settle(&mut self) {
+        self.relay = match self.state {
             State::Off => Relay::Open,
             State::Tripped if self.command <= 0.0 || self.trip == Some(Trip::ValveStuck) => Relay::Open,
             _ => Relay::Closed,
-        }
+        };
+        self.steady = self.state == State::Running && self.presence >= 1.0;
+    }
+
+    /// Whether the test runs whole: nothing fades, nothing has tripped.
+    #[inline]
+    pub fn steady(&self) -> bool {
+        self.steady
     }
 
     /// Whether a law decides the output, rather than the safe ramp.
@@ -158,7 +177,7 @@ impl Supervisor {
 
     /// Carries out `request`, or says why not and changes nothing.
     pub fn request(&mut self, request: Request) -> Result<(), Refused> {
-        self.state = match (request, self.state) {
+        let state = match (request, self.state) {
             (Request::Trip, _) => {
                 self.trip(Trip::External);
                 return Ok(());
@@ -180,7 +199,17 @@ impl Supervisor {
             },
             (_, state) => return Err(Refused::State(state)),
         };
+        self.state = state;
+        self.settle();
         Ok(())
+    }
+
+    /// Trips while anything moves: what monitors say of a table without oil is no reason.
+    #[cold]
+    pub fn doubt(&mut self, cause: Trip) {
+        if self.moves() {
+            self.trip(cause);
+        }
     }
 
     /// Trips, from any state. The first cause stands.
@@ -192,11 +221,11 @@ impl Supervisor {
         self.command = if self.moves() { 1.0 } else { 0.0 };
         self.state = State::Tripped;
         self.trip = Some(cause);
+        self.settle();
     }
 
-    /// One tick of the weights.
-    #[inline]
-    pub fn advance(&mut self, ramps: &Ramps) {
+    /// One tick of the weights. Needed while it is not [`Supervisor::steady`].
+    pub fn advance(&mut self, ramps: Ramps) {
         match self.state {
             State::Off | State::Ready => self.presence = 0.0,
             State::Running => self.presence = up(self.presence, ramps.test),
@@ -209,6 +238,7 @@ impl Supervisor {
             }
             State::Tripped => self.command = down(self.command, ramps.safe),
         }
+        self.settle();
     }
 }
 

@@ -62,8 +62,8 @@ impl ValveMonitor {
     /// believed.
     #[inline]
     pub fn advance(&self, state: &mut ValveMonitorState, asked: f32, limit: f32, velocity: f32) -> bool {
-        let expected = self.lag.advance(&mut state.velocity, asked.within(-limit, limit));
+        let expected = self.lag.advance(&mut state.velocity, asked.bounded(limit));
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);
-        state.unexplained > self.mismatch || state.unexplained < -self.mismatch
+        state.unexplained.abs() > self.mismatch
     }
 }

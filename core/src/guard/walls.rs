@@ -10,28 +10,26 @@ use crate::settings::{Mode, Ranges, ReferenceRates, Settings, VelocitySource};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walls {
     ranges: Ranges,
-    needed: Channels,
+    follows_external: bool,
+    accelerometer: bool,
+    /// Of the channels that few tables have, those that are read.
+    rare: Channels,
 }
 
 impl Walls {
     /// The channels and ranges of `settings`.
     pub fn new(settings: &Settings) -> Self {
-        let needs = [
-            (settings.mode != Mode::Guard, Channels::REFERENCE),
-            (settings.mode == Mode::Guard, Channels::EXTERNAL),
-            (true, Channels::DISPLACEMENT),
-            (settings.observer.accelerometer, Channels::ACCELERATION),
+        let rare = [
             (settings.velocity_source == VelocitySource::Sensor, Channels::VELOCITY),
             (settings.guard.is_some_and(|guard| guard.envelope.force.is_some()), Channels::PRESSURE_DIFFERENCE),
             (settings.reference_rates == ReferenceRates::Supplied, Channels::REFERENCE_RATES),
         ];
-        let mut needed = Channels::NONE;
-        for (wanted, channel) in needs {
-            if wanted {
-                needed = needed.and(channel);
-            }
+        Self {
+            ranges: settings.ranges,
+            follows_external: settings.mode == Mode::Guard,
+            accelerometer: settings.observer.accelerometer,
+            rare: rare.iter().fold(Channels::NONE, |all, &(read, channel)| if read { all.and(channel) } else { all }),
         }
-        Self { ranges: settings.ranges, needed }
     }
 
     /// Takes what is believable of `sample` over into `readings`; gives the needed channels that were not.
@@ -40,18 +38,37 @@ impl Walls {
         let (r, s) = (&self.ranges, sample);
         let mut missing = Channels::NONE;
         let mut take = |channel, value: f32, range: f32, reading: &mut f32| {
-            if self.needed.any(channel) {
-                if value >= -range && value <= range {
+            if value.abs() <= range {
+                *reading = value;
+            } else {
+                missing = missing.and(channel);
+            }
+        };
+        if self.follows_external {
+            take(Channels::EXTERNAL, s.external, r.external, &mut readings.external);
+        } else {
+            take(Channels::REFERENCE, s.reference, r.reference, &mut readings.reference);
+        }
+        take(Channels::DISPLACEMENT, s.displacement, r.displacement, &mut readings.displacement);
+        if self.accelerometer {
+            take(Channels::ACCELERATION, s.acceleration, r.acceleration, &mut readings.acceleration);
+        }
+        if self.rare.is_empty() { missing } else { missing.and(self.take_rare(sample, readings)) }
+    }
+
+    #[inline(never)]
+    fn take_rare(&self, sample: &Sample, readings: &mut Sample) -> Channels {
+        let (r, s) = (&self.ranges, sample);
+        let mut missing = Channels::NONE;
+        let mut take = |channel, value: f32, range: f32, reading: &mut f32| {
+            if self.rare.any(channel) {
+                if value.abs() <= range {
                     *reading = value;
                 } else {
                     missing = missing.and(channel);
                 }
             }
         };
-        take(Channels::REFERENCE, s.reference, r.reference, &mut readings.reference);
-        take(Channels::DISPLACEMENT, s.displacement, r.displacement, &mut readings.displacement);
-        take(Channels::ACCELERATION, s.acceleration, r.acceleration, &mut readings.acceleration);
-        take(Channels::EXTERNAL, s.external, r.external, &mut readings.external);
         take(Channels::VELOCITY, s.velocity, r.velocity, &mut readings.velocity);
         let pressure = &mut readings.pressure_difference;
         take(Channels::PRESSURE_DIFFERENCE, s.pressure_difference, r.pressure_difference, pressure);

@@ -63,7 +63,7 @@ proptest! {
     #[test]
     fn washout_forgets_and_starts_at_zero(frequency in 0.05..20.0f64, level in -100.0..100.0f32, change in -1.0..1.0f32) {
         let washout = Washout::<f32>::new(frequency as f32, DT).unwrap();
-        let mut state = WashoutState::default();
+        let mut state = WashoutState::at(level);
         prop_assert_eq!(washout.advance(&mut state, level), 0.0);
         let ticks = 200;
         for _ in 0..=ticks {
@@ -78,7 +78,7 @@ proptest! {
     fn differentiator_integrates_back(frequency in 1.0..400.0f32, inputs in proptest::collection::vec(-0.1..0.1f32, 2..300)) {
         // The sum of the derivative, plus what the lag still holds, is the change of the input.
         let block = Differentiator::<f32>::new(frequency, DT).unwrap();
-        let mut state = DifferentiatorState::default();
+        let mut state = DifferentiatorState::at(inputs[0]);
         let sum: f64 = inputs.iter().map(|&x| f64::from(block.advance(&mut state, x)) * 1e-3).sum();
         let h = (PI * f64::from(frequency) * 1e-3).min(1.0);
         let held = f64::from(block.last(&state)) * (1.0 - h) / (2.0 * h) * 1e-3;
