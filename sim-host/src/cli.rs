@@ -1,10 +1,12 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
 mod failure;
+mod histories;
 mod output;
 mod present;
 mod progress;
 mod prove;
+mod run;
 mod source;
 mod sweep;
 mod table1;
@@ -26,6 +28,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Prove(prove::Args),
+    Run(run::Args),
     Sweep(sweep::Args),
     Table1(table1::Args),
 }
@@ -37,6 +40,7 @@ pub(crate) fn main() -> ExitCode {
         None => Ok(()),
         Some(command) => match command {
             Command::Prove(args) => prove::run(&args),
+            Command::Run(args) => run::run(&args),
             Command::Sweep(args) => sweep::run(&args),
             Command::Table1(args) => table1::run(&args),
         },
