@@ -2,10 +2,12 @@
 
 mod failure;
 mod modify;
+mod histories;
 mod output;
 mod present;
 mod progress;
 mod prove;
+mod run;
 mod source;
 mod sweep;
 mod table1;
@@ -28,6 +30,7 @@ struct Arguments {
 enum Command {
     Modify(Box<modify::Args>),
     Prove(prove::Args),
+    Run(run::Args),
     Sweep(sweep::Args),
     Table1(table1::Args),
 }
@@ -40,6 +43,7 @@ pub(crate) fn main() -> ExitCode {
         Some(command) => match command {
             Command::Modify(args) => modify::run(&args),
             Command::Prove(args) => prove::run(&args),
+            Command::Run(args) => run::run(&args),
             Command::Sweep(args) => sweep::run(&args),
             Command::Table1(args) => table1::run(&args),
         },

@@ -47,7 +47,7 @@ impl Setup {
         let start = wanted.displacement.first().copied().unwrap_or(0.0);
         let mut plant = FixedStep::new(self.plant, clock.plant_step(), start).map_err(ClosedLoopError::from)?;
         let trace = run(&mut plant, law, &mut Sensors::new(self.sensors.clone()), &wanted.displacement, clock);
-        Ok(Trial { wanted, trace })
+        Ok(Trial { played: wanted.clone(), wanted, trace })
     }
 }
 
@@ -71,8 +71,10 @@ pub enum TrialError {
 /// A test that was run.
 #[derive(Debug, Clone)]
 pub struct Trial {
-    /// What the table was asked for, at the control rate, before any modification.
+    /// What the table was asked for, at the control rate, before any fit and any modification.
     pub wanted: Motion,
+    /// What was played to the core, at the control rate: the same, unless it was fitted beforehand.
+    pub played: Motion,
     /// What it did.
     pub trace: Trace,
 }
@@ -128,13 +130,23 @@ impl Trial {
         })
     }
 
-    /// The reference after modification; where nothing modified it, what was asked for, so that the core's `f32` adds no
+    /// The same test scored against `original`, of which what was played is a fit. A fit of another length (time run
+    /// faster) has nothing to be held against sample by sample, and stays as it is.
+    #[must_use]
+    pub fn fitted_from(mut self, original: &Motion) -> Self {
+        if original.dt == self.played.dt && original.len() == self.played.len() {
+            self.wanted = original.clone();
+        }
+        self
+    }
+
+    /// The reference after modification; where nothing modified it, what was played, so that the core's `f32` adds no
     /// noise to its acceleration.
     pub fn commanded(&self) -> Motion {
         let trace = &self.trace;
         let changed = |(a, b): (&f64, &f64)| (a - b).abs() > 1e-6;
         if !trace.commanded.iter().zip(&trace.reference).any(changed) {
-            return self.wanted.clone();
+            return self.played.clone();
         }
         let rates = |x: &[f64]| -> Vec<f64> {
             let before = [x.first().copied().unwrap_or(0.0)];

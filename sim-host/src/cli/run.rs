@@ -1,0 +1,244 @@
+//! `shakedown run`: a closed-loop test of the control core against the plant.
+
+mod page;
+mod trace;
+
+use super::output::Outputs;
+use super::source::Source;
+use super::{Failure, present, progress};
+use clap::ValueEnum;
+use serde_json::json;
+use shakedown::closed_loop::published::Named;
+use shakedown::closed_loop::scenario::{Conditioning, NamedRecipe, RecordSource, Scenario};
+use shakedown::closed_loop::trial::{Scores, Seen, Setup, Trial};
+use shakedown::motion::condition::{Step, peak_acceleration};
+use shakedown::motion::{Motion, fit_area};
+use shakedown::plant::sensors::{GRAVITY, SensorModel};
+use shakedown_core::settings::Modification;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// A closed-loop test: the control core drives the paper's plant along a ground motion.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  shakedown run                                          a generated near-field motion, the gains in use
+  shakedown run --record kobe.AT2 --controller strong --report kobe.html
+  shakedown run --record kobe.AT2 --controller strong --fit peak-kept --scale-to 0.74g
+  shakedown run --record a.txt --dt 0.005 --unit g --modification causal --trace a.csv
+  shakedown run SCENARIO.toml --json -
+
+A scenario names all of this in a file:
+  controller = \"strong\"
+  fit = \"record-scaled\"
+  [record]
+  file = \"kobe.AT2\"
+  [sensors]
+  displacement_step = 4e-5")]
+pub(crate) struct Args {
+    /// The test as a file; what stands on the command line goes before it.
+    #[arg(value_name = "SCENARIO.toml")]
+    scenario: Option<PathBuf>,
+    #[command(flatten)]
+    source: Source,
+    /// Controller of Table 1 [default: current].
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Named::ALL.map(Named::name)))]
+    controller: Option<String>,
+    /// What the record is made into: `table1` low-passes it at 4.7 Hz as the paper's references are, `plain` keeps all of
+    /// it; both add rest and take out what is below 0.05 Hz [default: table1].
+    #[arg(long, value_enum)]
+    conditioning: Option<Recipe>,
+    /// Scales the motion to a peak acceleration, such as 0.74g or 3m/s2.
+    #[arg(long, value_name = "PEAK")]
+    scale_to: Option<String>,
+    /// Brings the motion within the velocity limit beforehand (Fig. 13).
+    #[arg(long, value_enum)]
+    fit: Option<Fit>,
+    /// How the core modifies the reference online [default: clip for `modified`, else off].
+    #[arg(long, value_enum)]
+    modification: Option<Online>,
+    /// Writes the run as a recording: CSV, one row a tick, units in the header.
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// Conditioning by name.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Recipe {
+    Table1,
+    Plain,
+}
+
+/// The choices of Fig. 13.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Fit {
+    /// The peak is kept and the duration cut (Eq. 10).
+    PeakKept,
+    /// Each pulse is scaled as far as it must be.
+    PeakScaled,
+    /// The whole record is scaled.
+    RecordScaled,
+    /// The whole record runs faster.
+    TimeCompressed,
+}
+
+/// The core's modifiers.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Online {
+    Off,
+    /// Eq. 10.
+    Clip,
+    /// Drift-free, within the stroke, without preview.
+    Causal,
+}
+
+impl Args {
+    /// The scenario with what the command line says put over it.
+    fn scenario(&self) -> Result<Scenario, Failure> {
+        let read = |path: &PathBuf| Scenario::read(path).map_err(|e| Failure::Input(e.to_string()));
+        let mut scenario = self.scenario.as_ref().map_or_else(|| Ok(Scenario::default()), read)?;
+        if scenario.name.is_empty() {
+            scenario.name = "run".into();
+        }
+        if let Some(name) = &self.controller {
+            (scenario.controller, scenario.settings) = (Some(name.clone()), None);
+        }
+        let source = &self.source;
+        if source.record.is_some() || source.seed.is_some() {
+            scenario.record =
+                RecordSource { file: source.record.clone(), seed: source.seed, ..RecordSource::default() };
+        }
+        let record = &mut scenario.record;
+        record.dt = source.dt.or(record.dt);
+        record.unit = source.unit.clone().or(record.unit.take());
+        record.channel = source.channel.clone().or(record.channel.take());
+        scenario.scale_to = self.scale_to.clone().or(scenario.scale_to);
+        scenario.conditioning = match self.conditioning {
+            None => scenario.conditioning,
+            Some(Recipe::Table1) => Conditioning::Named(NamedRecipe::Table1),
+            Some(Recipe::Plain) => Conditioning::Named(NamedRecipe::Plain),
+        };
+        scenario.fit = self.fit.map(Fit::choice).or(scenario.fit);
+        scenario.modification = self.modification.map(Online::modification).or(scenario.modification);
+        Ok(scenario)
+    }
+}
+
+impl Fit {
+    fn choice(self) -> fit_area::Choice {
+        match self {
+            Self::PeakKept => fit_area::Choice::PeakKept,
+            Self::PeakScaled => fit_area::Choice::PeakScaled,
+            Self::RecordScaled => fit_area::Choice::RecordScaled,
+            Self::TimeCompressed => fit_area::Choice::TimeCompressed,
+        }
+    }
+}
+
+impl Online {
+    fn modification(self) -> Modification {
+        match self {
+            Self::Off => Modification::Off,
+            Self::Clip => Modification::Clip,
+            Self::Causal => Modification::Causal,
+        }
+    }
+}
+
+/// A motion as it was asked for, and as it is played.
+struct Played {
+    name: String,
+    original: Motion,
+    fitted: Motion,
+}
+
+/// Reads, conditions, scales and fits the motion.
+fn motion(scenario: &Scenario, setup: &Setup) -> Result<Played, Failure> {
+    let record = &scenario.record;
+    let source = Source {
+        record: record.file.clone(),
+        dt: record.dt,
+        unit: record.unit.clone(),
+        channel: record.channel.clone(),
+        seed: record.seed,
+    };
+    let record = source.load()?;
+    let place = source.record.as_ref().map_or_else(|| record.name.clone(), |path| path.display().to_string());
+    let refuse = |what: &str, e: String| Failure::Input(format!("{place}: {what}{e}"));
+    let mut original =
+        scenario.recipe(setup.rate()).apply(&record).map_err(|e| refuse("conditioning: ", e.to_string()))?;
+    if let Some(text) = &scenario.scale_to {
+        let peak = peak_acceleration(text).map_err(|e| Failure::Input(format!("--scale-to: {e}")))?;
+        let step = Step::ScaleToPeak { peak };
+        original = step.apply(original).map_err(|e| refuse("", e.to_string()))?;
+    }
+    let fitted = match scenario.fit {
+        None => original.clone(),
+        Some(choice) => {
+            fit_area::fit(&original, setup.plant.velocity_limit, choice).map_err(|e| refuse("fit: ", e.to_string()))?
+        }
+    };
+    Ok(Played { name: record.name, original, fitted })
+}
+
+/// A test, with the same test on ideal sensors, which tells the motion's errors from the sensors'.
+struct Outcome {
+    played: Played,
+    ideal: Trial,
+    sensed: Trial,
+    truth: Scores,
+    with_sensors: Scores,
+    times_real_time: f64,
+}
+
+fn test(played: Played, setup: &Setup) -> Result<Outcome, Failure> {
+    let failed = |e: shakedown::closed_loop::trial::TrialError| Failure::Work(format!("run: {e}"));
+    let bar = progress::spinner(format!("testing with {}", played.name));
+    let ideal_setup = Setup { sensors: SensorModel::default(), ..setup.clone() };
+    let started = Instant::now();
+    let ideal = ideal_setup.play(&played.fitted).map_err(failed)?.fitted_from(&played.original);
+    let times_real_time = played.fitted.duration() / started.elapsed().as_secs_f64();
+    let sensed = setup.play(&played.fitted).map_err(failed)?.fitted_from(&played.original);
+    let truth = ideal.scores(Seen::Truly, None).map_err(failed)?;
+    let with_sensors = sensed.scores(Seen::BySensors, None).map_err(failed)?;
+    bar.finish_and_clear();
+    Ok(Outcome { played, ideal, sensed, truth, with_sensors, times_real_time })
+}
+
+/// Runs the test, prints its figures, writes `--json`, `--trace` and `--report`.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let scenario = args.scenario()?;
+    let setup = scenario.setup().map_err(|e| Failure::Input(e.to_string()))?;
+    let outcome = test(motion(&scenario, &setup)?, &setup)?;
+    let sections = page::sections(&outcome, &setup)?;
+    if !args.outputs.quiet() {
+        sections.iter().for_each(present::print_section);
+    }
+    let files = [&args.scenario, &scenario.settings, &scenario.record.file];
+    let inputs: Vec<PathBuf> = files.into_iter().flatten().cloned().collect();
+    if let Some(path) = &args.trace {
+        trace::write(path, &outcome.sensed.trace)?;
+    }
+    args.outputs.write_json(json(&outcome, &scenario), &inputs)?;
+    args.outputs.write_report(&mut page::page(&outcome, &scenario, sections), &inputs)
+}
+
+fn metrics(scores: &Scores) -> serde_json::Value {
+    let (wanted, commanded) = (&scores.against_wanted, &scores.against_commanded);
+    json!({
+        "e_a": wanted.e_a.ratio, "e_a_squared": wanted.e_a.squared(),
+        "e_a_commanded": commanded.e_a.ratio, "e_d": wanted.e_d.ratio, "e_d_commanded": commanded.e_d.ratio,
+        "peak_g": wanted.response_peak / GRAVITY, "reference_peak_g": wanted.reference_peak / GRAVITY,
+        "spike_ratio": wanted.spike_ratio(), "delay_s": wanted.e_a.delay, "saturated_s": scores.saturated_s,
+    })
+}
+
+fn json(outcome: &Outcome, scenario: &Scenario) -> serde_json::Value {
+    json!({
+        "name": scenario.name, "record": outcome.played.name,
+        "controller": scenario.controller.as_deref().unwrap_or(if scenario.settings.is_some() { "settings" } else { "current" }),
+        "metrics": metrics(&outcome.truth), "metrics_with_sensors": metrics(&outcome.with_sensors),
+        "times_real_time": outcome.times_real_time, "seed": scenario.sensors.seed,
+    })
+}
