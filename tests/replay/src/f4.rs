@@ -42,10 +42,24 @@ pub struct Ran<W> {
     pub resets: Vec<u64>,
     /// Addresses that the firmware touched and the emulator has nothing at; a list that grows is a new blind spot.
     pub blind_spots: Vec<String>,
+    /// What [`follow`] followed.
+    pub followed: Vec<u64>,
 }
 
 /// Runs the image at `elf` in `world` until the world ends it.
 pub fn run<W: World>(elf: &Path, world: W) -> Result<Ran<W>, ReplayError> {
+    start(elf, |wire| Lockstep::new(world, wire))
+}
+
+/// The same, and follows the program through one tick: the instructions among `addresses` that it came by, in order.
+pub fn follow<W: World>(elf: &Path, world: W, tick: u64, addresses: &[u64]) -> Result<Ran<W>, ReplayError> {
+    start(elf, |wire| Lockstep::new(world, wire).follow(tick, addresses))
+}
+
+fn start<W: World>(
+    elf: &Path,
+    driver: impl FnOnce(Arc<Mutex<crate::Line>>) -> Lockstep<W>,
+) -> Result<Ran<W>, ReplayError> {
     let image = Image::read(elf, None)
         .map_err(|error| ReplayError::Image { path: elf.to_owned(), reason: error.to_string() })?;
     let emulator = |error: &dyn std::error::Error| ReplayError::Emulator(error.to_string());
@@ -59,17 +73,24 @@ pub fn run<W: World>(elf: &Path, world: W) -> Result<Ran<W>, ReplayError> {
     let until = VirtualNanos(BOOT_LIMIT * 1_000_000);
     let session = Session::new(board, 0, until).map_err(|error| emulator(&error))?;
     let images = [image];
-    let finished = emulator::run(session, &Start::new(&images), Lockstep::new(world, wire))
+    let finished = emulator::run(session, &Start::new(&images), driver(wire))
         .map_err(|error| emulator(&error))?;
     let stop = finished.stop;
     if !finished.driver.ticked() {
         return Err(ReplayError::NoTick(BOOT_LIMIT));
     }
+    let (resets, blind_spots) = (finished.session.resets(), finished.session.unmapped());
+    let (resets, blind_spots) = (
+        resets.iter().map(|reset| reset.at.0).collect(),
+        blind_spots.iter().map(ToString::to_string).collect(),
+    );
+    let (world, followed) = finished.driver.into_world();
     Ok(Ran {
+        world,
+        followed,
+        resets,
+        blind_spots,
         instructions: stop.map_or(0, |stop| stop.instruction_count),
         time: stop.map_or(0, |stop| stop.at.0),
-        resets: finished.session.resets().iter().map(|reset| reset.at.0).collect(),
-        blind_spots: finished.session.unmapped().iter().map(ToString::to_string).collect(),
-        world: finished.driver.into_world(),
     })
 }

@@ -10,5 +10,5 @@ pub mod f4;
 pub mod world;
 
 pub use error::ReplayError;
-pub use f4::{Ran, run};
+pub use f4::{Ran, follow, run};
 pub use world::{Line, Tick, World};

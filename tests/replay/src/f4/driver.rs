@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rigless::device::Level;
-use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
+use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop, Watch};
 use rigless::machine::stm32f427_bench::Stm32f427Bench;
 use rigless::mcu::Operate;
 use rigless::session::Session;
@@ -60,6 +60,9 @@ pub(super) struct Lockstep<W> {
     resets: usize,
     first: bool,
     ticked: bool,
+    /// Instructions to follow, and from which tick to the next.
+    follow: Option<(u64, Vec<u64>)>,
+    followed: Vec<u64>,
 }
 
 impl<W: World> Lockstep<W> {
@@ -76,6 +79,8 @@ impl<W: World> Lockstep<W> {
             resets: 0,
             first: true,
             ticked: false,
+            follow: None,
+            followed: Vec::new(),
         }
     }
 
@@ -83,8 +88,25 @@ impl<W: World> Lockstep<W> {
         self.ticked
     }
 
-    pub(super) fn into_world(self) -> W {
-        self.world
+    pub(super) fn into_world(self) -> (W, Vec<u64>) {
+        (self.world, self.followed)
+    }
+
+    /// Follows the instructions at `addresses` through tick `tick`.
+    pub(super) fn follow(mut self, tick: u64, addresses: &[u64]) -> Self {
+        self.follow = Some((tick, addresses.to_vec()));
+        self
+    }
+
+    fn watch(&self, session: &mut Session<Stm32f427Bench>) {
+        let Some((tick, addresses)) = &self.follow else { return };
+        for &address in addresses {
+            if self.timer.updates == *tick {
+                session.watch(Watch::Instruction(address));
+            } else if self.timer.updates == tick + 1 {
+                session.unwatch(Watch::Instruction(address));
+            }
+        }
     }
 
     /// A write of the firmware's that the emulator has no model for, or that moves the timer.
@@ -170,6 +192,7 @@ impl<W: World> Driver<Stm32f427Bench> for Lockstep<W> {
             Settled::Access { access, value } if access.kind == AccessKind::Write => {
                 self.notice(session, access, value);
             }
+            Settled::Hit(hit) => self.followed.push(hit.address),
             Settled::Stop(stop) if self.first => {
                 self.first = false;
                 self.circuit(session, stop.at);
@@ -195,6 +218,7 @@ impl<W: World> Driver<Stm32f427Bench> for Lockstep<W> {
             return self.ticked.then_some(VirtualNanos(stop.at.0 + PATIENCE));
         }
         self.ticked = true;
+        self.watch(session);
         self.update(session, stop)?;
         Some(VirtualNanos(self.timer.next()))
     }
