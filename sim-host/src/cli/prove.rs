@@ -34,6 +34,9 @@ pub(crate) struct Args {
     /// This piece of N, from 1: a self-contained part of the campaign.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
+    /// Examines another `shakedown` binary than this one, for instance a frozen release.
+    #[arg(long, value_name = "FILE")]
+    examinee: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -98,7 +101,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 fn campaign(args: &Args) -> Result<(), Failure> {
     let scratch = tempfile::tempdir().map_err(|e| Failure::Work(format!("no temporary folder: {e}")))?;
     let folder = args.out.as_deref().unwrap_or(scratch.path());
-    let engine = Engine::new()?;
+    let engine = Engine::new(args.examinee.as_deref())?;
     let Deal { seed, cases } = args.deal;
     let plan = Plan { seed, cases, shard: args.shard.number, shards: args.shard.of, engine: engine.version() };
     let bar = progress::bar(plan.numbers().len() as u64, "cases");

@@ -1,6 +1,6 @@
 //! The campaign as a page: failures as plain as successes.
 
-use super::gates::{Gate, Limit};
+use super::gates::{Gate, Limit, SECONDS};
 use super::summary::{Beside, Row, Summary};
 use crate::report::{Axis, Item, Matrix, Page, Plot, Section, Series, Style, Table};
 
@@ -68,7 +68,7 @@ fn percent(share: f64) -> String {
 /// The gates as a table.
 pub fn gate_table(gates: &[Gate]) -> Table {
     let rows = gates.iter().map(|gate| {
-        let is_share = gate.name != "seconds a case";
+        let is_share = gate.name != SECONDS;
         let show = |value: f64| if is_share { format!("{} %", percent(value)) } else { format!("{value:.2} s") };
         let limit = match gate.limit {
             Limit::AtMost(most) => format!("\u{2264} {}", show(most)),
