@@ -133,7 +133,15 @@ fn show(summary: &Summary, outputs: &Outputs) -> Result<(), Failure> {
         object.insert("seed".into(), summary.plan.seed.into());
     }
     outputs.write_json(json, &[])?;
-    outputs.write_report(&mut page::page(summary), &[])
+    outputs.write_report(&mut page::page(summary), &[])?;
+    match (&summary.failed.first(), summary.failed.len() as u64 == summary.plan.cases) {
+        (Some(first), true) => Err(Failure::Work(format!("no case was answered; the first: {first}"))),
+        (Some(first), false) => {
+            eprintln!("{} cases were not answered; the first: {first}", summary.failed.len());
+            Ok(())
+        }
+        (None, _) => Ok(()),
+    }
 }
 
 fn seals(deal: Deal) {

@@ -259,7 +259,7 @@ fn plans(folder: &Path) -> Result<Vec<Plan>, CampaignError> {
 
 /// Joins the pieces in `folder` or in the folders one below it: the plan and every record, in order.
 pub fn join(folder: &Path) -> Result<(Plan, Vec<Record>), CampaignError> {
-    let below = std::fs::read_dir(folder).map_err(file_error(folder))?;
+    let below = std::fs::read_dir(folder).map_err(|_| CampaignError::Nothing(folder.to_path_buf()))?;
     let mut folders = vec![folder.to_path_buf()];
     folders.extend(below.flatten().map(|e| e.path()).filter(|p| p.is_dir()));
     folders.sort();

@@ -110,6 +110,8 @@ pub struct Summary {
     pub coverage: Vec<Coverage>,
     /// The diagnosis and its rivals, on the cases that all of them could read.
     pub beside: Vec<Beside>,
+    /// Cases without a reply, and why.
+    pub failed: Vec<String>,
     /// Every case that went wrong.
     pub misses: Vec<Miss>,
 }
@@ -141,6 +143,7 @@ pub fn summarise(plan: &Plan, records: &[Record]) -> Summary {
         brier: mean(&briers),
         coverage: coverage(&all),
         beside: beside(records),
+        failed: records.iter().filter_map(failed).collect(),
         misses: all.iter().filter(|s| !s.1.right).map(miss).collect(),
     }
 }
@@ -261,6 +264,11 @@ fn coverage(all: &[Scored<'_>]) -> Vec<Coverage> {
         *entry = (entry.0 + 1, entry.1 + usize::from(*covers));
     }
     counts.into_iter().map(|(parameter, (intervals, covering))| Coverage { parameter, intervals, covering }).collect()
+}
+
+fn failed(record: &Record) -> Option<String> {
+    let why = record.reply.failure.as_deref().unwrap_or("no verdict");
+    (record.reply.verdict == "failed").then(|| format!("case {}: {why}", record.case))
 }
 
 fn miss((record, _): &Scored<'_>) -> Miss {
