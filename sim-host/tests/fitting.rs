@@ -2,13 +2,17 @@
 //! `cargo test -p shakedown --test fitting -- --nocapture --test-threads 1`.
 
 use shakedown::motion::condition::{Recipe, peak_acceleration};
+use shakedown::closed_loop::published::Named;
+use shakedown::closed_loop::trial::Setup;
 use shakedown::motion::fit::certificate::{self, Relaxed};
 use shakedown::motion::fit::method::{Method, modify};
 use shakedown::motion::fit::online::{self, Modifier};
 use shakedown::motion::fit::spectrum::Band;
 use shakedown::motion::fit::{Limits, Norm, Reference, convex, taut};
-use shakedown::motion::{Motion, peak, read, spectrum};
+use shakedown::motion::{Motion, generate, peak, read, spectrum};
+use std::io::Write;
 use std::path::PathBuf;
+use std::process::{Command, Stdio};
 
 const VELOCITY: f64 = 0.242;
 const STROKE: f64 = 0.12;
@@ -144,4 +148,96 @@ fn a_missed_target_says_what_it_takes() {
     assert!(found.error <= 0.2 && found.bound > 0.2);
     assert!(found.met_at / found.missed_at < 1.005);
     assert!(certificate::relaxation(&reference, &limits, Relaxed::Velocity, 0.5).unwrap().is_none());
+}
+
+/// The causal modifier on motions that nobody has chosen its constants for.
+#[test]
+fn the_causal_modifier_beats_clipping_on_generated_records() {
+    let limits = Limits::table(VELOCITY, STROKE);
+    let (mut compared, mut left) = (0, 0);
+    for recipe in generate::RECIPES {
+        for seed in 1..=8 {
+            let motion = Recipe::fitting(None).apply(&recipe.generate(seed).unwrap()).unwrap();
+            let reference = reference(&motion);
+            let run = |modifier| online::fit(&reference, &limits, modifier).unwrap().velocity;
+            let (clip, causal) = (run(Modifier::Clip), run(Modifier::Causal));
+            let sum = |velocity: &[f64]| velocity.iter().sum::<f64>() * motion.dt;
+            let apart = sum(&causal) - sum(&reference.velocity);
+            assert!(apart.abs() < 1e-3, "{} {seed}: {apart} m", recipe.name);
+            // Where clipping itself runs out of the stroke it is no motion of this table, and no measure.
+            if peak(&reference.displacement(&clip)) > STROKE {
+                left += 1;
+                continue;
+            }
+            let (e_clip, e_causal) = (reference.acceleration_error(&clip), reference.acceleration_error(&causal));
+            assert!(e_causal <= e_clip + 1e-4, "{} {seed}: {e_causal} against {e_clip}", recipe.name);
+            let noise = 4.0 * 7.5e-9 / motion.dt.powi(2);
+            let (worst, clipped) = (largest_error(&reference, &causal), largest_error(&reference, &clip));
+            assert!(worst <= clipped + noise, "{} {seed}: {worst} against {clipped}", recipe.name);
+            compared += 1;
+        }
+    }
+    println!("causal: E_a and peak error at most clip's on {compared} generated records; clip leaves the stroke on {left} more");
+    assert!(compared >= 8);
+}
+
+/// Strong PI on the paper's plant follows a fitted record without the spikes that saturation brings.
+#[test]
+fn fitted_records_leave_no_spike_in_the_closed_loop() {
+    let limits = Limits::table(VELOCITY, STROKE);
+    println!("{:12} {:14} {:>8} {:>8} {:>9}", "record", "given", "peak g", "spike", "saturated");
+    for (name, file, scale, _) in RECORDS {
+        let Some(motion) = prepared(file, scale) else { return };
+        let setup = Setup::paper(Named::Strong);
+        let asked = peak(&motion.acceleration);
+        let mut spike = |label: &str, given: &Motion| {
+            let trace = setup.play(given).unwrap().trace;
+            let found = peak(&trace.acceleration);
+            println!("{name:12} {label:14} {:8.3} {:8.3} {:7.2} s", found / 9.80665, found / asked, trace.saturated_s());
+            found / asked
+        };
+        spike("as it is", &motion);
+        let methods = [("clip", Method::Clip), ("convex", Method::Convex(Norm::Two)), ("causal", Method::Causal)];
+        for (label, method) in methods.into_iter().chain([("preview", Method::Preview(0.5))]) {
+            let given = modify(&motion, &limits, method, |_| {}).unwrap().motion;
+            let ratio = spike(label, &given);
+            assert!(ratio <= 1.05 || label == "clip", "{name} {label}: {ratio}");
+        }
+    }
+}
+
+/// The same problem by an independent road: SciPy's NNLS. Skipped, with a line that says so, where there is no SciPy.
+#[test]
+fn an_independent_solver_agrees() {
+    let (dt, limit, stroke) = (0.05, 0.242, 0.05);
+    let velocity: Vec<f64> = (0..240)
+        .map(|k| {
+            let t = dt * f64::from(k);
+            let slow = 0.6 * (4.4 * t).sin() * (-((t - 5.0) / 2.5).powi(2)).exp();
+            slow + 0.25 * (14.5 * t).sin() * (-((t - 4.0) / 3.0).powi(2)).exp()
+        })
+        .collect();
+    let task = serde_json::json!({"dt": dt, "velocity": velocity, "limit": limit, "stroke": stroke}).to_string();
+    let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/independent_fit.py");
+    let child = Command::new("python3").arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let Ok(mut child) = child else {
+        eprintln!("skipped: no python3");
+        return;
+    };
+    child.stdin.take().unwrap().write_all(task.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    if !output.status.success() {
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(message.contains("ModuleNotFoundError"), "{message}");
+        eprintln!("skipped: no SciPy");
+        return;
+    }
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let theirs = answer["e_a"].as_f64().unwrap();
+    let reference = Reference::new(dt, velocity, 0.0).unwrap();
+    let fitted = convex::fit(&reference, &Limits::table(limit, stroke), Norm::Two).unwrap();
+    let ours = reference.acceleration_error(&fitted.velocity);
+    println!("independent solver: E_a {theirs:.6}, ours {ours:.6}, proven {:.6}", fitted.bound.unwrap());
+    assert!((ours / theirs - 1.0).abs() < 0.01, "{ours} against {theirs}");
+    assert!(fitted.bound.unwrap() <= theirs * 1.000_01);
 }
