@@ -1,11 +1,11 @@
 //! Whether the sensors can be believed: each by itself, and both against the observer.
 //!
 //! ```text
-//! n = lag(|innovation|, 50 ms)          r = lag(|acceleration[k] - acceleration[k-1]|, 50 ms)
+//! n = lag(|innovation|, 50 ms),   m = lag(innovation, 50 ms)
+//! r = lag(min(|acceleration[k] - acceleration[k-1]|, 2 acceleration_noise), 50 ms)
 //! ```
-//! `n > disagreement`: LVDT and accelerometer contradict each other, and the accelerometer is off by as much as the
-//! observer's offset says; where the offset is small the LVDT is noisy instead. An offset beyond `offset` by itself: the
-//! same. A quarter of the disagreement is enough against a sensor that has not changed by a bit for `stuck`: it is that
+//! `n > disagreement`: LVDT and accelerometer contradict each other where most of n is m, and else the LVDT is noisy.
+//! An offset of the accelerometer beyond `offset`, as the observer learns it: they contradict each other too. A quarter of the disagreement is enough against a sensor that has not changed by a bit for `stuck`: it is that
 //! one. `r` beyond its limit: the accelerometer is too noisy. A table at rest with quiet sensors changes nothing and
 //! trips nothing.
 //!
@@ -18,6 +18,7 @@ use crate::block::{Block, BlockError, require};
 use crate::filter::Lag;
 use crate::filter::fusion::FusionState;
 use crate::filter::lag::LagState;
+use crate::scalar::Scalar;
 
 /// When a sensor is not believed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -60,6 +61,7 @@ pub struct PlausibilityState {
     displacement_same: u32,
     acceleration_same: u32,
     innovation: LagState,
+    innovation_size: LagState,
     roughness: LagState,
 }
 
@@ -93,11 +95,17 @@ impl Plausibility {
         state.displacement = displacement;
         state.acceleration = acceleration;
 
-        let innovation = self.mean.advance(&mut state.innovation, seen.innovation.abs());
-        let roughness = self.mean.advance(&mut state.roughness, change.abs());
-        if innovation > self.suspicious {
-            self.accuse(state, innovation, seen.offset)
-        } else if seen.offset.abs() > self.offset {
+        self.mean.advance(&mut state.innovation, seen.innovation);
+        let innovation = self.mean.advance(&mut state.innovation_size, seen.innovation.abs());
+        // A single spike, such as a valve that closes at speed makes, is not noise.
+        let change = change.bounded(2.0 * self.acceleration_noise).abs();
+        let roughness = self.mean.advance(&mut state.roughness, change);
+        if innovation > self.suspicious
+            && let Some(trip) = self.accuse(state, innovation)
+        {
+            return Some(trip);
+        }
+        if seen.offset.abs() > self.offset {
             Some(Trip::SensorsDisagree)
         } else if roughness > self.acceleration_noise {
             Some(Trip::AccelerationNoisy)
@@ -106,15 +114,16 @@ impl Plausibility {
         }
     }
 
-    /// Which sensor it is, given a suspicious mean `innovation` (m) and the observer's `offset` (m/s2).
+    /// Which sensor it is, given a suspicious mean magnitude of the `innovation` (m).
     #[inline(never)]
-    fn accuse(&self, state: &PlausibilityState, innovation: f32, offset: f32) -> Option<Trip> {
+    fn accuse(&self, state: &PlausibilityState, innovation: f32) -> Option<Trip> {
         if state.displacement_same > self.stuck {
             Some(Trip::DisplacementStuck)
         } else if state.acceleration_same > self.stuck {
             Some(Trip::AccelerationStuck)
-        } else if innovation > self.disagreement || offset.abs() > self.offset {
-            Some(if offset.abs() > 0.5 * self.offset { Trip::SensorsDisagree } else { Trip::DisplacementNoisy })
+        } else if innovation > self.disagreement {
+            let one_sided = self.mean.last(&state.innovation).abs() > 0.5 * innovation;
+            Some(if one_sided { Trip::SensorsDisagree } else { Trip::DisplacementNoisy })
         } else {
             None
         }

@@ -244,14 +244,15 @@ impl Supervisor {
 
 #[inline]
 fn up(weight: f32, step: f32) -> f32 {
+    // Half a step of slack: rounding must not add a tick.
     let next = weight + step;
-    if next < 1.0 { next } else { 1.0 }
+    if next < 1.0 - 0.5 * step { next } else { 1.0 }
 }
 
 #[inline]
 fn down(weight: f32, step: f32) -> f32 {
     let next = weight - step;
-    if next > 0.0 { next } else { 0.0 }
+    if next > 0.5 * step { next } else { 0.0 }
 }
 
 /// The smooth step 3 p^2 - 2 p^3.

@@ -6,6 +6,8 @@ mod any_input;
 #[cfg(test)]
 mod blocks;
 #[cfg(test)]
+mod guard;
+#[cfg(test)]
 mod modes;
 #[cfg(test)]
 mod plain_law;

@@ -1,0 +1,509 @@
+//! The guard: each hazard of docs/hazards.md made to happen to a table in a running test, and what must not happen.
+
+use proptest::prelude::*;
+use shakedown_core::guard::envelope::ForceSettings;
+use shakedown_core::guard::{
+    EnvelopeSettings, GuardSettings, PlausibilitySettings, RampSettings, ValveMonitorSettings,
+};
+use shakedown_core::saturation::Detection;
+use shakedown_core::settings::Gains;
+use shakedown_core::{Command, Controller, Mode, Modification, Refused, Relay, Request, Sample, Settings, State, Trip};
+
+use crate::table::Table;
+
+/// From the relay opening to no oil at the valve, s: the hydraulic block's own latency.
+const BLOCK: f64 = 0.03;
+
+/// A controller in charge of a table, with the relay of its hydraulic block.
+struct Rig {
+    controller: Controller,
+    table: Table,
+    mode: Mode,
+    t: f64,
+    opened: Option<f64>,
+    farthest: f64,
+    tripped: Option<(f64, Trip)>,
+}
+
+fn settings(mode: Mode) -> Settings {
+    Settings {
+        mode,
+        displacement: Gains::new(10.0, 1.0),
+        saturation: Some(Detection::default()),
+        anti_windup: true,
+        modification: if mode == Mode::Guard { Modification::Off } else { Modification::Causal },
+        guard: Some(GuardSettings { ramps: RampSettings { test: 0.5, safe: 0.05 }, ..GuardSettings::default() }),
+        ..Settings::default()
+    }
+}
+
+/// A reference whose speed stays within the table's: 0.15 m/s at most.
+fn swing(t: f64) -> f64 {
+    0.03 * (3.0 * t).sin() + 0.006 * (10.0 * t).sin()
+}
+
+impl Rig {
+    /// Armed and started, at rest.
+    fn running(settings: &Settings) -> Self {
+        let mut rig = Self {
+            controller: Controller::new(settings).unwrap(),
+            table: Table::new(f64::from(settings.rate)).noisy(),
+            mode: settings.mode,
+            t: 0.0,
+            opened: None,
+            farthest: 0.0,
+            tripped: None,
+        };
+        for _ in 0..50 {
+            rig.tick(0.0, |_| ());
+        }
+        rig.controller.request(Request::Arm).unwrap();
+        rig.controller.request(Request::Start).unwrap();
+        rig
+    }
+
+    /// One tick; `fault` may change what the controller is told.
+    fn tick(&mut self, reference: f64, fault: impl Fn(&mut Sample)) -> Command {
+        let mut sample = self.table.sample(reference);
+        sample.external = (10.0 * (reference - self.table.x)) as f32;
+        fault(&mut sample);
+        let command = self.controller.step(&sample);
+        let valve = match self.mode {
+            Mode::Modifier => 10.0 * (f64::from(command.valve) - self.table.x),
+            _ => f64::from(command.valve),
+        };
+        if command.status.relay == Relay::Closed {
+            self.opened = None;
+            self.table.oil = true;
+        } else if self.t - *self.opened.get_or_insert(self.t) >= BLOCK {
+            self.table.oil = false;
+        }
+        self.table.advance(valve);
+        self.t += self.table.dt;
+        self.farthest = self.farthest.max(self.table.x.abs());
+        if let (None, Some(cause)) = (self.tripped, command.status.trip) {
+            self.tripped = Some((self.t, cause));
+        }
+        command
+    }
+
+    /// Runs the swing for `seconds`.
+    fn swing(&mut self, seconds: f64, fault: impl Fn(&mut Sample)) -> Command {
+        let end = self.t + seconds;
+        let mut last = Command::default();
+        while self.t < end {
+            last = self.tick(swing(self.t), &fault);
+        }
+        last
+    }
+
+    /// Three seconds of healthy swing, then `fault` for up to two: what tripped, and after how long, s.
+    fn hazard(mut self, fault: impl Fn(&mut Sample)) -> (Trip, f64, Self) {
+        self.swing(3.0, |_| ());
+        assert_eq!(self.tripped, None, "tripped while healthy");
+        let from = self.t;
+        let last = self.swing(2.0, fault);
+        let (at, cause) = self.tripped.expect("the hazard was not seen");
+        assert_eq!((last.status.state, last.status.relay), (State::Tripped, Relay::Open));
+        assert!(self.table.v.abs() < 1e-3, "still moving at {} m/s", self.table.v);
+        (cause, at - from, self)
+    }
+}
+
+/// Every hazard of the sensors in every mode: the causes that may be named, and the latency that the table states, s.
+fn check(mode: Mode, causes: &[Trip], latency: f64, fault: impl Fn(&mut Sample)) {
+    let (cause, after, rig) = Rig::running(&settings(mode)).hazard(fault);
+    assert!(causes.contains(&cause), "{mode:?}: {cause:?}");
+    assert!(after <= latency, "{mode:?}: {cause:?} after {after} s");
+    assert!(rig.farthest < 0.12, "{mode:?}: {} m", rig.farthest);
+}
+
+fn check_all(causes: &[Trip], latency: f64, fault: impl Fn(&mut Sample)) {
+    for mode in [Mode::Guard, Mode::Modifier, Mode::Controller] {
+        check(mode, causes, latency, &fault);
+    }
+}
+
+#[test]
+fn open_lvdt() {
+    check_all(&[Trip::SensorLost], 0.013, |s| s.displacement = f32::NAN);
+}
+
+#[test]
+fn open_accelerometer() {
+    check_all(&[Trip::SensorLost], 0.013, |s| s.acceleration = f32::INFINITY);
+}
+
+#[test]
+fn saturated_amplifier() {
+    check_all(&[Trip::SensorLost], 0.013, |s| s.displacement = 10.24);
+}
+
+#[test]
+fn lost_reference() {
+    for mode in [Mode::Modifier, Mode::Controller] {
+        check(mode, &[Trip::SensorLost], 0.013, |s| s.reference = f32::NAN);
+    }
+}
+
+#[test]
+fn lost_external_command() {
+    check(Mode::Guard, &[Trip::SensorLost], 0.013, |s| s.external = f32::NAN);
+}
+
+#[test]
+fn stuck_lvdt() {
+    check_all(&[Trip::DisplacementStuck], 0.1, |s| s.displacement = 0.011);
+}
+
+#[test]
+fn stuck_accelerometer() {
+    check_all(&[Trip::AccelerationStuck], 0.5, |s| s.acceleration = 0.03);
+}
+
+#[test]
+fn stuck_accelerometer_off_zero() {
+    check_all(&[Trip::AccelerationStuck], 0.1, |s| s.acceleration = 3.0);
+}
+
+#[test]
+fn accelerometer_off_by_half_a_g() {
+    check_all(&[Trip::SensorsDisagree], 0.1, |s| s.acceleration += 5.0);
+}
+
+#[test]
+fn reversed_accelerometer() {
+    // A polarity error is there from the start: it must not get past the first second of motion.
+    for mode in [Mode::Guard, Mode::Modifier, Mode::Controller] {
+        let mut rig = Rig::running(&settings(mode));
+        rig.swing(4.0, |s| s.acceleration = -s.acceleration);
+        let (_, cause) = rig.tripped.expect("not seen");
+        assert_eq!(cause, Trip::SensorsDisagree);
+    }
+}
+
+#[test]
+fn noisy_lvdt() {
+    let flip = std::cell::Cell::new(1.0_f32);
+    check_all(&[Trip::DisplacementNoisy], 0.05, |s| {
+        flip.set(-flip.get());
+        s.displacement += 0.01 * flip.get();
+    });
+}
+
+#[test]
+fn noisy_accelerometer() {
+    // Turns come at every third tick: noise that alternates is seen all the same.
+    let flip = std::cell::Cell::new(1.0_f32);
+    check_all(&[Trip::AccelerationNoisy], 0.1, |s| {
+        flip.set(-flip.get());
+        s.acceleration += 8.0 * flip.get();
+    });
+}
+
+/// A valve that goes on with `command` (m) from the third second on: what tripped, after how long, and the travel, m.
+fn stuck_valve(mode: Mode, command: f64) -> (Trip, f64, f64) {
+    let mut rig = Rig::running(&settings(mode));
+    rig.swing(3.0, |_| ());
+    let (from, x) = (rig.t, rig.table.x);
+    rig.table.stuck = Some(command);
+    let mut travel = 0.0_f64;
+    while rig.t < from + 3.0 {
+        rig.tick(swing(rig.t), |_| ());
+        travel = travel.max((rig.table.x - x).abs());
+    }
+    let (at, cause) = rig.tripped.expect("not seen");
+    assert!(!rig.table.oil);
+    (cause, at - from, travel)
+}
+
+#[test]
+fn valve_stuck_hard_over() {
+    for (mode, command) in [(Mode::Guard, 5.0), (Mode::Controller, 5.0), (Mode::Controller, -5.0)] {
+        let (cause, after, travel) = stuck_valve(mode, command);
+        assert_eq!(cause, Trip::ValveStuck);
+        assert!(after < 0.15, "{mode:?} {command} after {after} s");
+        assert!(travel < 0.05, "{travel} m");
+    }
+}
+
+#[test]
+fn valve_stuck_shut() {
+    for mode in [Mode::Guard, Mode::Controller] {
+        let (cause, after, _) = stuck_valve(mode, 0.0);
+        assert_eq!(cause, Trip::ValveStuck);
+        assert!(after < 0.5, "{after} s");
+    }
+}
+
+#[test]
+fn a_valve_trip_opens_the_relay_at_once() {
+    let mut rig = Rig::running(&settings(Mode::Controller));
+    rig.swing(3.0, |_| ());
+    rig.table.stuck = Some(5.0);
+    loop {
+        let command = rig.tick(swing(rig.t), |_| ());
+        if command.status.trip == Some(Trip::ValveStuck) {
+            assert_eq!(command.status.relay, Relay::Open);
+            break;
+        }
+        assert!(rig.t < 5.0 && command.status.trip.is_none(), "{command:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Another controller's command, or a bare reference, that would take the table through its stops.
+    #[test]
+    fn the_table_stops_inside_its_stroke(
+        amplitude in 0.1..1.0f64, frequency in 0.05..3.0f64, start in -0.08..0.08f64, leap: bool, guard: bool,
+    ) {
+        let mode = if guard { Mode::Guard } else { Mode::Controller };
+        let mut rig = Rig::running(&Settings { modification: Modification::Off, ..settings(mode) });
+        for _ in 0..3000 {
+            rig.tick(start, |_| ());
+        }
+        let from = rig.t;
+        while rig.t < from + 4.0 && rig.tripped.is_none() {
+            let s = (std::f64::consts::TAU * frequency * (rig.t - from)).sin();
+            rig.tick(start + amplitude * if leap { s.signum() } else { s }, |_| ());
+        }
+        for _ in 0..500 {
+            rig.tick(start, |_| ());
+        }
+        prop_assert!(rig.farthest <= 0.12, "{} m, {:?}", rig.farthest, rig.tripped);
+    }
+
+    /// A healthy table is let alone.
+    #[test]
+    fn no_trip_without_a_reason(
+        amplitude in 0.0..0.08f64, frequency in 0.1..4.0f64, mode in 0..3_usize, kp in 3.0..10.0f32,
+    ) {
+        let mode = [Mode::Guard, Mode::Modifier, Mode::Controller][mode];
+        let amplitude = amplitude.min(0.4 / (std::f64::consts::TAU * frequency));
+        let mut rig = Rig::running(&Settings { displacement: Gains::new(kp, 0.5), ..settings(mode) });
+        for _ in 0..6000 {
+            let w = std::f64::consts::TAU * frequency;
+            rig.tick(amplitude * (w * rig.t).sin(), |_| ());
+        }
+        prop_assert_eq!(rig.tripped, None);
+    }
+
+    /// No way round a trip but a reset, no way to move but arming and starting, no oil in Off.
+    #[test]
+    fn the_state_machine_has_no_other_ways(acts in proptest::collection::vec((0..9_u8, 1..400_u16), 1..60)) {
+        let mut controller = Controller::new(&settings(Mode::Controller)).unwrap();
+        let mut state = State::Off;
+        let quiet = Sample::default();
+        controller.step(&quiet);
+        for (act, ticks) in acts {
+            let requests = [
+                Request::Arm, Request::Start, Request::Hold, Request::Resume, Request::Stop, Request::Off,
+                Request::Reset, Request::Trip,
+            ];
+            if let Some(&request) = requests.get(usize::from(act)) {
+                let answer = controller.request(request);
+                let after = controller.step(&quiet).status.state;
+                let allowed = match (state, request) {
+                    (_, Request::Trip) => State::Tripped,
+                    (State::Off, Request::Arm) => State::Ready,
+                    (State::Ready, Request::Start) | (State::Hold, Request::Resume) => State::Running,
+                    (State::Running, Request::Hold) => State::Hold,
+                    (State::Running | State::Hold, Request::Stop) => State::RampDown,
+                    (State::Ready, Request::Off) => State::Off,
+                    (State::Tripped, Request::Reset) if answer.is_ok() => State::Off,
+                    _ => {
+                        prop_assert!(answer.is_err());
+                        state
+                    }
+                };
+                let landed = (state, after) == (State::RampDown, State::Ready)
+                    || (allowed, after) == (State::RampDown, State::Ready);
+                prop_assert!(after == allowed || landed, "{state:?} {request:?} {after:?}");
+                state = after;
+            }
+            for _ in 0..ticks {
+                let command = controller.step(&quiet);
+                let now = command.status.state;
+                prop_assert!(now == state || (state, now) == (State::RampDown, State::Ready));
+                prop_assert_eq!(now == State::Tripped, command.status.trip.is_some());
+                if now == State::Off {
+                    prop_assert_eq!((command.status.relay, command.valve), (Relay::Open, 0.0));
+                }
+                state = now;
+            }
+        }
+    }
+
+    /// Start, hold, resume, stop at any moment: the reference given on never leaps, and ends at a stand.
+    #[test]
+    fn every_change_of_state_is_smooth(moments in proptest::array::uniform3(200..1500_u32), frequency in 0.2..2.0f64) {
+        let guard = settings(Mode::Controller).guard.map(|guard| GuardSettings {
+            valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve },
+            ..guard
+        });
+        let settings = Settings { modification: Modification::Off, guard, ..settings(Mode::Controller) };
+        let mut controller = Controller::new(&settings).unwrap();
+        let [hold, resume, stop] = moments;
+        let (mut last, mut fastest) = (0.0_f32, 0.0_f32);
+        for k in 0..hold + resume + stop + 1200 {
+            let t = f64::from(k) * 1e-3;
+            let reference = 0.05 * (1.0 + (std::f64::consts::TAU * frequency * t).sin());
+            let command = controller.step(&Sample::new(reference as f32, 0.0, 0.0));
+            if k > 1 {
+                fastest = fastest.max((command.reference - last).abs());
+            }
+            last = command.reference;
+            let request = match k {
+                0 => Some(Request::Arm),
+                1 => Some(Request::Start),
+                k if k == hold => Some(Request::Hold),
+                k if k == hold + resume => Some(Request::Resume),
+                k if k == hold + resume + stop => Some(Request::Stop),
+                _ => None,
+            };
+            if let Some(request) = request {
+                let answer = controller.request(request);
+                prop_assert_eq!(answer, Ok(()));
+            }
+        }
+        // The reference's own speed, and 0.1 m faded over 0.5 s at 1.5 times the mean rate.
+        let bound = 0.05 * std::f64::consts::TAU * frequency + 1.5 * 0.1 / 0.5;
+        prop_assert!(f64::from(fastest) < 1e-3 * bound * 1.05 + 1e-5, "{fastest}");
+    }
+}
+
+/// The usual settings with another envelope.
+fn with(envelope: EnvelopeSettings) -> Settings {
+    let guard = settings(Mode::Controller).guard.map(|guard| GuardSettings { envelope, ..guard });
+    Settings { guard, ..settings(Mode::Controller) }
+}
+
+#[test]
+fn the_envelope_judges_what_lasts() {
+    let envelope = EnvelopeSettings {
+        acceleration: 2.0,
+        jerk: 1e6,
+        force: Some(ForceSettings { limit: 1000.0, piston_area: 0.024 }),
+        tracking: 0.01,
+        ..EnvelopeSettings::default()
+    };
+    let rig = || Rig::running(&with(envelope));
+    let mut fast = rig();
+    fast.swing(3.0, |s| s.pressure_difference = 1e5);
+    assert!(fast.tripped.is_some_and(|(_, cause)| cause == Trip::Force), "{:?}", fast.tripped);
+    let mut far = rig();
+    far.controller.retune(&Settings { displacement: Gains::new(2.0, 0.0), ..with(envelope) }).unwrap();
+    far.swing(4.0, |_| ());
+    assert!(far.tripped.is_some_and(|(_, cause)| cause == Trip::Tracking), "{:?}", far.tripped);
+}
+
+#[test]
+fn acceleration_and_jerk_have_their_limits() {
+    for (acceleration, jerk, cause) in [(0.8, 1e6, Trip::Acceleration), (30.0, 60.0, Trip::Jerk)] {
+        let envelope = EnvelopeSettings { acceleration, jerk, persistence: 0.004, ..EnvelopeSettings::default() };
+        let mut rig = Rig::running(&Settings { modification: Modification::Off, ..with(envelope) });
+        for k in 0..3000 {
+            rig.tick(if k > 1500 { 0.05 } else { 0.0 }, |_| ());
+        }
+        assert!(rig.tripped.is_some_and(|(_, seen)| seen == cause), "{cause:?}: {:?}", rig.tripped);
+    }
+}
+
+#[test]
+fn too_fast_is_too_fast_at_once() {
+    let envelope = EnvelopeSettings { velocity: 0.1, ..EnvelopeSettings::default() };
+    let mut rig = Rig::running(&with(envelope));
+    rig.swing(3.0, |_| ());
+    assert!(rig.tripped.is_some_and(|(_, cause)| cause == Trip::Velocity));
+}
+
+#[test]
+fn the_safe_ramp_ends_at_zero_flow_within_its_time() {
+    let mut rig = Rig::running(&settings(Mode::Controller));
+    rig.swing(3.0, |_| ());
+    rig.controller.request(Request::Trip).unwrap();
+    let mut ticks = 0;
+    loop {
+        let command = rig.tick(0.1, |_| ());
+        ticks += 1;
+        assert_eq!(command.status.trip, Some(Trip::External));
+        assert!(command.valve.abs() <= 0.242 / 2.39 * 1.01);
+        if command.status.relay == Relay::Open {
+            assert_eq!(command.valve, 0.0);
+            break;
+        }
+    }
+    assert_eq!(ticks, 50);
+    assert!(matches!(rig.controller.request(Request::Arm), Err(Refused::State(State::Tripped))));
+}
+
+#[test]
+fn a_reset_waits_for_the_ramp_and_arming_for_the_cause() {
+    let mut controller = Controller::new(&settings(Mode::Controller)).unwrap();
+    let good = Sample::new(0.0, 0.0, 0.0);
+    assert_eq!(controller.request(Request::Arm), Err(Refused::Cause(Trip::SensorLost)));
+    controller.step(&good);
+    controller.request(Request::Arm).unwrap();
+    controller.request(Request::Trip).unwrap();
+    assert_eq!(controller.request(Request::Reset), Err(Refused::StillMoving(Trip::External)));
+    for _ in 0..60 {
+        controller.step(&Sample { displacement: f32::NAN, ..good });
+    }
+    controller.request(Request::Reset).unwrap();
+    assert_eq!(controller.request(Request::Arm), Err(Refused::Cause(Trip::SensorLost)));
+    controller.step(&good);
+    assert_eq!(controller.request(Request::Arm), Ok(()));
+}
+
+/// The hazards again with monitors deaf: each must then go unseen, or the tests above show nothing.
+#[test]
+fn deaf_monitors_would_be_seen() {
+    let plausibility =
+        PlausibilitySettings { lost: 1.0, stuck: 10.0, disagreement: 1.0, offset: 1000.0, acceleration_noise: 1e4 };
+    let deaf = |mode| {
+        let guard = settings(mode).guard.unwrap();
+        let valve = ValveMonitorSettings { mismatch: 10.0, ..guard.valve };
+        let envelope =
+            EnvelopeSettings { margin: 0.0, stopping_latency: 0.0, stopping_deceleration: 1000.0, ..guard.envelope };
+        Settings { guard: Some(GuardSettings { plausibility, valve, envelope, ..guard }), ..settings(mode) }
+    };
+    let unseen = |fault: fn(&mut Sample)| {
+        let mut rig = Rig::running(&deaf(Mode::Guard));
+        rig.swing(3.0, |_| ());
+        rig.swing(0.3, fault);
+        rig.tripped.is_none()
+    };
+    assert!(unseen(|s| s.displacement = f32::NAN));
+    assert!(unseen(|s| s.acceleration = 0.03));
+    assert!(unseen(|s| s.acceleration += 2.0));
+    // And without a stopping distance the table runs into its stops.
+    let mut rig = Rig::running(&deaf(Mode::Guard));
+    for _ in 0..3000 {
+        rig.tick(0.5, |_| ());
+    }
+    assert!(rig.farthest > 0.12, "{}", rig.farthest);
+}
+
+/// The hazard table names tests that exist. It lies outside the package, and may be absent from a packaged copy.
+#[test]
+fn the_hazard_table_names_real_tests() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let Ok(table) = std::fs::read_to_string(root.join("../docs/hazards.md")) else {
+        eprintln!("skipped: no docs/hazards.md beside the package");
+        return;
+    };
+    let sources: String = ["guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs"]
+        .map(|file| std::fs::read_to_string(root.join("tests/promises").join(file)).unwrap())
+        .concat();
+    let mut named = 0;
+    for row in table.lines().filter(|line| line.starts_with("| ") && line.contains('`')) {
+        let cell = row.trim_end_matches([' ', '|']).rsplit('|').next().unwrap_or("");
+        for test in cell.split('`').skip(1).step_by(2) {
+            assert!(sources.contains(&format!("fn {test}(")), "no test {test}");
+            named += 1;
+        }
+    }
+    assert!(named > 25, "{named}");
+}
