@@ -1,41 +1,54 @@
-//! Every figure the project claims: its bound and the command that prints it, in one place.
+//! Every figure the project claims: its bound and the command that prints it, in one table.
+
+mod table;
 
 use crate::output::say;
 use crate::shell::{Problem, no_words};
+use table::FIGURES;
 
 /// A figure someone may ask for.
 struct Figure {
+    /// What it belongs to.
+    of: &'static str,
     /// What is measured.
     name: &'static str,
     /// What it must be.
     bound: &'static str,
-    /// The command that prints it, from the top of the workspace.
+    /// The command that prints it, from the top of the workspace; empty while none does.
     command: &'static str,
 }
-
-const FIGURES: &[Figure] = &[
-    Figure {
-        name: "Table 1 beside the paper: Taft Current and Strong in E_d and peak",
-        bound: "within 20 %",
-        command: "cargo run --release -- table1 --records ../shared/data/records",
-    },
-    Figure {
-        name: "closed-loop simulation, 60 s at 1 kHz, 10 plant steps a tick, one core",
-        bound: "at least 5,000 times real time",
-        command: "cargo bench -p shakedown --bench closed_loop",
-    },
-    Figure {
-        name: "first build of the host tool on 2 cores",
-        bound: "under 4 minutes",
-        command: "CARGO_TARGET_DIR=$(mktemp -d) cargo build --release --timings",
-    },
-];
 
 /// The chore: lists them.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     no_words(words)?;
-    for figure in FIGURES {
-        say(&format!("{}\n  bound    {}\n  command  {}\n", figure.name, figure.bound, figure.command));
+    for figures in FIGURES.chunk_by(|a, b| a.of == b.of) {
+        say(&format!("== {}", figures[0].of));
+        for figure in figures {
+            let command = if figure.command.is_empty() { "none prints it yet" } else { figure.command };
+            say(&format!("{}\n    bound    {}\n    command  {command}", figure.name, figure.bound));
+        }
+        say("");
     }
+    let without = FIGURES.iter().filter(|figure| figure.command.is_empty()).count();
+    say(&format!("{} figures; {without} of them have no command yet.", FIGURES.len()));
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_has_a_bound_and_stands_once() {
+        for (i, figure) in FIGURES.iter().enumerate() {
+            assert!(!figure.bound.is_empty(), "{}", figure.name);
+            assert!(FIGURES[..i].iter().all(|other| other.name != figure.name), "{} stands twice", figure.name);
+        }
+        let groups = FIGURES.chunk_by(|a, b| a.of == b.of).map(|figures| figures[0].of);
+        let mut names: Vec<&str> = groups.collect();
+        let count = names.len();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), count, "each group stands together");
+    }
 }

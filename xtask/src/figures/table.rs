@@ -1,0 +1,75 @@
+//! The figures. A new one is one entry; its command is one that a reader can paste.
+
+use super::Figure;
+
+const fn figure(of: &'static str, name: &'static str, bound: &'static str, command: &'static str) -> Figure {
+    Figure { of, name, bound, command }
+}
+
+const GROUND: &str = "plant, paper, closed loop";
+const FIT: &str = "record fitting";
+const DEVICE: &str = "firmware";
+const IDENTIFY: &str = "identification";
+const DIAGNOSE: &str = "diagnosis and its proof";
+const CONTROL: &str = "control";
+const SAFETY: &str = "safety and robustness";
+const BUILD: &str = "build and report";
+
+const TABLE1: &str = "cargo run --release -- table1 --records ../shared/data/records";
+const BENCH: &str = "cargo bench -p shakedown --bench closed_loop";
+const PROVE: &str = "cargo run --release -- prove --seed N --cases K";
+const BITS: &str = "cargo test --release -p shakedown-replay --test bit_identity";
+const NONE: &str = "";
+
+pub(super) const FIGURES: &[Figure] = &[
+    figure(GROUND, "Taft Current and Strong against the paper, E_d and peak", "within 20 %", TABLE1),
+    figure(GROUND, "El Centro Current against the paper, E_d and peak", "within 15 %", TABLE1),
+    figure(GROUND, "Kobe Strong against the paper, peak", "within 5 %", TABLE1),
+    figure(GROUND, "both Current rows, E_a in the squared reading", "within 35 %", TABLE1),
+    figure(
+        GROUND,
+        "sampled linear loop against its z-domain closed form, f64 and f32 core",
+        "1e-6 of the amplitude",
+        "cargo test -p shakedown-tests --test analytic",
+    ),
+    figure(GROUND, "slope of the limiter's saw-tooth", "0.242 m/s exactly", "cargo run --release -- sweep saw-tooth"),
+    figure(GROUND, "60 s at 1 kHz, 10 plant steps a tick, one core", "5,000 times real time or more", BENCH),
+    figure(GROUND, "the same arithmetic against plain C with -O3", "ratio at most 1.2", BENCH),
+    figure(FIT, "taut string against the convex optimum, velocity alone binding", "within 0.1 %", NONE),
+    figure(FIT, "60 s at 1 kHz: taut string; convex", "under 5 ms; under 5 s", NONE),
+    figure(FIT, "Kobe at 0.74 g: offline E_a", "within 1 % of 0.397 (clip 0.639)", NONE),
+    figure(FIT, "Kobe at 0.74 g: E_a with 0.5 s of preview", "at most 0.42", NONE),
+    figure(FIT, "causal: displacement at the end against the reference's", "within 1 mm on every record", NONE),
+    figure(FIT, "Kobe: S_a (5 %) kept over 0.05 to 0.5 s at 0.242 m/s", "within 5 %", NONE),
+    figure(DEVICE, "command codes, emulated image against host, 60 s near field, each mode", "all the same", BITS),
+    figure(DEVICE, "retired instructions a tick: controller; guard", "at most 600; 250", NONE),
+    figure(DEVICE, "flash; RAM", "at most 96 KiB; 24 KiB", NONE),
+    figure(DEVICE, "replay speed on one core", "50,000 ticks/s or more", NONE),
+    figure(IDENTIFY, "Eq. 7 and 0.242 m/s from simulated sweeps", "within 2 % (b1 5 %)", NONE),
+    figure(IDENTIFY, "coverage of 90 % intervals, 200 seeds", "85 to 95 %", NONE),
+    figure(IDENTIFY, "EMPS, held-out controller-voltage error", "at most 6 %", NONE),
+    figure(IDENTIFY, "real shake table, held-out R2: CHY027 and KAU039; TAP089", "0.993; 0.96 or more", NONE),
+    figure(IDENTIFY, "servo model, 4 runs of 60 s at 1 kHz, 6 parameters, 2 cores", "under 2 s", NONE),
+    figure(DIAGNOSE, "nulls falsely named; unlisted wrongly named", "at most 1 %; 5 %", PROVE),
+    figure(DIAGNOSE, "right set where gross; clear; pairs", "at least 95; 85; 85 %", PROVE),
+    figure(DIAGNOSE, "coverage of 90 % intervals of named effects", "85 to 95 %", PROVE),
+    figure(DIAGNOSE, "real shake table, held-out R2 of the pressure, each run", "at least 0.90", NONE),
+    figure(DIAGNOSE, "4 runs of 30 s at 1 kHz, whole library with pairs, 2 cores", "under 20 s", NONE),
+    figure(CONTROL, "El Centro on the paper's plant, E_a unsquared", "at most 0.05", NONE),
+    figure(CONTROL, "oil-resonance plant: bandwidth with 6 dB and 30 degrees", "at least 25 Hz", NONE),
+    figure(SAFETY, "100,000 faulted runs: excursions beyond stroke less margin; unreported", "none; none", NONE),
+    figure(SAFETY, "an hour of fuzzing a target", "no finding", "cargo xtask fuzz TARGET 3600"),
+    figure(
+        BUILD,
+        "first build of the host tool on 2 cores",
+        "under 4 minutes",
+        "time CARGO_TARGET_DIR=$(mktemp -d) cargo build --release --locked",
+    ),
+    figure(BUILD, "two builds of the host tool", "the same bytes", "cargo xtask reproduce"),
+    figure(
+        BUILD,
+        "requests and console messages of a report in Chromium",
+        "none",
+        "cargo test -p shakedown-tests --test report_page",
+    ),
+];
