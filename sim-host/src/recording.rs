@@ -4,6 +4,7 @@
 //! time grid. Nothing is guessed: what is not as stated is an error that names the file, the place and the remedy.
 
 pub mod channel;
+pub mod check;
 pub mod clock;
 pub mod csv;
 mod document;
@@ -14,11 +15,16 @@ pub mod holdout;
 pub mod law;
 pub mod mat;
 pub mod model;
+pub mod noise;
+pub mod propose;
 pub mod run;
+pub mod signal;
+pub mod steps;
 pub mod table;
 pub mod unit;
 
 pub use channel::{Channel, PerChannel};
+pub use check::{Fault, Finding, Severity, Skew, check, is_bad_data};
 pub use error::{Place, Problem, RecordingError};
 pub use experiment::Experiment;
 pub use law::Law;

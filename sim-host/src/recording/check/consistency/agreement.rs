@@ -1,0 +1,212 @@
+//! How one channel agrees with a derivative of another, bin by bin where both carry signal.
+
+use crate::recording::signal::{Spectra, quantile, segment_length, spectra};
+use std::f64::consts::PI;
+
+/// What two channels say about each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Agreement {
+    /// Lowest frequency at which they are coherent, Hz.
+    pub(super) from_hz: f64,
+    /// Highest such frequency, Hz.
+    pub(super) to_hz: f64,
+    /// Size of the second against the derivative of the first.
+    pub(super) gain: f64,
+    /// Power of frequency with which that size changes.
+    pub(super) slope: f64,
+    /// They run against each other.
+    pub(super) turned: bool,
+    /// Both carry signal, but not the same.
+    pub(super) unrelated: bool,
+    /// Size at the lowest coherent frequencies.
+    pub(super) low_gain: f64,
+    /// They run against each other at the lowest coherent frequencies.
+    pub(super) low_turned: bool,
+    /// How well one sign and one delay explain the phases below 8 Hz, 0 to 1.
+    pub(super) in_step: f64,
+    /// Coherent bins below 8 Hz.
+    pub(super) slow_bins: usize,
+    /// How far the second leads the first beyond doubt, s; zero where it does not.
+    pub(super) lead_s: f64,
+}
+
+/// One frequency at which both channels are coherent.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::recording::check) struct Bin {
+    /// Hz.
+    pub(in crate::recording::check) frequency: f64,
+    /// Size of the second against the derivative of the first.
+    pub(in crate::recording::check) gain: f64,
+    /// Phase of the second against the derivative of the first, rad.
+    pub(in crate::recording::check) phase: f64,
+    /// Weight: the inverse variance of the phase.
+    pub(in crate::recording::check) weight: f64,
+}
+
+/// Lowest frequency that is looked at, Hz: below it drift and tilt are larger than motion.
+const LOWEST: f64 = 0.2;
+
+/// Below this frequency a sensor's delay turns no sign, Hz.
+const SLOW: f64 = 8.0;
+
+/// Fewest coherent bins from which anything is said.
+const FEWEST: usize = 3;
+
+/// The coherent bins of `second` against the `order`-th derivative of `first`, and whether both carry signal elsewhere.
+pub(in crate::recording::check) fn coherent_bins(
+    first: &[f64],
+    second: &[f64],
+    dt: f64,
+    order: u32,
+) -> (Vec<Bin>, bool) {
+    let longest = (10.0 / dt) as usize;
+    let spectra = spectra(first, second, dt, segment_length(first.len(), longest));
+    if spectra.segments < 4 {
+        return (Vec::new(), false);
+    }
+    let floor = |power: &[f64]| {
+        // The quietest tenth of the upper half band is noise; with none, the arithmetic's own.
+        let upper = quantile(&power[power.len() / 2..], 0.1);
+        upper.max(1e-24 * power.iter().copied().fold(0.0, f64::max))
+    };
+    let (input_floor, output_floor) = (floor(&spectra.input), floor(&spectra.output));
+    let threshold = threshold(spectra.segments);
+    let highest = 0.35 / dt;
+    let (mut bins, mut strange, mut signal) = (Vec::new(), 0, 0);
+    for (k, &frequency) in spectra.frequency.iter().enumerate() {
+        if k < 2 || !(LOWEST..highest).contains(&frequency) {
+            continue;
+        }
+        let coherence = spectra.coherence(k);
+        if spectra.input[k] > 20.0 * input_floor && spectra.output[k] > 20.0 * output_floor {
+            signal += 1;
+            strange += usize::from(coherence < 0.15);
+        }
+        if coherence > threshold {
+            bins.push(bin(&spectra, k, coherence, order));
+        }
+    }
+    let unrelated = signal >= 6 && strange * 5 > signal * 4 && bins.len() * 5 < signal;
+    (bins, unrelated)
+}
+
+/// Coherence that chance exceeds once in a thousand bins, and at least a half.
+fn threshold(segments: usize) -> f64 {
+    let count = (0.6 * segments as f64).max(2.0);
+    (1.0 - 1e-3f64.powf(1.0 / (count - 1.0))).clamp(0.5, 0.95)
+}
+
+fn bin(spectra: &Spectra, k: usize, coherence: f64, order: u32) -> Bin {
+    let frequency = spectra.frequency[k];
+    let derivative = (2.0 * PI * frequency).powi(order.cast_signed());
+    Bin {
+        frequency,
+        gain: (spectra.output[k] / spectra.input[k]).sqrt() / derivative,
+        phase: spectra.cross[k].arg() - f64::from(order) * PI / 2.0,
+        weight: coherence / (1.0 - coherence).max(1e-3),
+    }
+}
+
+/// Compares `second` with the `order`-th derivative of `first`; none where too little of either is signal.
+pub(super) fn agreement(first: &[f64], second: &[f64], dt: f64, order: u32) -> Option<Agreement> {
+    let (bins, unrelated) = coherent_bins(first, second, dt, order);
+    if bins.len() < FEWEST && !unrelated {
+        return None;
+    }
+    let low = &bins[..bins.len().div_ceil(4).max(FEWEST).min(bins.len())];
+    // Higher up a delay of some samples turns the phase as well.
+    let slow = bins.partition_point(|b| b.frequency < SLOW).max(low.len());
+    let (turned, delay) = alignment(&bins[..slow]);
+    let (low_turned, _) = alignment(low);
+    let from_hz = bins.first().map_or(LOWEST, |b| b.frequency);
+    Some(Agreement {
+        from_hz,
+        to_hz: bins.last().map_or(0.35 / dt, |b| b.frequency),
+        gain: typical_gain(&bins),
+        slope: slope(&bins),
+        turned,
+        unrelated,
+        low_gain: typical_gain(low),
+        low_turned,
+        lead_s: lead(&bins[..slow], delay_over(&bins[..slow]), dt),
+        slow_bins: slow,
+        in_step: in_step(&bins[..slow], turned, delay),
+    })
+}
+
+/// How far the second comes before the first, where that is beyond doubt: a loop may lead a little at its slowest, and
+/// few bins know little.
+fn lead(bins: &[Bin], delay: f64, dt: f64) -> f64 {
+    let information: f64 = bins.iter().map(|b| b.weight * (2.0 * PI * b.frequency).powi(2)).sum();
+    let doubt = (3.0 * dt).max(0.02).max(8.0 / information.max(f64::MIN_POSITIVE).sqrt());
+    if bins.len() >= 6 && -delay > doubt { -delay } else { 0.0 }
+}
+
+fn in_step(bins: &[Bin], turned: bool, delay: f64) -> f64 {
+    let sum = |f: &dyn Fn(&Bin) -> f64| bins.iter().map(f).sum::<f64>();
+    let aligned = sum(&|b| b.weight * (b.phase + 2.0 * PI * b.frequency * delay).cos());
+    let sign = if turned { -1.0 } else { 1.0 };
+    (sign * aligned / sum(&|b| b.weight).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+}
+
+fn typical_gain(bins: &[Bin]) -> f64 {
+    let logs: Vec<f64> = bins.iter().map(|b| b.gain.ln()).collect();
+    quantile(&logs, 0.5).exp()
+}
+
+/// Slope of the gain over frequency, both logarithmic; zero where the band is too narrow to tell.
+fn slope(bins: &[Bin]) -> f64 {
+    let (Some(first), Some(last)) = (bins.first(), bins.last()) else { return 0.0 };
+    if last.frequency < 2.5 * first.frequency || bins.len() < 6 {
+        return 0.0;
+    }
+    let points: Vec<(f64, f64)> = bins.iter().map(|b| (b.frequency.ln(), b.gain.ln())).collect();
+    let n = points.len() as f64;
+    let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let (xx, xy) =
+        points.iter().fold((0.0, 0.0), |(xx, xy), p| (xx + (p.0 - mx).powi(2), xy + (p.0 - mx) * (p.1 - my)));
+    xy / xx
+}
+
+/// Whether the signs differ, and the delay of the second after the first, s: the pair that lines the phases up best,
+/// among delays short enough that one cannot stand in for the other.
+pub(in crate::recording::check) fn alignment(bins: &[Bin]) -> (bool, f64) {
+    let total: f64 = bins.iter().map(|b| b.weight).sum();
+    let centre = bins.iter().map(|b| b.weight * b.frequency).sum::<f64>() / total.max(f64::MIN_POSITIVE);
+    let longest = 0.2 / centre.max(1e-3);
+    let score =
+        |delay: f64| bins.iter().map(|b| b.weight * (b.phase + 2.0 * PI * b.frequency * delay).cos()).sum::<f64>();
+    let (best, worst) = (highest(score, -longest, longest), highest(|d| -score(d), -longest, longest));
+    let turned = -score(worst) > score(best);
+    (turned, if turned { worst } else { best })
+}
+
+/// Delay of the second after the first, s, whatever its length: found at the lowest frequencies, where it cannot be
+/// mistaken for a whole period more, then followed upwards.
+pub(in crate::recording::check) fn delay_over(bins: &[Bin]) -> f64 {
+    let (turned, mut delay) = alignment(&bins[..bins.len().div_ceil(4)]);
+    let sign = if turned { -1.0 } else { 1.0 };
+    for part in 2..=8 {
+        let part = &bins[..bins.len() * part / 8];
+        let reach = 0.25 / part.last().map_or(1.0, |b| b.frequency);
+        let score =
+            |d: f64| sign * part.iter().map(|b| b.weight * (b.phase + 2.0 * PI * b.frequency * d).cos()).sum::<f64>();
+        delay = highest(score, delay - reach, delay + reach);
+    }
+    delay
+}
+
+/// Where a function is highest: a grid, then a parabola through the best point and its neighbours.
+fn highest(score: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+    const STEPS: i32 = 200;
+    let at = |k: i32| from + (to - from) * f64::from(k) / f64::from(STEPS);
+    let best =
+        (0..=STEPS).map(|k| (k, score(at(k)))).fold((0, f64::NEG_INFINITY), |b, c| if c.1 > b.1 { c } else { b });
+    if best.0 == 0 || best.0 == STEPS {
+        return at(best.0);
+    }
+    let (before, after) = (score(at(best.0 - 1)), score(at(best.0 + 1)));
+    let bend = before - 2.0 * best.1 + after;
+    let shift = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+    at(best.0) + shift * (at(1) - at(0))
+}

@@ -1,0 +1,363 @@
+//! Clean recordings, whatever physics is in them, must pass; each fault must be called by its name.
+
+use super::*;
+use crate::recording::channel::PerChannel;
+use crate::recording::clock::{self, Clock};
+use crate::recording::experiment::{ChannelSource, Origin};
+use crate::recording::run::Use;
+use crate::recording::unit::Unit;
+use crate::recording::{Experiment, Law};
+use std::f64::consts::PI;
+use std::path::PathBuf;
+
+/// A closed-loop test of the paper's plant, with physics that a model may be missing.
+#[derive(Debug, Clone, Copy)]
+struct Bench {
+    seed: u64,
+    rate: f64,
+    seconds: f64,
+    /// Peak of the reference, m.
+    peak: f64,
+    /// Largest frequency of the reference, Hz.
+    band: f64,
+    kp: f64,
+    deadband: f64,
+    acceleration_gain: f64,
+    acceleration_lag: f64,
+    displacement_lag: f64,
+    backlash: f64,
+    /// Frequency of a base on springs, Hz; zero for none.
+    base: f64,
+    hum: f64,
+}
+
+const CLEAN: Bench = Bench {
+    seed: 1,
+    rate: 1000.0,
+    seconds: 30.0,
+    peak: 0.03,
+    band: 3.0,
+    kp: 3.7,
+    deadband: 0.0,
+    acceleration_gain: 1.0,
+    acceleration_lag: 0.0,
+    displacement_lag: 0.0,
+    backlash: 0.0,
+    base: 0.0,
+    hum: 0.0,
+};
+
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64) / (1u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+impl Bench {
+    fn reference(&self, random: &mut Random) -> Vec<f64> {
+        let n = (self.rate * self.seconds) as usize;
+        let lines: Vec<(f64, f64, f64)> = (0..60)
+            .map(|i| {
+                let f = 0.15 + (self.band - 0.15) * f64::from(i) / 60.0;
+                (f, (1.0 + (f / 0.8).powi(2)).recip(), 2.0 * PI * random.uniform())
+            })
+            .collect();
+        let shape = |k: usize| {
+            let t = k as f64 / self.rate;
+            let envelope = ((t - 1.0) / 3.0).clamp(0.0, 1.0).powi(2) * ((self.seconds - 2.0 - t) / 6.0).clamp(0.0, 1.0);
+            envelope * lines.iter().map(|(f, a, p)| a * (2.0 * PI * f * t + p).sin()).sum::<f64>()
+        };
+        let raw: Vec<f64> = (0..n).map(shape).collect();
+        let largest = raw.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        raw.iter().map(|x| x * self.peak / largest).collect()
+    }
+
+    fn run(&self) -> Run {
+        let mut random = Random(self.seed);
+        let reference = self.reference(&mut random);
+        let (dt, inner) = (1.0 / self.rate, 20);
+        let h = dt / f64::from(inner);
+        let (b1, b0, a1, limit) = (0.69, 138.0, 57.65, 0.242);
+        let (mut z, mut x, mut sum, mut v_before) = (0.0, 0.0, 0.0, 0.0);
+        let (mut lagged_x, mut lagged_a, mut table, mut base, mut base_v) = (0.0, 0.0, 0.0f64, 0.0, 0.0);
+        let mut columns: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
+        for (k, &r) in reference.iter().enumerate() {
+            lagged_x += (x - lagged_x)
+                * if self.displacement_lag > 0.0 { 1.0 - (-dt / self.displacement_lag).exp() } else { 1.0 };
+            let measured = 4e-5 * (lagged_x / 4e-5 + 0.5).floor();
+            let e = r - measured;
+            sum += e * dt;
+            let u = self.kp * e + 0.6 * sum;
+            let valve = u - u.clamp(-self.deadband, self.deadband);
+            let mut v = 0.0;
+            for _ in 0..inner {
+                v = f64::clamp(z + b1 * valve, -limit, limit);
+                z += h * (-a1 * z + (b0 - b1 * a1) * valve);
+                x += h * v;
+            }
+            let before = table;
+            table = table.clamp(x - self.backlash / 2.0, x + self.backlash / 2.0);
+            let v_table = if self.backlash > 0.0 { (table - before) / dt } else { v };
+            let a = (v_table - v_before) / dt;
+            v_before = v_table;
+            let w = 2.0 * PI * self.base;
+            base_v += dt * (-w * w * base - 0.1 * w * base_v - 0.3 * a);
+            base += dt * base_v;
+            let absolute = if self.base > 0.0 { a - w * w * base - 0.1 * w * base_v - 0.3 * a } else { a };
+            let keep = if self.acceleration_lag > 0.0 { 1.0 - (-dt / self.acceleration_lag).exp() } else { 1.0 };
+            lagged_a += keep * (self.acceleration_gain * absolute - lagged_a);
+            let hum = self.hum * (2.0 * PI * 50.0 * k as f64 * dt).sin();
+            let noisy = lagged_a + hum + 0.02 * 9.80665 * random.normal();
+            columns.iter_mut().zip([r, measured, noisy, u]).for_each(|(c, value)| c.push(value));
+        }
+        run_of(columns, dt, Law::ProportionalIntegral { kp: self.kp, ki: 0.6 })
+    }
+}
+
+fn run_of([reference, displacement, acceleration, command]: [Vec<f64>; 4], dt: f64, law: Law) -> Run {
+    let time: Vec<f64> = (0..reference.len()).map(|k| k as f64 * dt).collect();
+    let mut channels = PerChannel::default();
+    channels.set(Channel::Reference, reference);
+    channels.set(Channel::Displacement, displacement);
+    channels.set(Channel::Acceleration, acceleration);
+    channels.set(Channel::Command, command);
+    Run {
+        name: "a.csv".into(),
+        path: "a.csv".into(),
+        dt,
+        time,
+        channels,
+        noise: PerChannel::default(),
+        law,
+        controller_rate_hz: None,
+        purpose: Use::Fit,
+        cut: false,
+        clock: Clock::default(),
+    }
+}
+
+fn sources() -> PerChannel<ChannelSource> {
+    let mut sources = PerChannel::default();
+    for (channel, unit) in [
+        (Channel::Reference, "m"),
+        (Channel::Displacement, "m"),
+        (Channel::Acceleration, "m/s2"),
+        (Channel::Command, "1"),
+    ] {
+        let unit = Unit::named(unit).unwrap();
+        sources.set(channel, ChannelSource { origin: Origin::Column(channel.name().into()), unit, noise: None });
+    }
+    sources
+}
+
+fn findings(run: &Run) -> Vec<Finding> {
+    check_run(run, &sources())
+}
+
+/// The findings that turn the verdict, as (channel, fault).
+fn bad(run: &Run) -> Vec<(&'static str, Fault)> {
+    findings(run).iter().filter(|f| f.severity == Severity::BadData).map(|f| (f.channel, f.fault)).collect()
+}
+
+fn changed(run: &Run, channel: Channel, change: impl Fn(usize, f64) -> f64) -> Run {
+    let samples = run.channel(channel).unwrap().iter().enumerate().map(|(k, &x)| change(k, x)).collect();
+    let mut run = run.clone();
+    run.channels.set(channel, samples);
+    run
+}
+
+fn swapped(run: &Run, a: Channel, b: Channel) -> Run {
+    let mut out = run.clone();
+    out.channels.set(a, run.channel(b).unwrap().to_vec());
+    out.channels.set(b, run.channel(a).unwrap().to_vec());
+    out
+}
+
+/// Clean recordings of many kinds of tables and motions.
+fn clean() -> Vec<(&'static str, Bench)> {
+    vec![
+        ("clean", CLEAN),
+        ("another seed", Bench { seed: 7, ..CLEAN }),
+        ("barely moving", Bench { peak: 0.002, ..CLEAN }),
+        ("severe saturation", Bench { peak: 0.15, band: 6.0, kp: 10.0, ..CLEAN }),
+        ("slow sampling", Bench { rate: 200.0, ..CLEAN }),
+        ("short", Bench { seconds: 12.0, ..CLEAN }),
+        ("gain 1.2", Bench { acceleration_gain: 1.2, ..CLEAN }),
+        ("accelerometer lag 20 ms", Bench { acceleration_lag: 0.02, ..CLEAN }),
+        ("LVDT lag 20 ms", Bench { displacement_lag: 0.02, ..CLEAN }),
+        ("deadband", Bench { deadband: 0.002, ..CLEAN }),
+        ("backlash", Bench { backlash: 0.0005, ..CLEAN }),
+        ("base on springs", Bench { base: 8.0, ..CLEAN }),
+        ("hum", Bench { hum: 0.5, ..CLEAN }),
+    ]
+}
+
+#[test]
+fn no_physics_is_taken_for_bad_data() {
+    for (name, bench) in clean() {
+        let run = bench.run();
+        assert_eq!(bad(&run), [], "{name}: {:#?}", findings(&run));
+        for part in [run.part(0, run.len() * 2 / 3), run.part(run.len() * 2 / 3, run.len())] {
+            assert_eq!(bad(&part), [], "{name}, a part: {:#?}", findings(&part));
+        }
+    }
+}
+
+#[test]
+fn a_clean_table_leaves_nothing_to_remark() {
+    assert_eq!(findings(&CLEAN.run()), []);
+}
+
+#[test]
+fn each_fault_is_called_by_its_name() {
+    use Channel::{Acceleration, Command, Displacement, Reference};
+    for bench in [
+        CLEAN,
+        Bench { seed: 3, peak: 0.01, ..CLEAN },
+        Bench { peak: 0.15, kp: 10.0, ..CLEAN },
+        Bench { rate: 200.0, ..CLEAN },
+    ] {
+        let run = bench.run();
+        let middle = run.len() / 2;
+        let clip = |channel: Channel, part: f64| {
+            let top = part * run.channel(channel).unwrap().iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            changed(&run, channel, |_, x| x.clamp(-top, top))
+        };
+        let held = |channel: Channel, from: usize, to: usize| {
+            let value = run.channel(channel).unwrap()[from];
+            changed(&run, channel, |k, x| if (from..to).contains(&k) { value } else { x })
+        };
+        let with_law = |law: Law| Run { law, ..run.clone() };
+        let second = |s: f64| (s * bench.rate) as usize;
+        let cases = [
+            (changed(&run, Acceleration, |_, a| -a), "acceleration", Fault::Inverted),
+            (changed(&run, Displacement, |_, x| -x), "displacement", Fault::Inverted),
+            (changed(&run, Acceleration, |_, a| a / 9.80665), "acceleration", Fault::WrongUnit),
+            (changed(&run, Acceleration, |_, a| a * 9.80665), "acceleration", Fault::WrongUnit),
+            (changed(&run, Acceleration, |_, a| a * 1e3), "acceleration", Fault::WrongUnit),
+            (changed(&run, Displacement, |_, x| x * 1e3), "displacement", Fault::WrongUnit),
+            (
+                changed(&changed(&run, Displacement, |_, x| x * 1e3), Reference, |_, x| x * 1e3),
+                "reference",
+                Fault::WrongUnit,
+            ),
+            (changed(&run, Reference, |_, x| x * 1e3), "reference", Fault::WrongUnit),
+            (swapped(&run, Displacement, Acceleration), "acceleration", Fault::Swapped),
+            (swapped(&run, Displacement, Reference), "reference", Fault::Swapped),
+            (swapped(&run, Displacement, Command), "displacement", Fault::Swapped),
+            (swapped(&run, Acceleration, Command), "acceleration", Fault::Swapped),
+            (held(Displacement, middle, middle + second(1.0)), "displacement", Fault::Stuck),
+            (held(Displacement, middle, run.len()), "displacement", Fault::Stuck),
+            (held(Displacement, 0, run.len()), "displacement", Fault::Stuck),
+            (held(Acceleration, middle, middle + second(0.5)), "acceleration", Fault::Stuck),
+            (clip(Displacement, 0.6), "displacement", Fault::Clipped),
+            (clip(Acceleration, 0.4), "acceleration", Fault::Clipped),
+            (with_law(Law::ProportionalIntegral { kp: 2.0 * bench.kp, ki: 0.6 }), "command", Fault::WrongController),
+            (with_law(Law::ProportionalIntegral { kp: -bench.kp, ki: -0.6 }), "command", Fault::WrongController),
+            (
+                changed(
+                    &run,
+                    Command,
+                    |k, u| if k / second(0.5) % 4 == 1 { u + 0.5 * bench.peak * bench.kp } else { u },
+                ),
+                "command",
+                Fault::MissingInput,
+            ),
+            (
+                changed(&run, Displacement, |k, x| if (middle..middle + 40).contains(&k) { f64::NAN } else { x }),
+                "displacement",
+                Fault::MissingStretch,
+            ),
+        ];
+        for (place, (faulty, channel, fault)) in cases.into_iter().enumerate() {
+            let found = bad(&faulty);
+            assert!(
+                found.contains(&(channel, fault)) && found.iter().all(|f| f.1 == fault),
+                "case {place}: wanted {fault:?} of {channel} at {} Hz, peak {}, got {:#?}",
+                bench.rate,
+                bench.peak,
+                findings(&faulty)
+            );
+        }
+    }
+}
+
+#[test]
+fn a_channel_in_si_that_is_stated_in_g_is_named() {
+    let mut sources = sources();
+    let stated =
+        ChannelSource { unit: Unit::named("g").unwrap(), ..sources.get(Channel::Acceleration).unwrap().clone() };
+    sources.set(Channel::Acceleration, stated);
+    let run = changed(&CLEAN.run(), Channel::Acceleration, |_, a| a * 9.80665);
+    let finding = &check_run(&run, &sources)[0];
+    assert_eq!(finding.fault, Fault::WrongUnit);
+    assert!(finding.problem.starts_with("acceleration: recorded in m/s2, not in g as stated"), "{}", finding.problem);
+}
+
+#[test]
+fn what_can_be_physics_is_only_remarked() {
+    let remark = |bench: Bench| -> Vec<Fault> { findings(&bench.run()).iter().map(|f| f.fault).collect() };
+    assert!(remark(Bench { acceleration_lag: 0.008, ..CLEAN }).contains(&Fault::Skew));
+    assert!(remark(Bench { hum: 0.5, ..CLEAN }).contains(&Fault::Hum));
+    assert!(remark(Bench { peak: 0.0004, ..CLEAN }).contains(&Fault::CoarseSteps));
+}
+
+#[test]
+fn stamps_that_repeat_scatter_or_are_missing_are_found() {
+    let stamps: Vec<f64> = (0..5000).map(|k| f64::from(k) * 1e-3).collect();
+    let found = |stamps: &[f64]| {
+        let grid = clock::lay(stamps).unwrap();
+        let n = grid.rows.len();
+        let value = |k: &Option<usize>| k.map_or(f64::NAN, |r| (r as f64 * 0.01).sin());
+        let samples: Vec<f64> = grid.rows.iter().map(value).collect();
+        let mut channels = PerChannel::default();
+        channels.set(Channel::Reference, samples);
+        let time = (0..n).map(|k| k as f64 * grid.dt).collect();
+        let run = Run { time, channels, dt: grid.dt, clock: grid.clock, ..CLEAN_RUN.with(Clone::clone) };
+        findings(&run).iter().map(|f| (f.fault, f.severity)).collect::<Vec<_>>()
+    };
+    assert_eq!(found(&stamps), []);
+    let doubled: Vec<f64> =
+        stamps.iter().enumerate().map(|(k, t)| if (2000..2020).contains(&k) { stamps[1999] } else { *t }).collect();
+    assert_eq!(found(&doubled)[0], (Fault::RepeatedTime, Severity::BadData));
+    let mut dropped = stamps.clone();
+    dropped.drain(1000..1200);
+    assert_eq!(found(&dropped), [(Fault::MissingStretch, Severity::BadData)]);
+    let jittering: Vec<f64> = stamps.iter().enumerate().map(|(k, t)| t + 2e-4 * (k as f64 * 1.7).sin()).collect();
+    assert_eq!(found(&jittering), [(Fault::JitteringTime, Severity::Remark)]);
+}
+
+thread_local! {
+    static CLEAN_RUN: Run = run_of(std::array::from_fn(|_| vec![0.0; 16]), 1e-3, Law::Open);
+}
+
+fn data() -> PathBuf {
+    std::env::var("SHAKEDOWN_DATA").map_or_else(|_| "../../shared/data".into(), PathBuf::from)
+}
+
+#[test]
+fn the_real_tables_are_sound_and_their_late_accelerometers_are_found() {
+    let folder = data().join("recordings/shake_table");
+    if !folder.exists() {
+        eprintln!("skipped: no {}", folder.display());
+        return;
+    }
+    for name in ["CHY027", "KAU039", "TAP089"] {
+        let experiment = Experiment::load(&folder.join(format!("{name}.toml"))).unwrap();
+        let findings = check(&experiment);
+        for finding in &findings {
+            eprintln!("{name}: {} {:?} {:?}: {}", finding.run, finding.severity, finding.fault, finding.problem);
+        }
+        assert!(!is_bad_data(&findings), "{name}");
+        let skew = Skew::of(&experiment.runs[0]).unwrap();
+        assert!(skew.matters(experiment.runs[0].dt) && (skew.delay_s - 0.0081).abs() < 0.0008, "{name}: {skew:?}");
+        assert!(findings.iter().any(|f| f.fault == Fault::Skew), "{name}");
+    }
+}

@@ -1,0 +1,62 @@
+//! Finding the longest stretch in which the table rests.
+
+use crate::recording::channel::Channel;
+use crate::recording::run::Run;
+use crate::recording::signal::{deviation, filled, quantile};
+
+/// Length of the windows that are looked at, s.
+const WINDOW: f64 = 0.25;
+
+/// Shortest stretch that is used, s.
+const SHORTEST: f64 = 0.5;
+
+/// The longest stretch at rest, as first sample and the one after the last; none where the table always moves.
+///
+/// The table rests where the reference stands still and the displacement, averaged over the window, stays where it is.
+pub(super) fn rest(run: &Run) -> Option<(usize, usize)> {
+    let window = ((WINDOW / run.dt) as usize).max(8);
+    let count = run.len() / window;
+    if count < 4 {
+        return None;
+    }
+    let still: Vec<Vec<bool>> = [Channel::Reference, Channel::Displacement, Channel::Acceleration]
+        .into_iter()
+        .filter_map(|c| Some((c, run.channel(c)?)))
+        .map(|(channel, samples)| standing(channel, &filled(samples), window, count))
+        .collect();
+    if still.is_empty() {
+        return None;
+    }
+    let at_rest: Vec<bool> = (0..count).map(|k| still.iter().all(|s| s[k])).collect();
+    let (from, length) = crate::recording::check::longest_stretch(&at_rest);
+    if length == 0 {
+        return None;
+    }
+    // The first and the last window may hold the end of a motion.
+    let (from, to) = (if from == 0 { 0 } else { from * window + window / 2 }, (from + length) * window);
+    let to = if to < count * window { to - window / 2 } else { to };
+    (to > from && (to - from) as f64 * run.dt >= SHORTEST).then_some((from, to))
+}
+
+/// The windows in which a channel stands still.
+fn standing(channel: Channel, samples: &[f64], window: usize, count: usize) -> Vec<bool> {
+    let part = |k: usize| &samples[k * window..(k + 1) * window];
+    if channel == Channel::Acceleration {
+        // Its noise hides slow motion, so only shaking well above the quietest windows counts.
+        let sizes: Vec<f64> = (0..count).map(|k| deviation(part(k))).collect();
+        let quiet = quantile(&sizes, 0.02);
+        return sizes.iter().map(|s| *s <= 1.5 * quiet).collect();
+    }
+    let means: Vec<f64> = (0..count).map(|k| part(k).iter().sum::<f64>() / window as f64).collect();
+    let travel = quantile(samples, 1.0) - quantile(samples, 0.0);
+    let limit = 1e-3 * travel;
+    let moved = |a: usize, b: usize| (means[a] - means[b]).abs() > limit;
+    (0..count)
+        .map(|k| {
+            let slides = (k > 0 && moved(k - 1, k)) || (k + 1 < count && moved(k, k + 1));
+            let (first, second) = part(k).split_at(window / 2);
+            let mean = |half: &[f64]| half.iter().sum::<f64>() / half.len() as f64;
+            !slides && (mean(first) - mean(second)).abs() <= limit && deviation(part(k)) <= 0.02 * travel
+        })
+        .collect()
+}

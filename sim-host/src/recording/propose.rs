@@ -1,0 +1,158 @@
+//! A first experiment from a user's own files: which column is which channel, in which unit, with the evidence for each
+//! proposal written beside it. What the files cannot say is left open and named; nothing is assumed silently.
+
+use super::error::RecordingError;
+use super::file;
+use super::table::{Heading, Table};
+use std::path::{Path, PathBuf};
+
+mod columns;
+mod control;
+mod units;
+mod write;
+
+pub use columns::{Choice, Facts};
+pub use control::Loop;
+
+/// Most columns that are looked at.
+const MOST_COLUMNS: usize = 60;
+
+/// What is proposed for one folder.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    /// The experiment as text, with comments.
+    pub text: String,
+    /// Files it takes as runs, relative to the folder.
+    pub files: Vec<String>,
+    /// Files that were left out, with the reason.
+    pub left_out: Vec<(String, String)>,
+    /// The channels and what speaks for each.
+    pub choices: Vec<Choice>,
+    /// The controller that reproduces the recorded command.
+    pub control: Option<Loop>,
+    /// What the user must settle before the experiment can be believed.
+    pub open: Vec<String>,
+}
+
+/// Why nothing could be proposed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProposeError {
+    /// The folder cannot be listed.
+    #[error("{path}: cannot be listed: {error}; name a folder that holds recordings")]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// No file in it is a recording.
+    #[error("{path}: holds no recording (.csv, .txt, .dat, .tsv or .mat with a header){}", reasons(.left_out))]
+    NoRecordings {
+        /// The folder.
+        path: PathBuf,
+        /// The files that were tried, with the reason.
+        left_out: Vec<(String, String)>,
+    },
+    /// A recording cannot be read after all.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+}
+
+fn reasons(left_out: &[(String, String)]) -> String {
+    left_out.iter().map(|(_, reason)| format!("\n  {reason}")).collect()
+}
+
+/// The columns of one file that are numbers throughout.
+#[derive(Debug)]
+struct Recording {
+    headings: Vec<Heading>,
+    table: Table,
+}
+
+/// Looks at the recordings of a folder and proposes an experiment.
+pub fn propose(folder: &Path) -> Result<Proposal, ProposeError> {
+    let mut left_out = Vec::new();
+    let mut groups: Vec<(Vec<Heading>, Vec<String>)> = Vec::new();
+    for name in candidates(folder)? {
+        match file::headings(&folder.join(&name)) {
+            Ok(headings) => match groups.iter_mut().find(|(h, _)| *h == headings) {
+                Some((_, names)) => names.push(name),
+                None => groups.push((headings, vec![name])),
+            },
+            Err(error) => left_out.push((name, error.to_string())),
+        }
+    }
+    // One experiment has one set of channels: the headings that most files share.
+    groups.sort_by_key(|(_, names)| std::cmp::Reverse(names.len()));
+    let mut groups = groups.into_iter();
+    let Some((headings, mut files)) = groups.next() else {
+        return Err(ProposeError::NoRecordings { path: folder.to_path_buf(), left_out });
+    };
+    let others = groups.flat_map(|(_, names)| names);
+    left_out.extend(others.map(|n| (n, "has other columns; give it an experiment of its own".to_owned())));
+    let recording = first_readable(folder, &headings, &mut files, &mut left_out)?;
+    let facts = columns::facts(&recording);
+    let mut choices = columns::choose(&facts);
+    units::settle(&mut choices, &facts);
+    let control = control::find(&choices, &facts);
+    let open = write::open_questions(&choices, control.as_ref());
+    let text = write::experiment(folder, &files, &left_out, &facts, &choices, control.as_ref(), &open);
+    Ok(Proposal { text, files, left_out, choices, control, open })
+}
+
+/// Names of the files that could be recordings, in order.
+fn candidates(folder: &Path) -> Result<Vec<String>, ProposeError> {
+    const KINDS: [&str; 5] = ["csv", "txt", "dat", "tsv", "mat"];
+    let fail = |error| ProposeError::Folder { path: folder.to_path_buf(), error };
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        if path.is_file() && kind.is_some_and(|k| KINDS.contains(&k.as_str())) {
+            names.extend(path.file_name().map(|n| n.to_string_lossy().into_owned()));
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// The first file whose rows can be read; those before it are moved to `left_out`.
+fn first_readable(
+    folder: &Path,
+    headings: &[Heading],
+    files: &mut Vec<String>,
+    left_out: &mut Vec<(String, String)>,
+) -> Result<Recording, ProposeError> {
+    while let Some(name) = files.first().cloned() {
+        let path = folder.join(&name);
+        let mut error = None;
+        let (mut kept, mut columns) = (Vec::new(), Vec::new());
+        for heading in headings.iter().filter(|h| !h.text.is_empty()).take(MOST_COLUMNS) {
+            match file::read(&path, &[&heading.text]) {
+                Ok(mut table) => {
+                    columns.append(&mut table.columns);
+                    kept.push(heading.clone());
+                }
+                Err(e) => error = Some(e),
+            }
+        }
+        // A file of variables also holds single numbers: gains, a date.
+        let longest = columns.iter().map(Vec::len).max().unwrap_or(0);
+        let whole: Vec<bool> = columns.iter().map(|c| c.len() == longest).collect();
+        let mut keep = whole.iter();
+        kept.retain(|_| *keep.next().unwrap_or(&false));
+        columns.retain(|c| c.len() == longest);
+        if longest >= super::experiment::LEAST_SAMPLES && columns.len() >= 2 {
+            let table = Table { headings: kept.clone(), columns };
+            return Ok(Recording { headings: kept, table });
+        }
+        let reason = error.map_or_else(|| format!("{}: holds too few numbers", path.display()), |e| e.to_string());
+        left_out.push((name, reason));
+        files.remove(0);
+    }
+    Err(ProposeError::NoRecordings { path: folder.to_path_buf(), left_out: std::mem::take(left_out) })
+}
+
+#[cfg(test)]
+mod tests;

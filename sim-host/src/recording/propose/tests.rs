@@ -1,0 +1,101 @@
+use super::*;
+use crate::recording::{Channel, Experiment, check, is_bad_data};
+use std::f64::consts::PI;
+use std::fs;
+use tempfile::TempDir;
+
+/// A PI loop around an integrator, written in millimetres and g.
+fn recording(header: &str, phase: f64) -> String {
+    let (dt, kp, ki) = (0.005, 4.0, 0.5);
+    let (mut x, mut sum, mut v_before) = (0.0, 0.0, 0.0);
+    let mut text = format!("{header}\n");
+    for k in 0..6000 {
+        let t = f64::from(k) * dt;
+        let r = 0.02
+            * (1.0 - (-t).exp())
+            * ((2.0 * PI * 0.4 * t + phase).sin()
+                + 0.4 * (2.0 * PI * 1.7 * t).sin()
+                + 0.15 * (2.0 * PI * 4.1 * t).sin());
+        let e = r - x;
+        sum += e * dt;
+        let u = kp * e + ki * sum;
+        let v = 2.4 * u;
+        let a = (v - v_before) / dt;
+        v_before = v;
+        text += &format!("{t},{},{},{},{}\n", 1e3 * r, 1e3 * x, a / 9.80665, u);
+        x += v * dt;
+    }
+    text
+}
+
+fn folder(files: &[(&str, String)]) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn channels_units_and_gains_are_proposed_with_their_evidence() {
+    let header = "time,setpoint,LVDT pos,accel,valve command";
+    let folder = folder(&[
+        ("b.csv", recording(header, 0.3)),
+        ("a.csv", recording(header, 0.0)),
+        ("notes.txt", "hello\n".into()),
+    ]);
+    let proposal = propose(folder.path()).unwrap();
+    let symbol =
+        |channel| proposal.choices.iter().find(|c| c.channel == channel).and_then(|c| c.unit).map(|u| u.symbol);
+    assert_eq!(symbol(Channel::Time), Some("s"));
+    assert_eq!(symbol(Channel::Reference), Some("mm"));
+    assert_eq!(symbol(Channel::Displacement), Some("mm"));
+    assert_eq!(symbol(Channel::Acceleration), Some("g"), "{}", proposal.text);
+    assert_eq!(proposal.files, ["a.csv", "b.csv"]);
+    assert!(proposal.text.contains("controller = { kp = 4.00000, ki = 0.50000 }"), "{}", proposal.text);
+    assert!(proposal.text.contains("times the second derivative of displacement"), "{}", proposal.text);
+    let path = folder.path().join("experiment.toml");
+    fs::write(&path, &proposal.text).unwrap();
+    let experiment = Experiment::load(&path).unwrap();
+    assert_eq!(experiment.runs.len(), 2);
+    assert!(!is_bad_data(&check(&experiment)));
+}
+
+#[test]
+fn what_the_header_says_is_taken_and_the_rest_is_left_open() {
+    let header = "t [ms],reference [mm],displacement [mm],noise,humidity";
+    let folder = folder(&[("a.csv", recording(header, 0.0).replace("\n0.", "\n0."))]);
+    let proposal = propose(folder.path()).unwrap();
+    assert!(proposal.text.contains("the header says [mm]"), "{}", proposal.text);
+    assert!(proposal.text.contains("#   humidity ("), "{}", proposal.text);
+    assert!(proposal.open.iter().any(|q| q.contains("controller")), "{:?}", proposal.open);
+}
+
+#[test]
+fn a_folder_without_recordings_is_refused_with_the_reasons() {
+    let folder = folder(&[("a.csv", "1,2\n3,4\n".into()), ("readme.md", "x".into())]);
+    let error = propose(folder.path()).unwrap_err().to_string();
+    assert!(error.contains("holds no recording"), "{error}");
+    let error = propose(&folder.path().join("nowhere")).unwrap_err().to_string();
+    assert!(error.contains("name a folder that holds recordings"), "{error}");
+}
+
+#[test]
+fn the_real_folders_are_understood() {
+    let data = std::env::var("SHAKEDOWN_DATA").map_or_else(|_| "../../shared/data".into(), PathBuf::from);
+    let (table, emps) = (data.join("recordings/shake_table"), data.join("recordings/emps"));
+    if !table.exists() {
+        eprintln!("skipped: no {}", table.display());
+        return;
+    }
+    let proposal = propose(&table).unwrap();
+    let column = |channel| proposal.text.lines().find(|l| l.starts_with(&format!("{channel} = "))).map(str::to_owned);
+    assert_eq!(column("time").unwrap(), "time = { column = \"Time\", unit = \"s\" }");
+    assert_eq!(column("reference").unwrap(), "reference = { column = \"Dis command\", unit = \"mm\" }");
+    assert_eq!(column("displacement").unwrap(), "displacement = { column = \"Table disp\", unit = \"mm\" }");
+    assert_eq!(column("acceleration").unwrap(), "acceleration = { column = \"Acc 1F\", unit = \"mm/s2\" }");
+    assert_eq!(column("pressure_difference").unwrap(), "pressure_difference = { column = \"Delta P\", unit = \"1\" }");
+    assert_eq!(proposal.files.len(), 3);
+    let proposal = propose(&emps).unwrap();
+    assert!(proposal.text.contains("controller = { kind = \"cascade\", kp = 159"), "{}", proposal.text);
+}

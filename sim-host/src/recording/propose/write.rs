@@ -1,0 +1,145 @@
+//! The proposal as a commented experiment.
+
+use super::columns::{Choice, Facts};
+use super::control::Loop;
+use crate::recording::channel::Channel;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// What the user must settle.
+pub(super) fn open_questions(choices: &[Choice], control: Option<&Loop>) -> Vec<String> {
+    let has = |channel: Channel| choices.iter().any(|c| c.channel == channel);
+    let mut open: Vec<String> = choices
+        .iter()
+        .filter(|c| c.doubtful)
+        .map(|c| format!("confirm the column and the unit of {}", c.channel))
+        .collect();
+    if !has(Channel::Time) {
+        open.push("no column rises evenly: give the sampling step in [channels] time".to_owned());
+    }
+    if !has(Channel::Displacement) && !has(Channel::Acceleration) {
+        open.push("no column could be named as a measured motion: give displacement or acceleration".to_owned());
+    }
+    if control.is_none() && has(Channel::Reference) {
+        open.push(
+            "no plain controller reproduces the command: state the loop that ran in [[runs]] controller".to_owned(),
+        );
+    }
+    open.push("replace the model's parameters by your table's; those in `fit` are estimated from the data".to_owned());
+    open
+}
+
+/// The whole text.
+pub(super) fn experiment(
+    folder: &Path,
+    files: &[String],
+    left_out: &[(String, String)],
+    facts: &[Facts],
+    choices: &[Choice],
+    control: Option<&Loop>,
+    open: &[String],
+) -> String {
+    let name = folder.canonicalize().ok().and_then(|p| p.file_name().map(|n| n.to_string_lossy().into_owned()));
+    let mut text = String::from(
+        "# Proposed by `shakedown init` from the recordings beside it. Every proposal gives its evidence.\n",
+    );
+    if !open.is_empty() {
+        text.push_str("#\n# Settle before you believe any result:\n");
+    }
+    for question in open {
+        let _ = writeln!(text, "#   - {question}");
+    }
+    let _ = writeln!(text, "\nname = {:?}\n", name.unwrap_or_else(|| "experiment".to_owned()));
+    model(&mut text, choices);
+    channels(&mut text, facts, choices);
+    runs(&mut text, files, left_out, choices, control);
+    text
+}
+
+fn model(text: &mut String, choices: &[Choice]) {
+    let has = |channel: Channel| choices.iter().any(|c| c.channel == channel);
+    text.push_str("[model]\n");
+    if has(Channel::Reference) || has(Channel::Command) {
+        text.push_str(
+            "kind = \"servo\"             # or \"rigid-mass\" (Eq. 1), where the command is a force\n\
+             # Starting values of the paper's table (Eq. 7), NOT yours; `fit` estimates them from the data.\n\
+             b1 = 0.69                  # 1/s per m of command\n\
+             b0 = 138.0                 # 1/s2 per m of command\n\
+             a1 = 57.65                 # 1/s\n\
+             # velocity_limit = 0.242   # m/s; without it the model has no limit\n\
+             fit = [\"b1\", \"b0\", \"a1\"]\n\n",
+        );
+    } else {
+        text.push_str(
+            "kind = \"force-balance\"     # neither reference nor command: the pressure is explained by the motion\n\
+             viscous = 0.0              # 1/s\n\
+             fit = [\"viscous\"]\n\n",
+        );
+    }
+}
+
+fn channels(text: &mut String, facts: &[Facts], choices: &[Choice]) {
+    text.push_str("[channels]\n");
+    for choice in choices {
+        let mark = if choice.doubtful { "# CONFIRM: " } else { "# " };
+        let _ = writeln!(text, "{mark}{}", choice.evidence.join("; "));
+        let column = toml_string(&facts[choice.column].heading.name);
+        let _ = match choice.unit {
+            Some(unit) => writeln!(text, "{} = {{ column = {column}, unit = {:?} }}", choice.channel, unit.symbol),
+            None => writeln!(
+                text,
+                "# {} = {{ column = {column}, unit = \"?\" }}   # the unit could not be told",
+                choice.channel
+            ),
+        };
+    }
+    if !choices.iter().any(|c| c.channel == Channel::Time) {
+        text.push_str("# No column rises evenly. Give the sampling step:\n# time = { step = 0.001, unit = \"s\" }\n");
+    }
+    let unused: Vec<&Facts> =
+        facts.iter().enumerate().filter(|(i, _)| choices.iter().all(|c| c.column != *i)).map(|(_, f)| f).collect();
+    if !unused.is_empty() {
+        text.push_str("# Columns that are not used:\n");
+    }
+    for fact in unused {
+        let _ = writeln!(text, "#   {} ({:.5} to {:.5})", fact.heading.text, fact.range.0, fact.range.1);
+    }
+    text.push('\n');
+}
+
+fn runs(
+    text: &mut String,
+    files: &[String],
+    left_out: &[(String, String)],
+    choices: &[Choice],
+    control: Option<&Loop>,
+) {
+    text.push_str("# No run says `use`, so some are held back to judge by: the last quarter of several runs, the last third of one.\n");
+    for file in files {
+        let _ = writeln!(text, "[[runs]]\nfile = {}", toml_string(file));
+        match control {
+            Some(law) => {
+                let percent = 100.0 * law.error;
+                let _ = writeln!(
+                    text,
+                    "controller = {}   # reproduces the command of the first run within {percent:.2} %",
+                    law.text
+                );
+            }
+            None if choices.iter().any(|c| c.channel == Channel::Command) => {
+                text.push_str("# no controller is stated: the recorded command drives the model\n");
+            }
+            None => text.push_str("# controller = { kp = ?, ki = ? }   # state the loop that ran\n"),
+        }
+        text.push('\n');
+    }
+    for (name, reason) in left_out {
+        let reason = reason.replace('\n', " ");
+        let _ = writeln!(text, "# left out: {name}: {reason}");
+    }
+}
+
+/// A string as TOML writes it.
+fn toml_string(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}

@@ -1,0 +1,191 @@
+//! Small signal processing for checks and noise floors: filling gaps, removing trends, averaged spectra.
+
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// The samples with NaN filled by straight lines between the neighbours; at the ends the nearest value holds.
+pub fn filled(samples: &[f64]) -> Vec<f64> {
+    let mut out = samples.to_vec();
+    let mut last: Option<usize> = None;
+    for k in 0..out.len() {
+        if !out[k].is_finite() {
+            continue;
+        }
+        let from = last.map_or(0, |l| l + 1);
+        for j in from..k {
+            out[j] = match last {
+                Some(l) => out[l] + (out[k] - out[l]) * (j - l) as f64 / (k - l) as f64,
+                None => out[k],
+            };
+        }
+        last = Some(k);
+    }
+    let (from, value) = last.map_or((0, 0.0), |l| (l + 1, out[l]));
+    out[from..].fill(value);
+    out
+}
+
+/// Mean of the samples that are numbers; zero where there are none.
+pub fn mean(samples: &[f64]) -> f64 {
+    let (sum, count) = samples.iter().filter(|x| x.is_finite()).fold((0.0, 0usize), |(s, n), x| (s + x, n + 1));
+    sum / count.max(1) as f64
+}
+
+/// Root mean square about the mean, of the samples that are numbers.
+pub fn deviation(samples: &[f64]) -> f64 {
+    let mean = mean(samples);
+    let (sum, count) =
+        samples.iter().filter(|x| x.is_finite()).fold((0.0, 0usize), |(s, n), x| (s + (x - mean).powi(2), n + 1));
+    (sum / count.max(1) as f64).sqrt()
+}
+
+/// The value below which a part `q` of the samples lies; NaN for no samples.
+pub fn quantile(samples: &[f64], q: f64) -> f64 {
+    let mut sorted: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
+    if sorted.is_empty() {
+        return f64::NAN;
+    }
+    let place = ((sorted.len() - 1) as f64 * q.clamp(0.0, 1.0)).round() as usize;
+    *sorted.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// Takes the least-squares line off.
+pub fn detrend(samples: &mut [f64]) {
+    let n = samples.len() as f64;
+    if samples.len() < 2 {
+        return;
+    }
+    let middle = (n - 1.0) / 2.0;
+    let mean = samples.iter().sum::<f64>() / n;
+    let slope =
+        samples.iter().enumerate().map(|(k, x)| (k as f64 - middle) * x).sum::<f64>() * 12.0 / (n * (n * n - 1.0));
+    for (k, x) in samples.iter_mut().enumerate() {
+        *x -= mean + slope * (k as f64 - middle);
+    }
+}
+
+/// First difference over two steps, centred, per second; the ends repeat their neighbours.
+pub fn slope(samples: &[f64], dt: f64) -> Vec<f64> {
+    centred(samples, |before, _, after| (after - before) / (2.0 * dt))
+}
+
+/// Second difference, centred, per second squared; the ends repeat their neighbours.
+pub fn curvature(samples: &[f64], dt: f64) -> Vec<f64> {
+    centred(samples, |before, here, after| (after - 2.0 * here + before) / (dt * dt))
+}
+
+fn centred(samples: &[f64], formula: impl Fn(f64, f64, f64) -> f64) -> Vec<f64> {
+    let inner: Vec<f64> = samples.windows(3).map(|w| formula(w[0], w[1], w[2])).collect();
+    let (Some(&first), Some(&last)) = (inner.first(), inner.last()) else { return vec![0.0; samples.len()] };
+    std::iter::once(first).chain(inner).chain([last]).collect()
+}
+
+/// Averaged auto and cross spectra of two signals.
+#[derive(Debug, Clone, Default)]
+pub struct Spectra {
+    /// Frequencies, Hz.
+    pub frequency: Vec<f64>,
+    /// Power of the first, its unit squared per Hz.
+    pub input: Vec<f64>,
+    /// Power of the second.
+    pub output: Vec<f64>,
+    /// Cross power: conjugate of the first times the second.
+    pub cross: Vec<Complex64>,
+    /// Number of segments averaged.
+    pub segments: usize,
+}
+
+impl Spectra {
+    /// Magnitude-squared coherence of a bin, with the bias that few averages give taken off.
+    pub fn coherence(&self, bin: usize) -> f64 {
+        let power = self.input[bin] * self.output[bin];
+        if power <= 0.0 || self.segments < 2 {
+            return 0.0;
+        }
+        let raw = self.cross[bin].norm_sqr() / power;
+        // Half-overlapping Hann segments count for about 0.6 of their number.
+        let count = (0.6 * self.segments as f64).max(1.5);
+        ((raw - 1.0 / count) / (1.0 - 1.0 / count)).clamp(0.0, 1.0)
+    }
+}
+
+/// Welch's averaged spectra with Hann segments that overlap by half, each freed of its trend. Segments with a gap (NaN
+/// in either signal) are left out.
+pub fn spectra(first: &[f64], second: &[f64], dt: f64, segment: usize) -> Spectra {
+    let segment = segment.max(8);
+    let fft = RealFftPlanner::<f64>::new().plan_fft_forward(segment);
+    let window: Vec<f64> = (0..segment).map(|k| (PI * (k as f64 + 0.5) / segment as f64).sin().powi(2)).collect();
+    let scale = 2.0 * dt / window.iter().map(|w| w * w).sum::<f64>();
+    let bins = segment / 2 + 1;
+    let mut out = Spectra {
+        frequency: (0..bins).map(|k| k as f64 / (segment as f64 * dt)).collect(),
+        input: vec![0.0; bins],
+        output: vec![0.0; bins],
+        cross: vec![Complex64::default(); bins],
+        segments: 0,
+    };
+    let transform = |part: &[f64]| {
+        let mut part = part.to_vec();
+        detrend(&mut part);
+        part.iter_mut().zip(&window).for_each(|(x, w)| *x *= w);
+        let mut spectrum = fft.make_output_vec();
+        // Lengths agree by construction, which is all that can fail.
+        let _ = fft.process(&mut part, &mut spectrum);
+        spectrum
+    };
+    let length = first.len().min(second.len());
+    for start in (0..length.saturating_sub(segment - 1)).step_by((segment / 2).max(1)) {
+        let (a, b) = (&first[start..start + segment], &second[start..start + segment]);
+        if a.iter().chain(b).any(|x| !x.is_finite()) {
+            continue;
+        }
+        for (k, (x, y)) in transform(a).iter().zip(transform(b)).enumerate() {
+            out.input[k] += scale * x.norm_sqr();
+            out.output[k] += scale * y.norm_sqr();
+            out.cross[k] += scale * x.conj() * y;
+        }
+        out.segments += 1;
+    }
+    let average = 1.0 / out.segments.max(1) as f64;
+    for k in 0..bins {
+        out.input[k] *= average;
+        out.output[k] *= average;
+        out.cross[k] *= average;
+    }
+    out
+}
+
+/// A segment length that gives at least about eight averages: a power of two, at most `longest` samples.
+pub fn segment_length(samples: usize, longest: usize) -> usize {
+    let wanted = (samples / 5).clamp(16, longest.max(16));
+    1 << (usize::BITS - 1 - wanted.leading_zeros())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_are_bridged_and_ends_held() {
+        let nan = f64::NAN;
+        assert_eq!(filled(&[nan, 1.0, nan, nan, 4.0, nan]), [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
+        assert_eq!(filled(&[nan, nan]), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_line_is_taken_off_whole() {
+        let mut line: Vec<f64> = (0..50).map(|k| 3.0 - 0.2 * f64::from(k)).collect();
+        detrend(&mut line);
+        assert!(line.iter().all(|x| x.abs() < 1e-12));
+    }
+
+    #[test]
+    fn power_of_a_sine_and_its_coherence() {
+        let sine: Vec<f64> = (0..8192).map(|k| (2.0 * PI * 10.0 * f64::from(k) / 256.0).sin()).collect();
+        let out = spectra(&sine, &sine, 1.0 / 256.0, 1024);
+        let power: f64 = out.input.iter().sum::<f64>() * 0.25;
+        assert!((power - 0.5).abs() < 1e-3, "{power}");
+        assert!(out.coherence(40) > 0.99);
+    }
+}
