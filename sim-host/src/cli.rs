@@ -1,8 +1,9 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
 mod failure;
-mod modify;
 mod histories;
+mod init;
+mod modify;
 mod output;
 mod present;
 mod progress;
@@ -28,6 +29,7 @@ struct Arguments {
 /// What can be asked for; nothing given is `demo`.
 #[derive(Debug, Subcommand)]
 enum Command {
+    Init(init::Args),
     Modify(Box<modify::Args>),
     Prove(prove::Args),
     Run(run::Args),
@@ -41,6 +43,7 @@ pub(crate) fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match arguments.command {
         None => Ok(()),
         Some(command) => match command {
+            Command::Init(args) => init::run(&args),
             Command::Modify(args) => modify::run(&args),
             Command::Prove(args) => prove::run(&args),
             Command::Run(args) => run::run(&args),

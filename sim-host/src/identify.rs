@@ -1,1 +1,3 @@
 //! From recordings to a model with error bars.
+
+pub mod frequency;
