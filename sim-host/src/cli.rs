@@ -1,8 +1,9 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
+mod demo;
 mod failure;
-mod modify;
 mod histories;
+mod modify;
 mod output;
 mod present;
 mod progress;
@@ -28,6 +29,7 @@ struct Arguments {
 /// What can be asked for; nothing given is `demo`.
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::Args),
     Modify(Box<modify::Args>),
     Prove(prove::Args),
     Run(run::Args),
@@ -39,8 +41,9 @@ enum Command {
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome: Result<(), Failure> = match arguments.command {
-        None => Ok(()),
+        None => demo::run(&demo::Args::default()),
         Some(command) => match command {
+            Command::Demo(args) => demo::run(&args),
             Command::Modify(args) => modify::run(&args),
             Command::Prove(args) => prove::run(&args),
             Command::Run(args) => run::run(&args),

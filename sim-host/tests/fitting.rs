@@ -32,7 +32,10 @@ fn prepared(file: &str, scale: Option<&str>) -> Option<Motion> {
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
     let path = folder.join("records").join(file);
     if !path.exists() {
-        eprintln!("skipped: {} is not at hand; set SHAKEDOWN_DATA to the folder of the development data", path.display());
+        eprintln!(
+            "skipped: {} is not at hand; set SHAKEDOWN_DATA to the folder of the development data",
+            path.display()
+        );
         return None;
     }
     let record = read::record(&path, &read::Options::default()).unwrap();
@@ -74,7 +77,10 @@ fn offline_fits_reach_the_best_possible() {
 
 #[test]
 fn online_modifiers_keep_their_promises_on_records() {
-    println!("{:12} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9}", "record", "clip", "causal", "0.1 s", "0.5 s", "peak err", "end mm");
+    println!(
+        "{:12} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9}",
+        "record", "clip", "causal", "0.1 s", "0.5 s", "peak err", "end mm"
+    );
     let limits = Limits::table(VELOCITY, STROKE);
     for (name, file, scale, _) in RECORDS {
         let Some(motion) = prepared(file, scale) else { return };
@@ -144,7 +150,10 @@ fn a_missed_target_says_what_it_takes() {
     let reference = reference(&motion);
     let limits = Limits { end: Some(0.0), ..Limits::velocity(VELOCITY) };
     let found = certificate::relaxation(&reference, &limits, Relaxed::Velocity, 0.2).unwrap().unwrap();
-    println!("E_a 0.2 on Kobe 0.74 g takes {:.3} times the velocity; {:.3} times is not enough", found.met_at, found.missed_at);
+    println!(
+        "E_a 0.2 on Kobe 0.74 g takes {:.3} times the velocity; {:.3} times is not enough",
+        found.met_at, found.missed_at
+    );
     assert!(found.error <= 0.2 && found.bound > 0.2);
     assert!(found.met_at / found.missed_at < 1.005);
     assert!(certificate::relaxation(&reference, &limits, Relaxed::Velocity, 0.5).unwrap().is_none());
