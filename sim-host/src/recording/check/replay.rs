@@ -130,6 +130,7 @@ fn core(
             reference: reference[k] as f32,
             displacement: displacement[k] as f32,
             acceleration: acceleration.as_ref().map_or(0.0, |a| a[k] as f32),
+            ..Sample::default()
         };
         f64::from(controller.step(&sample).valve)
     };
