@@ -1,5 +1,6 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
+mod demo;
 mod failure;
 mod histories;
 mod init;
@@ -30,6 +31,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Init(init::Args),
+    Demo(demo::Args),
     Modify(Box<modify::Args>),
     Prove(prove::Args),
     Run(run::Args),
@@ -41,9 +43,10 @@ enum Command {
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome: Result<(), Failure> = match arguments.command {
-        None => Ok(()),
+        None => demo::run(&demo::Args::default()),
         Some(command) => match command {
             Command::Init(args) => init::run(&args),
+            Command::Demo(args) => demo::run(&args),
             Command::Modify(args) => modify::run(&args),
             Command::Prove(args) => prove::run(&args),
             Command::Run(args) => run::run(&args),
