@@ -1,9 +1,9 @@
 //! Real records fitted to the paper's table: 0.242 m/s and 0.12 m. Prints the figures it asserts:
 //! `cargo test -p shakedown --test fitting -- --nocapture --test-threads 1`.
 
-use shakedown::motion::condition::{Recipe, peak_acceleration};
 use shakedown::closed_loop::published::Named;
 use shakedown::closed_loop::trial::Setup;
+use shakedown::motion::condition::{Recipe, peak_acceleration};
 use shakedown::motion::fit::certificate::{self, Relaxed};
 use shakedown::motion::fit::method::{Method, modify};
 use shakedown::motion::fit::online::{self, Modifier};
@@ -186,7 +186,9 @@ fn the_causal_modifier_beats_clipping_on_generated_records() {
             compared += 1;
         }
     }
-    println!("causal: E_a and peak error at most clip's on {compared} generated records; clip leaves the stroke on {left} more");
+    println!(
+        "causal: E_a and peak error at most clip's on {compared} generated records; clip leaves the stroke on {left} more"
+    );
     assert!(compared >= 8);
 }
 
@@ -199,10 +201,15 @@ fn fitted_records_leave_no_spike_in_the_closed_loop() {
         let Some(motion) = prepared(file, scale) else { return };
         let setup = Setup::paper(Named::Strong);
         let asked = peak(&motion.acceleration);
-        let mut spike = |label: &str, given: &Motion| {
+        let spike = |label: &str, given: &Motion| {
             let trace = setup.play(given).unwrap().trace;
             let found = peak(&trace.acceleration);
-            println!("{name:12} {label:14} {:8.3} {:8.3} {:7.2} s", found / 9.80665, found / asked, trace.saturated_s());
+            println!(
+                "{name:12} {label:14} {:8.3} {:8.3} {:7.2} s",
+                found / 9.80665,
+                found / asked,
+                trace.saturated_s()
+            );
             found / asked
         };
         spike("as it is", &motion);
@@ -228,7 +235,8 @@ fn an_independent_solver_agrees() {
         .collect();
     let task = serde_json::json!({"dt": dt, "velocity": velocity, "limit": limit, "stroke": stroke}).to_string();
     let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/independent_fit.py");
-    let child = Command::new("python3").arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let child =
+        Command::new("python3").arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let Ok(mut child) = child else {
         eprintln!("skipped: no python3");
         return;
