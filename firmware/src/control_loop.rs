@@ -235,3 +235,6 @@ impl<'a> Loop<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

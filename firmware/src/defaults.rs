@@ -33,7 +33,13 @@ pub fn setup() -> Setup {
         control: Settings {
             anti_windup: true,
             modification: Modification::Causal,
-            ranges: Ranges { reference: 0.2, displacement: 0.16, acceleration: 30.0, external: 0.2, ..Ranges::default() },
+            ranges: Ranges {
+                reference: 0.2,
+                displacement: 0.16,
+                acceleration: 30.0,
+                external: 0.2,
+                ..Ranges::default()
+            },
             saturation: Some(Detection::default()),
             guard: Some(GuardSettings::default()),
             ..Settings::default()

@@ -225,8 +225,7 @@ impl<'a> Desk<'a> {
             return None;
         }
         let first = *self.queues.records.peek()?;
-        let mut batch =
-            Batch { first: first.tick, every, state: first.state, dropped, records: heapless::Vec::new() };
+        let mut batch = Batch { first: first.tick, every, state: first.state, dropped, records: heapless::Vec::new() };
         let mut tick = first.tick;
         while let Some(entry) = self.queues.records.peek().copied() {
             if entry.tick != tick || entry.state != first.state || batch.records.push(entry.record).is_err() {
@@ -245,7 +244,11 @@ const fn at_rest(state: State) -> bool {
 
 /// The crate's version; its three numbers are single bytes.
 const fn version() -> [u8; 3] {
-    [number(env!("CARGO_PKG_VERSION_MAJOR")), number(env!("CARGO_PKG_VERSION_MINOR")), number(env!("CARGO_PKG_VERSION_PATCH"))]
+    [
+        number(env!("CARGO_PKG_VERSION_MAJOR")),
+        number(env!("CARGO_PKG_VERSION_MINOR")),
+        number(env!("CARGO_PKG_VERSION_PATCH")),
+    ]
 }
 
 const fn number(digits: &str) -> u8 {

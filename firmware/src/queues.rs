@@ -43,8 +43,7 @@ pub struct Standing {
     pub cause: Option<Cause>,
 }
 
-const STATES: [State; 6] =
-    [State::Off, State::Ready, State::Running, State::Hold, State::RampDown, State::Tripped];
+const STATES: [State; 6] = [State::Off, State::Ready, State::Running, State::Hold, State::RampDown, State::Tripped];
 
 /// In the order of their codes, from 1.
 const TRIPS: [Trip; 15] = [

@@ -2,6 +2,7 @@
 
 mod deny;
 mod figures;
+mod firmware;
 mod fuzz;
 mod house;
 mod output;
@@ -30,6 +31,13 @@ const CHORES: &[Chore] = &[
         run: test::run,
     },
     Chore { name: "setup", does: "only installs what the tests need", run: setup::run },
+    Chore { name: "firmware", does: "builds the firmware image", run: firmware::build },
+    Chore { name: "flash", does: "builds it and writes it to the board (probe-rs)", run: firmware::flash },
+    Chore {
+        name: "replay",
+        does: "builds it and runs it in the loop, on an emulated processor [TEST...]",
+        run: firmware::replay,
+    },
     Chore { name: "house", does: "checks file lengths, the direction of dependencies, stray paths", run: house::run },
     Chore {
         name: "figures",

@@ -3,7 +3,7 @@
 use crate::output::say;
 use crate::shell::{Problem, command, run as execute};
 use crate::toolchain::{self, Toolchain};
-use crate::{house, setup};
+use crate::{firmware, house, setup};
 use std::time::Instant;
 
 /// One step: its name and what it does.
@@ -35,6 +35,8 @@ const STEPS: &[Step] = &[
     Step { name: "tests", run: || cargo(&["test", "--locked"]) },
     Step { name: "docs", run: docs },
     Step { name: "core on the target", run: core_on_target },
+    Step { name: "firmware", run: || on_target(|_| firmware::build(&[])) },
+    Step { name: "firmware in the loop", run: || on_target(|_| firmware::replay(&[])) },
 ];
 
 /// The chore: all steps, or those named.

@@ -9,7 +9,8 @@ use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
 
 use super::{control::Control, link::Link};
 use crate::board::{
-    clock, converters::OnChip, entropy, failure, flash::Flash, line::Line, pins::Pins, ticker::Ticker, watchdog::Watchdog,
+    clock, converters::OnChip, entropy, failure, flash::Flash, line::Line, pins::Pins, ticker::Ticker,
+    watchdog::Watchdog,
 };
 
 /// Sets everything up. The watchdog runs from here on; the first tick follows one period later.
@@ -46,14 +47,7 @@ pub(crate) fn start(
     let decide = Loop::new(controller, &setup, loop_end, restarted);
     let desk = Desk::new(setup, stored, entropy::since_power_on(core.DWT.cyccnt.read()), desk_end);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
-    let control = Control {
-        decide,
-        converters,
-        pins,
-        ticker,
-        watchdog: Watchdog::start(device.IWDG),
-        quiet: 0,
-    };
+    let control = Control { decide, converters, pins, ticker, watchdog: Watchdog::start(device.IWDG), quiet: 0 };
     control.ticker.start();
     (control, Link { desk, line, flash, assembler: Assembler::new(), answer: None })
 }

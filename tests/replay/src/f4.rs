@@ -42,6 +42,8 @@ pub struct Ran<W> {
     pub resets: Vec<u64>,
     /// Addresses that the firmware touched and the emulator has nothing at; a list that grows is a new blind spot.
     pub blind_spots: Vec<String>,
+    /// Deepest the stack has been, byte; the firmware paints it at reset.
+    pub stack: u64,
     /// What [`follow`] followed.
     pub followed: Vec<u64>,
 }
@@ -73,20 +75,19 @@ fn start<W: World>(
     let until = VirtualNanos(BOOT_LIMIT * 1_000_000);
     let session = Session::new(board, 0, until).map_err(|error| emulator(&error))?;
     let images = [image];
-    let finished = emulator::run(session, &Start::new(&images), driver(wire))
-        .map_err(|error| emulator(&error))?;
+    let finished = emulator::run(session, &Start::new(&images), driver(wire)).map_err(|error| emulator(&error))?;
     let stop = finished.stop;
     if !finished.driver.ticked() {
         return Err(ReplayError::NoTick(BOOT_LIMIT));
     }
     let (resets, blind_spots) = (finished.session.resets(), finished.session.unmapped());
-    let (resets, blind_spots) = (
-        resets.iter().map(|reset| reset.at.0).collect(),
-        blind_spots.iter().map(ToString::to_string).collect(),
-    );
+    let (resets, blind_spots) =
+        (resets.iter().map(|reset| reset.at.0).collect(), blind_spots.iter().map(ToString::to_string).collect());
+    let stack = finished.driver.stack();
     let (world, followed) = finished.driver.into_world();
     Ok(Ran {
         world,
+        stack,
         followed,
         resets,
         blind_spots,

@@ -7,6 +7,7 @@
 
 mod error;
 pub mod f4;
+pub mod size;
 pub mod world;
 
 pub use error::ReplayError;

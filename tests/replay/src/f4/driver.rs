@@ -28,6 +28,9 @@ const PATIENCE: u64 = 1_000_000;
 /// Port B, and the emergency stop on it.
 const PORT_B: usize = 1;
 const STOP_PIN: u8 = 1;
+/// The stack (`memory.x`), and what the firmware paints it with at reset.
+const STACK: std::ops::Range<u64> = 0x2000_0000..0x2000_2000;
+const PAINT: u64 = 0xCCCC_CCCC;
 
 /// The timer's updates, from its registers.
 #[derive(Debug, Clone, Copy, Default)]
@@ -63,6 +66,7 @@ pub(super) struct Lockstep<W> {
     /// Instructions to follow, and from which tick to the next.
     follow: Option<(u64, Vec<u64>)>,
     followed: Vec<u64>,
+    stack: u64,
 }
 
 impl<W: World> Lockstep<W> {
@@ -81,11 +85,23 @@ impl<W: World> Lockstep<W> {
             ticked: false,
             follow: None,
             followed: Vec::new(),
+            stack: 0,
         }
     }
 
     pub(super) const fn ticked(&self) -> bool {
         self.ticked
+    }
+
+    pub(super) const fn stack(&self) -> u64 {
+        self.stack
+    }
+
+    /// How deep the paint is gone.
+    fn measure_stack(&mut self, host: &mut dyn Host) {
+        let painted = |&address: &u64| host.read(address, Width::W32).is_ok_and(|word| word == PAINT);
+        let untouched = STACK.step_by(4).take_while(painted).count() as u64 * 4;
+        self.stack = STACK.end - STACK.start - untouched;
     }
 
     pub(super) fn into_world(self) -> (W, Vec<u64>) {
@@ -205,7 +221,7 @@ impl<W: World> Driver<Stm32f427Bench> for Lockstep<W> {
         &mut self,
         session: &mut Session<Stm32f427Bench>,
         stop: Stop,
-        _: &mut dyn Host,
+        host: &mut dyn Host,
     ) -> Option<VirtualNanos> {
         let resets = session.resets().len();
         if resets != self.resets {
@@ -219,7 +235,10 @@ impl<W: World> Driver<Stm32f427Bench> for Lockstep<W> {
         }
         self.ticked = true;
         self.watch(session);
-        self.update(session, stop)?;
+        if self.update(session, stop).is_none() {
+            self.measure_stack(host);
+            return None;
+        }
         Some(VirtualNanos(self.timer.next()))
     }
 }

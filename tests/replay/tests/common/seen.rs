@@ -31,6 +31,8 @@ pub struct Seen {
     /// Ticks still to run after the end, so that the last telemetry arrives.
     pub after: u32,
     pub limit: usize,
+    /// Tick from which the converter is dead.
+    pub dead_from: Option<usize>,
     relay: bool,
 }
 
@@ -47,6 +49,7 @@ impl Seen {
             mischief: None,
             after: 100,
             limit,
+            dead_from: None,
             relay: false,
         }
     }
@@ -80,5 +83,9 @@ impl World for Seen {
             self.after -= 1;
         }
         self.after > 0 && self.codes.len() < self.limit
+    }
+
+    fn converts(&self) -> bool {
+        self.dead_from.is_none_or(|from| self.codes.len() < from)
     }
 }

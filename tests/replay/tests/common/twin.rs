@@ -49,7 +49,8 @@ pub fn run(
             };
             desk.orders.enqueue(Order::Ask(request)).unwrap();
         }
-        if relay && desk.points.ready()
+        if relay
+            && desk.points.ready()
             && let Some(point) = points.next()
         {
             desk.points.enqueue(point).unwrap();

@@ -1,0 +1,74 @@
+//! What the image costs, against golden figures: more than 3 % above any of them fails, and so does any bound.
+//!
+//! `UPDATE_GOLDEN=1 cargo xtask replay cost` writes the figures anew; the difference belongs into the change that made it.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use common::{image, near_field, seen::Seen, setup};
+use shakedown::device::Progress;
+use shakedown_core::Mode;
+
+/// Hard limits, from the requirements: byte, byte, byte.
+const FLASH: u64 = 96 * 1024;
+const RAM: u64 = 24 * 1024;
+/// The stack's region (`memory.x`).
+const STACK: u64 = 8 * 1024;
+/// Growth that fails, as a share.
+const GROWTH: f64 = 0.03;
+
+/// Instructions retired from one update of the timer to the next in the middle of a run: median and most. No telemetry,
+/// so that nothing but the tick runs; the sixteenth tick, which also wakes the desk, is what `most` shows.
+fn instructions(mode: Mode) -> (u64, u64, u64) {
+    let mut setup = setup(mode);
+    setup.telemetry_every = 0;
+    let ran = shakedown_replay::run(&image(), Seen::new(setup, near_field(4))).unwrap();
+    assert_eq!(ran.world.progress, Progress::Done);
+    let counts = &ran.world.instructions[1500..3500];
+    let mut costs: Vec<u64> = counts.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    costs.sort_unstable();
+    (costs[costs.len() / 2], costs[costs.len() - 1], ran.stack)
+}
+
+fn measured() -> BTreeMap<String, u64> {
+    let size = shakedown_replay::size::size(&image()).unwrap();
+    let mut figures = BTreeMap::from([("flash, byte".into(), size.flash), ("variables, byte".into(), size.ram)]);
+    let mut deepest = 0;
+    for (name, mode) in [("guard", Mode::Guard), ("modifier", Mode::Modifier), ("controller", Mode::Controller)] {
+        let (median, most, stack) = instructions(mode);
+        figures.insert(format!("{name}, instructions a tick, median"), median);
+        figures.insert(format!("{name}, instructions a tick, most"), most);
+        deepest = deepest.max(stack);
+    }
+    figures.insert("stack, byte".into(), deepest);
+    figures
+}
+
+fn golden() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden/cost.txt")
+}
+
+#[test]
+fn the_image_costs_no_more_than_it_did() {
+    let measured = measured();
+    let text = measured.iter().fold(String::new(), |mut text, (name, value)| {
+        let _ = writeln!(text, "{value:>6}  {name}");
+        text
+    });
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(golden(), &text).unwrap();
+    }
+    let golden = std::fs::read_to_string(golden()).unwrap();
+    for line in golden.lines() {
+        let (value, name) = line.trim().split_once("  ").unwrap();
+        let (was, is): (f64, f64) = (value.parse().unwrap(), measured[name] as f64);
+        assert!(is <= was * (1.0 + GROWTH), "{name}: {is}, was {was}\nmeasured:\n{text}");
+    }
+    assert_eq!(golden.lines().count(), measured.len());
+    assert!(measured["flash, byte"] <= FLASH);
+    assert!(measured["stack, byte"] < STACK);
+    assert!(measured["variables, byte"] + STACK <= RAM);
+}

@@ -1,0 +1,135 @@
+//! Faults in the loop: each ends in the state that `docs/commissioning.md` says, with the relay open in the time it says,
+//! and with every record of telemetry accounted for.
+
+mod common;
+
+use common::{image, near_field, seen::Mischief, seen::Seen, setup};
+use shakedown::device::{DriveError, Progress};
+use shakedown_core::link::{Cause, Scale};
+use shakedown_core::{Mode, State, Trip};
+
+/// When the fault begins: in the middle of a run.
+const AT: usize = 9000;
+/// Code at zero of every input.
+const MIDDLE: u16 = 2048;
+
+struct Outcome {
+    seen: Seen,
+    /// Ticks from the fault to the relay's opening.
+    opened_after: Option<usize>,
+}
+
+fn run(mischief: Mischief, dead_from: Option<usize>) -> Outcome {
+    let mut seen = Seen::new(setup(Mode::Controller), near_field(12));
+    seen.mischief = Some(mischief);
+    seen.dead_from = dead_from;
+    seen.limit = 16_000;
+    let seen = shakedown_replay::run(&image(), seen).unwrap().world;
+    assert!(seen.codes[AT - 1].relay, "the fault met no run: {:?}", seen.progress);
+    let opened_after = seen.codes[AT..].iter().position(|codes| !codes.relay);
+    Outcome { seen, opened_after }
+}
+
+/// From tick [`AT`] on, `change` acts on the input codes.
+fn inputs(mut change: impl FnMut(&mut [u16; 4]) + Send + 'static) -> Mischief {
+    Box::new(move |tick, _| {
+        if tick.index as usize >= AT {
+            change(tick.inputs);
+        }
+    })
+}
+
+fn cause(outcome: &Outcome) -> Option<Cause> {
+    match outcome.seen.progress {
+        Progress::Failed(DriveError::Stopped { cause, .. }) => Some(cause),
+        _ => None,
+    }
+}
+
+/// Records missing between batches are those that the device says it dropped.
+fn accounted_for(outcome: &Outcome) {
+    let telemetry = outcome.seen.drive.telemetry();
+    let missing: u32 = telemetry.gaps().iter().map(|gap| gap.records).sum();
+    assert_eq!(missing, telemetry.dropped());
+}
+
+fn trips(mischief: Mischief, expected: &[Cause], within: usize) {
+    let outcome = run(mischief, None);
+    assert!(cause(&outcome).is_some_and(|cause| expected.contains(&cause)), "{:?}", outcome.seen.progress);
+    let opened = outcome.opened_after.expect("the relay stayed closed");
+    assert!(opened <= within, "the relay opened after {opened} ms");
+    assert_eq!(outcome.seen.codes.iter().rev().nth(1).map(|codes| codes.output), Some(MIDDLE));
+    accounted_for(&outcome);
+}
+
+#[test]
+fn an_open_lvdt_wire_trips() {
+    trips(inputs(|codes| codes[1] = 0), &[Cause::Guard(Trip::SensorLost)], 70);
+}
+
+#[test]
+fn a_saturated_lvdt_amplifier_trips() {
+    trips(inputs(|codes| codes[1] = 4095), &[Cause::Guard(Trip::SensorLost)], 70);
+}
+
+#[test]
+fn a_stuck_converter_trips() {
+    let mut held = None;
+    let expected = [Cause::Guard(Trip::DisplacementStuck), Cause::Guard(Trip::SensorsDisagree)];
+    trips(inputs(move |codes| codes[1] = *held.get_or_insert(codes[1])), &expected, 300);
+}
+
+#[test]
+fn an_accelerometer_that_contradicts_the_lvdt_trips() {
+    let gravity = |scale: &Scale| (9.81 / scale.per_code) as u16;
+    let tilt = gravity(&setup(Mode::Controller).wiring.acceleration);
+    let expected = [Cause::Guard(Trip::SensorsDisagree)];
+    trips(inputs(move |codes| codes[2] = codes[2].saturating_add(tilt).min(4094)), &expected, 1500);
+}
+
+#[test]
+fn the_emergency_stop_trips() {
+    let stop: Mischief = Box::new(|tick, _| *tick.circuit_closed = (tick.index as usize) < AT);
+    trips(stop, &[Cause::EmergencyStop], 60);
+}
+
+#[test]
+fn a_link_cut_in_mid_record_fades_the_test_out() {
+    let cut: Mischief = Box::new(|tick, _| {
+        if tick.index as usize >= AT {
+            tick.line.to_device.clear();
+        }
+    });
+    let outcome = run(cut, None);
+    assert_eq!(cause(&outcome), Some(Cause::Underrun));
+    let rows = outcome.seen.drive.telemetry().rows();
+    assert!(rows.iter().any(|row| row.state == State::RampDown));
+    assert_eq!(rows.last().map(|row| row.state), Some(State::Ready));
+    assert!(outcome.seen.codes.iter().rev().nth(1).is_some_and(|codes| codes.relay), "the table is held, not dropped");
+    accounted_for(&outcome);
+}
+
+#[test]
+fn garbled_frames_cost_time_and_no_point() {
+    let mut bytes = 0_u32;
+    let garble: Mischief = Box::new(move |tick, _| {
+        for byte in &mut tick.line.to_device {
+            bytes += 1;
+            if bytes.is_multiple_of(997) {
+                *byte ^= 0x10;
+            }
+        }
+    });
+    let outcome = run(garble, None);
+    assert_eq!(outcome.seen.progress, Progress::Done);
+    let played: Vec<f32> = outcome.seen.drive.telemetry().run().map(|row| row.record.reference).collect();
+    assert_eq!(played[..12_000], near_field(12)[..]);
+    accounted_for(&outcome);
+}
+
+#[test]
+fn a_dead_converter_ends_in_a_reset_and_a_trip() {
+    let outcome = run(Box::new(|_, _| {}), Some(AT));
+    let opened = outcome.opened_after.expect("the relay stayed closed");
+    assert!(opened <= 70, "the relay opened after {opened} ms");
+}

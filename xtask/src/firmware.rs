@@ -1,0 +1,74 @@
+//! The firmware image: builds it, flashes it, runs it against the plant on an emulated processor.
+
+use crate::output::say;
+use crate::shell::{Problem, command, no_words, run as execute, top, works};
+use crate::toolchain::{self, TARGET, Toolchain};
+
+/// What the linker is told; the same as in `firmware/.cargo/config.toml`, which only a build from that folder reads.
+const LINKER: &str = "-C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
+/// The image, from the top of the workspace.
+const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-firmware";
+const CHIP: &str = "STM32F407VGTx";
+
+/// The chore: builds the image and says with what.
+pub(crate) fn build(words: &[String]) -> Result<(), Problem> {
+    no_words(words)?;
+    let found = found()?;
+    say(match found {
+        Toolchain::Rustup => "compiler: rustup's, with its standard library for the target",
+        Toolchain::Debian => "compiler: Debian's rustc-web, compiling core from rust-web-src",
+    });
+    image(found, "shakedown-firmware")?;
+    say(&format!("image: {IMAGE} ({TARGET})"));
+    Ok(())
+}
+
+/// The chore: builds the image and writes it to the board through a debug probe.
+pub(crate) fn flash(words: &[String]) -> Result<(), Problem> {
+    build(words)?;
+    if !works(&["probe-rs", "--version"]) {
+        return Err(Problem::Failed("probe-rs is not here: `cargo install probe-rs-tools --locked`".into()));
+    }
+    execute(&mut command(&["probe-rs", "run", "--chip", CHIP, IMAGE]))
+}
+
+/// The chore: the image in the loop, all tests or those named.
+pub(crate) fn replay(words: &[String]) -> Result<(), Problem> {
+    build(&[])?;
+    no_panic()?;
+    let names: Vec<&str> = words.iter().flat_map(|name| ["--test", name.as_str()]).collect();
+    // The emulator states a newer compiler than it needs.
+    let cargo = ["cargo", "test", "--locked", "--ignore-rust-version", "--package", "shakedown-replay"];
+    execute(&mut command(&[&cargo, names.as_slice()].concat()))
+}
+
+/// Links the core's step alone under a panic handler that calls a function that is nowhere: that it links shows that no
+/// panic is left in it. With an index out of range planted, it must not link.
+pub(crate) fn no_panic() -> Result<(), Problem> {
+    let found = found()?;
+    let link = |features: &[&str]| -> Result<std::process::Command, Problem> {
+        let words = ["rustc", "--locked", "--profile", "firmware", "--package", "shakedown-no-panic"];
+        let mut cargo = found.cargo(&[&words, features].concat())?;
+        cargo.env("RUSTFLAGS", "-C link-arg=-Tlink.x");
+        Ok(cargo)
+    };
+    execute(&mut link(&[])?)?;
+    let planted = link(&["--features", "planted"])?.output().map_err(|e| Problem::Failed(e.to_string()))?;
+    let said = String::from_utf8_lossy(&planted.stderr);
+    if planted.status.success() || !said.contains("a_panic_is_left_in_step") {
+        return Err(Problem::Failed(format!("a planted panic was not found by the linker: {said}")));
+    }
+    say("no panic is left in Controller::step, and a planted one is found");
+    Ok(())
+}
+
+fn found() -> Result<Toolchain, Problem> {
+    let why = "no compiler for the firmware's target: run `cargo xtask setup`";
+    toolchain::find().ok_or_else(|| Problem::Failed(why.into()))
+}
+
+fn image(found: Toolchain, package: &str) -> Result<(), Problem> {
+    let mut cargo = found.cargo(&["build", "--locked", "--profile", "firmware", "--package", package])?;
+    cargo.env("RUSTFLAGS", LINKER).current_dir(top());
+    execute(&mut cargo)
+}
