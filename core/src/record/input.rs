@@ -1,5 +1,7 @@
 //! The reference as it arrives, made safe to differentiate.
 
+use crate::scalar::Scalar;
+
 /// The last reference accepted and its last step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Input {
@@ -29,7 +31,8 @@ impl Input {
             self.displacement = reference;
             return;
         }
-        self.step -= self.step.clamp(-brake, brake);
+        // Not `clamp`, which panics on limits that are no numbers.
+        self.step -= self.step.within(-brake, brake);
         self.displacement = if reference.is_finite() { reference } else { self.displacement + self.step };
     }
 }

@@ -21,7 +21,7 @@ const STACK: u64 = 8 * 1024;
 const GROWTH: f64 = 0.03;
 
 /// Instructions retired from one update of the timer to the next in the middle of a run: median and most. No telemetry,
-/// so that nothing but the tick runs; the sixteenth tick, which also wakes the desk, is what `most` shows.
+/// so that nothing but the tick runs; `most` is a tick in which the desk reads a frame of the reference as well.
 fn instructions(mode: Mode) -> (u64, u64, u64) {
     let mut setup = setup(mode);
     setup.telemetry_every = 0;
