@@ -2,6 +2,7 @@
 
 mod deny;
 mod figures;
+mod firmware;
 mod fuzz;
 mod firmware;
 mod house;
