@@ -19,6 +19,7 @@ pub mod sample;
 pub mod saturation;
 pub mod scalar;
 pub mod settings;
+pub mod units;
 
 pub use controller::Controller;
 pub use guard::{Refused, Request, State, Trip};

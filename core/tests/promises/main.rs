@@ -17,3 +17,5 @@ mod saturation;
 mod settings;
 #[cfg(test)]
 mod table;
+#[cfg(test)]
+mod units;

@@ -1,0 +1,82 @@
+//! Units at the edge: codes, volts, and what they stand for.
+//!
+//! Inside, everything is a plain `f32` in SI. At the edge three scales meet that are easily mixed up, so each has its
+//! type: what a converter counts ([`Code`]), what lies on the wire ([`Volt`]), and what it means ([`Channel`] turns one
+//! into the other, in the SI unit of its quantity). A [`Converter`] and a [`Channel`] together make the one straight
+//! line, [`Scale`], that a tick uses: a multiplication and no division.
+
+use crate::block::{BlockError, require};
+use crate::link::Scale;
+
+/// What a converter counts, from 0 to its full scale.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Code(pub u16);
+
+/// A voltage on a wire, V.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Volt(pub f32);
+
+/// A converter: code 0 is `low`, the largest code is `high`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Converter {
+    low: f32,
+    volt_per_code: f32,
+    full_scale: u16,
+}
+
+impl Converter {
+    /// A converter of `full_scale` (its largest code, at least 255) from `low` to `high` (V, within 1000 V of zero and
+    /// at least 1 mV apart).
+    pub fn new(full_scale: Code, low: Volt, high: Volt) -> Result<Self, BlockError> {
+        let full = require("full_scale", f32::from(full_scale.0), 255.0, 65_535.0)?;
+        let low = require("low", low.0, -1000.0, 1000.0)?;
+        let high = require("high", high.0, low + 1e-3, 1000.0)?;
+        Ok(Self { low, volt_per_code: (high - low) / full, full_scale: full_scale.0 })
+    }
+
+    /// The voltage that `code` stands for.
+    pub fn to_volt(self, code: Code) -> Volt {
+        Volt(self.low + f32::from(code.0) * self.volt_per_code)
+    }
+
+    /// The code nearest to `volt`; beyond the span, its end. None for what is not a number.
+    pub fn to_code(self, volt: Volt) -> Option<Code> {
+        let code = (volt.0 - self.low) / self.volt_per_code + 0.5;
+        // `as` saturates at both ends of u16.
+        (!code.is_nan()).then(|| Code((code as u16).min(self.full_scale)))
+    }
+}
+
+/// What a voltage means: a straight line through `zero`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Channel {
+    zero: f32,
+    per_volt: f32,
+}
+
+impl Channel {
+    /// A channel that reads 0 at `zero` and gains `per_volt` (SI unit of its quantity per V; negative where the wiring
+    /// inverts) with every volt.
+    pub fn new(zero: Volt, per_volt: f32) -> Result<Self, BlockError> {
+        require("per_volt", per_volt.abs(), 1e-9, 1e9)?;
+        Ok(Self { zero: require("zero", zero.0, -1000.0, 1000.0)?, per_volt })
+    }
+
+    /// What `volt` stands for, in the quantity's SI unit.
+    pub fn to_si(self, volt: Volt) -> f32 {
+        (volt.0 - self.zero) * self.per_volt
+    }
+
+    /// The voltage for `value`, in the quantity's SI unit.
+    pub fn to_volt(self, value: f32) -> Volt {
+        Volt(value / self.per_volt + self.zero)
+    }
+
+    /// The one line from `converter`'s codes to SI.
+    pub fn scale(self, converter: Converter) -> Scale {
+        Scale {
+            zero: (self.zero - converter.low) / converter.volt_per_code,
+            per_code: converter.volt_per_code * self.per_volt,
+        }
+    }
+}
