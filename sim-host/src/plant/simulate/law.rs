@@ -24,6 +24,11 @@ pub enum Law {
 }
 
 impl Law {
+    /// True where the loop is closed from a reference, false where a recorded command drives the model.
+    pub fn simulates_reference(&self) -> bool {
+        !matches!(self, Self::Recorded)
+    }
+
     /// 1 where the input is interpolated between samples, 0 where it is held.
     pub(super) fn between_samples(&self) -> f64 {
         if matches!(self, Self::Recorded) { 0.0 } else { 1.0 }
