@@ -1,1 +1,69 @@
 //! Where a model and recordings part, and what physics was left out.
+//!
+//! What flows: an experiment comes in; [`search`] fits the stated model and grows it by effects of the library;
+//! [`judge`] scores every survivor on the runs held back; [`decide`] names what stands, says what it is mistaken for and
+//! what no effect explains; [`locate`] looks at the residual without the library. Out comes a [`Diagnosis`].
+
+pub mod decide;
+pub mod judge;
+pub mod locate;
+pub mod result;
+pub mod search;
+
+use crate::identify::prepare::{PrepareError, prepare};
+use crate::plant::simulate::SimulateError;
+use crate::recording::{Experiment, RecordingError};
+pub use result::Diagnosis;
+use std::path::Path;
+
+/// What a diagnosis may be told.
+#[derive(Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// Told what is being done, with a share of the whole between 0 and 1.
+    pub progress: Option<&'a (dyn Fn(&str, f64) + Sync)>,
+}
+
+impl std::fmt::Debug for Options<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Options").field("progress", &self.progress.is_some()).finish()
+    }
+}
+
+impl Options<'_> {
+    fn say(&self, what: &str, share: f64) {
+        if let Some(progress) = self.progress {
+            progress(what, share);
+        }
+    }
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// The experiment or a recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The experiment cannot be fitted.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// A model cannot be simulated.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+}
+
+/// Diagnoses the experiment of a TOML file.
+pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, DiagnoseError> {
+    let experiment = Experiment::load(path)?;
+    diagnose(&experiment, options)
+}
+
+/// Diagnoses an experiment.
+pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Diagnosis, DiagnoseError> {
+    let begun = std::time::Instant::now();
+    let prepared = prepare(experiment)?;
+    let search = search::search(&prepared, options)?;
+    options.say("judging on the runs held back", 0.9);
+    let decision = decide::decide(&prepared, &search)?;
+    let location = locate::locate(&prepared, &search.baseline, &decision)?;
+    Ok(result::assemble(&prepared, &search, decision, location, begun.elapsed().as_secs_f64()))
+}

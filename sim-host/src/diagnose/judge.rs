@@ -1,0 +1,119 @@
+//! How well a model foresees runs it was not fitted to: only where they start is estimated again.
+
+use crate::identify::data::{Channel, Measured, Run};
+use crate::identify::evaluate::{BLOCK, Predicted, predict};
+use crate::identify::fit::{Effort, Fit};
+use crate::identify::model::Model;
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+
+/// A model's standing on a set of runs.
+#[derive(Debug, Clone)]
+pub struct Score {
+    /// Mean of (residual / noise)^2 over displacement and acceleration, or over the command where neither states its
+    /// noise.
+    pub chi2: f64,
+    /// Samples behind that mean.
+    pub samples: usize,
+    /// Sum of squares of all judged channels in each block of a run.
+    pub blocks: Vec<f64>,
+    /// Normalised RMS residual by channel: RMS of the residual over RMS of the measurement about its mean.
+    pub nrmse: Vec<(Channel, f64)>,
+    /// The prediction of each run.
+    pub predicted: Vec<Predicted>,
+}
+
+impl Score {
+    /// Sum of squares of all judged channels.
+    pub fn squares(&self) -> f64 {
+        self.blocks.iter().sum()
+    }
+}
+
+/// Scores a model on runs, its shared parameters as they are.
+pub fn score(model: &Model, runs: &[Run]) -> Result<Score, SimulateError> {
+    let mut fixed = model.clone();
+    fixed.values_mut().for_each(|v| v.free = false);
+    let mut fit = Fit::begin(fixed, runs)?;
+    fit.improve(runs, Effort { steps: 6, tolerance: 1e-5 })?;
+    let predicted: Result<Vec<_>, _> =
+        runs.par_iter().zip(&fit.locals).map(|(run, local)| predict(&fit.model, run, local)).collect();
+    Ok(of_predictions(runs, predicted?))
+}
+
+/// Scores predictions that are at hand.
+pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
+    let mut score = Score { chi2: 0.0, samples: 0, blocks: Vec::new(), nrmse: Vec::new(), predicted: Vec::new() };
+    let mut sums: Vec<(Channel, Sums)> = Vec::new();
+    for (run, prediction) in runs.iter().zip(&predicted) {
+        let block = ((BLOCK / run.dt).round() as usize).max(1);
+        let first = score.blocks.len();
+        score.blocks.resize(first + run.len().div_ceil(block), 0.0);
+        for (measured, series) in run.measured.iter().zip(&prediction.channels) {
+            let counted = counts(run, measured);
+            let place = sums.iter().position(|(c, _)| *c == measured.channel).unwrap_or_else(|| {
+                sums.push((measured.channel, Sums::default()));
+                sums.len() - 1
+            });
+            for (k, (y, model)) in measured.values.iter().zip(series).enumerate().skip(usize::from(run.moving_start)) {
+                let residual = y - model;
+                if !residual.is_finite() {
+                    continue;
+                }
+                sums[place].1.add(*y, residual);
+                let square = (residual / measured.noise).powi(2);
+                if counted {
+                    score.chi2 += square;
+                    score.samples += 1;
+                }
+                if measured.judged {
+                    score.blocks[first + k / block] += square;
+                }
+            }
+        }
+    }
+    score.chi2 /= score.samples.max(1) as f64;
+    score.nrmse = sums.into_iter().map(|(channel, sums)| (channel, sums.nrmse())).collect();
+    score.predicted = predicted;
+    score
+}
+
+/// Whether a channel counts in chi2.
+fn counts(run: &Run, measured: &Measured) -> bool {
+    let motion = |c| matches!(c, Channel::Displacement | Channel::Acceleration);
+    let any_motion = run.measured.iter().any(|m| m.judged && motion(m.channel));
+    measured.judged && (!any_motion || motion(measured.channel))
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    sum: f64,
+    squares: f64,
+    residual: f64,
+}
+
+impl Sums {
+    fn add(&mut self, y: f64, residual: f64) {
+        self.count += 1.0;
+        self.sum += y;
+        self.squares += y * y;
+        self.residual += residual * residual;
+    }
+
+    fn nrmse(&self) -> f64 {
+        let mean = self.sum / self.count;
+        let about_mean = self.squares / self.count - mean * mean;
+        (self.residual / self.count / about_mean.max(f64::MIN_POSITIVE)).sqrt()
+    }
+}
+
+/// How surely blocks got better: the sum of the gains over its own spread.
+pub fn confidence(before: &[f64], after: &[f64]) -> f64 {
+    let gains: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
+    let n = gains.len() as f64;
+    let sum: f64 = gains.iter().sum();
+    let mean = sum / n.max(1.0);
+    let spread: f64 = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() * n / (n - 1.0).max(1.0);
+    sum / spread.max(1e-12).sqrt()
+}
