@@ -202,6 +202,10 @@ pub trait Effect<S: Scalar>: Debug + Send {
     fn states(&self) -> usize {
         0
     }
+    /// The fastest rate of its equations, 1/s.
+    fn fastest(&self) -> f64 {
+        0.0
+    }
     /// Its states with the table at rest at this displacement (m).
     fn rest(&self, _displacement: S, _y: &mut [S]) {}
     /// The command's mean over one integration step of `h` seconds (unit of u).

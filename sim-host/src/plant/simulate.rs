@@ -11,11 +11,17 @@ mod law;
 use super::effects::{Instant, build, entry};
 use super::model::Baseline;
 use crate::scalar::Scalar;
-use dynamics::{Dynamics, STATES, State};
+use dynamics::{Dynamics, STATES};
 pub use law::Law;
 
 /// Longest integration step, s.
-pub const LONGEST_STEP: f64 = 1.3e-3;
+pub const LONGEST_STEP: f64 = 2.6e-3;
+
+/// Largest product of a step and the fastest rate: the rule is stable up to 2.8 and accurate well below.
+const RESOLVED: f64 = 1.2;
+
+/// Most integration steps in a controller tick.
+const MOST_STEPS: f64 = 64.0;
 
 /// What drives a simulated run.
 #[derive(Debug, Clone, Copy)]
@@ -96,57 +102,69 @@ pub fn simulate<S: Scalar>(
     drive: &Drive,
     start: &Start<S>,
 ) -> Result<Trace<S>, SimulateError> {
-    let mut dynamics = Dynamics::new(baseline, effects)?;
+    match dynamics::states_of(effects) {
+        0..=4 => run(Dynamics::<S, 4>::new(baseline, effects)?, drive, start),
+        5..=8 => run(Dynamics::<S, 8>::new(baseline, effects)?, drive, start),
+        _ => run(Dynamics::<S, STATES>::new(baseline, effects)?, drive, start),
+    }
+}
+
+fn run<S: Scalar, const M: usize>(
+    mut dynamics: Dynamics<S, M>,
+    drive: &Drive,
+    start: &Start<S>,
+) -> Result<Trace<S>, SimulateError> {
     let mut state = dynamics.rest(start);
     let n = drive.input.len();
     let mut trace = Trace::with_capacity(n);
     let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64);
-    let steps = substeps(drive.dt / drive.ticks as f64, drive.ticks);
-    let h = drive.dt / (drive.ticks * steps) as f64;
+    let steps = substeps(drive, dynamics.fastest(), dynamics.whole_steps());
     let total = drive.ticks * steps;
-    let (mut mid_before, mut true_before) = dynamics.velocities(&state);
+    let h = drive.dt / total as f64;
+    let mut before = dynamics.velocities(&state, h);
     for k in 0..n {
-        let mut after_update = None;
-        let mut mid = (mid_before, true_before);
+        let mut first = None;
+        let mut middle = before;
         for step in 0..total {
             if step % steps == 0 {
-                let share = (step / steps) as f64 / drive.ticks as f64;
+                let share = (step / steps) as f64 / drive.ticks as f64 * drive.law.between_samples();
                 let (now, next) = (drive.input[k], drive.input.get(k + 1).copied().unwrap_or(drive.input[k]));
                 let measured = dynamics.sense_displacement(&state);
-                let added = drive.added.get(k).copied().unwrap_or(0.0);
-                let command = law.step(now + (next - now) * drive.law.between_samples() * share, measured);
-                state.command = command + added;
+                let command = law.step(now + (next - now) * share, measured);
+                state.command = command + drive.added.get(k).copied().unwrap_or(0.0);
                 if step == 0 {
                     trace.displacement.push(measured);
                     trace.command.push(command);
                 }
             }
             dynamics.begin_step(&mut state, h);
-            if step == 0 {
-                after_update = Some((dynamics.motion(&state), dynamics.friction(&state)));
+            let passage = dynamics.advance(&mut state, h, 2 * step + 1 == total);
+            if let Some(velocities) = passage.middle {
+                middle = velocities;
+            } else if 2 * (step + 1) == total {
+                middle = dynamics.velocities(&state, h);
             }
-            dynamics.advance(&mut state, h);
-            if 2 * (step + 1) == total {
-                mid = dynamics.velocities(&state);
-            }
+            first.get_or_insert((passage.start, passage.force));
         }
-        let Some((motion, force)) = after_update else { break };
-        let mean = (mid.0 - mid_before) / drive.dt;
+        let Some((motion, force)) = first else { break };
         trace.velocity.push(motion.velocity);
-        trace.acceleration.push(dynamics.sense_acceleration(mean, &motion));
-        trace.load.push((mid.1 - true_before) / drive.dt + force);
+        trace.acceleration.push(dynamics.sense_acceleration((middle.0 - before.0) / drive.dt, &motion));
+        trace.load.push((middle.1 - before.1) / drive.dt + force);
         if let Some(pressure) = dynamics.supply_pressure(&state) {
             trace.supply.push(pressure);
         }
-        (mid_before, true_before) = mid;
+        before = middle;
     }
     Ok(trace)
 }
 
-/// An even number of integration steps a tick where there is one tick a sample, so that a step ends at mid-sample.
-fn substeps(tick: f64, ticks: usize) -> usize {
-    let steps = ((tick / LONGEST_STEP) - 1e-9).ceil().max(1.0) as usize;
-    if ticks % 2 == 0 { steps } else { steps.next_multiple_of(2) }
+/// Integration steps in one controller tick: no longer than [`LONGEST_STEP`], short enough for the fastest equation,
+/// and even in number where an effect advances with whole steps.
+fn substeps(drive: &Drive, fastest: f64, whole: bool) -> usize {
+    let tick = drive.dt / drive.ticks as f64;
+    let longest = LONGEST_STEP.min(RESOLVED / fastest.max(1e-9));
+    let steps = ((tick / longest) - 1e-9).ceil().clamp(1.0, MOST_STEPS) as usize;
+    if whole && drive.ticks % 2 == 1 { steps.next_multiple_of(2) } else { steps }
 }
 
 impl<S> Trace<S> {

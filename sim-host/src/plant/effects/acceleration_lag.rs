@@ -34,6 +34,9 @@ impl<S: Scalar> Effect<S> for AccelerationLag<S> {
     fn hooks(&self) -> Hooks {
         Hooks { follow: true, velocity: true, ..Hooks::default() }
     }
+    fn fastest(&self) -> f64 {
+        1.0 / self.time.value().max(1e-4)
+    }
     fn states(&self) -> usize {
         1
     }

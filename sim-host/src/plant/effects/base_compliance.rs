@@ -44,6 +44,9 @@ impl<S: Scalar> Effect<S> for BaseCompliance<S> {
     fn hooks(&self) -> Hooks {
         Hooks { follow: true, velocity: true, ..Hooks::default() }
     }
+    fn fastest(&self) -> f64 {
+        self.frequency.value()
+    }
     fn states(&self) -> usize {
         2
     }

@@ -39,6 +39,9 @@ impl<S: Scalar> Effect<S> for CoulombFriction<S> {
     fn hooks(&self) -> Hooks {
         Hooks { force: true, ..Hooks::default() }
     }
+    fn fastest(&self) -> f64 {
+        (self.force.value() / SLIP).abs()
+    }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
         self.force * (at.velocity / SLIP).tanh()
     }

@@ -36,6 +36,9 @@ impl<S: Scalar> Effect<S> for EndStop<S> {
     fn hooks(&self) -> Hooks {
         Hooks { force: true, ..Hooks::default() }
     }
+    fn fastest(&self) -> f64 {
+        self.stiffness.value().abs().sqrt()
+    }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
         (at.displacement - at.displacement.clamp(-self.position, self.position)) * self.stiffness
     }

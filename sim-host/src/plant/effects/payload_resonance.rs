@@ -38,6 +38,9 @@ impl<S: Scalar> Effect<S> for PayloadResonance<S> {
     fn hooks(&self) -> Hooks {
         Hooks { force: true, ..Hooks::default() }
     }
+    fn fastest(&self) -> f64 {
+        self.frequency.value()
+    }
     fn states(&self) -> usize {
         2
     }

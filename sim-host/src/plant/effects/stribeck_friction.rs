@@ -39,6 +39,9 @@ impl<S: Scalar> Effect<S> for StribeckFriction<S> {
     fn hooks(&self) -> Hooks {
         Hooks { force: true, ..Hooks::default() }
     }
+    fn fastest(&self) -> f64 {
+        (self.standstill.value().max(self.sliding.value()) / SLIP).abs()
+    }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
         let ratio = at.velocity / self.velocity;
         let size = self.sliding + (self.standstill - self.sliding) * (-(ratio * ratio)).exp();

@@ -36,6 +36,9 @@ impl<S: Scalar> Effect<S> for ValveLag<S> {
     fn hooks(&self) -> Hooks {
         Hooks { valve: true, ..Hooks::default() }
     }
+    fn fastest(&self) -> f64 {
+        self.frequency.value() * self.damping.value().max(1.0) * 2.0
+    }
     fn states(&self) -> usize {
         2
     }

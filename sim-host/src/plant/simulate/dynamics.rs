@@ -19,13 +19,23 @@ const FIRST_OF_EFFECTS: usize = 4;
 
 /// Everything that changes during a run.
 #[derive(Debug, Clone)]
-pub(super) struct State<S> {
+pub(super) struct State<S, const M: usize> {
     /// The controller's command, in its unit.
     pub(super) command: S,
     /// The command as the valve sees it during this step.
     spool: S,
     time: f64,
-    y: [S; STATES],
+    y: [S; M],
+}
+
+/// What an integration step passes through.
+pub(super) struct Passage<S> {
+    /// Motion at its start, after the command's update.
+    pub(super) start: Instant<S>,
+    /// Force per table mass at its start, m/s2.
+    pub(super) force: S,
+    /// Sensed and true velocity half way, m/s; none where they were not asked for.
+    pub(super) middle: Option<(S, S)>,
 }
 
 /// One effect in place.
@@ -37,9 +47,9 @@ struct Mounted<S> {
     last: usize,
 }
 
-/// A plant ready to run.
+/// A plant ready to run, with `M` continuous states.
 #[derive(Debug)]
-pub(super) struct Dynamics<S> {
+pub(super) struct Dynamics<S, const M: usize> {
     baseline: Baseline<S>,
     mounted: Vec<Mounted<S>>,
     compliance: Compliance<S>,
@@ -48,14 +58,20 @@ pub(super) struct Dynamics<S> {
     used: usize,
 }
 
-/// A value and its rate.
-struct Rates<S> {
-    dy: [S; STATES],
+/// The rate of every state, with the motion and force it follows from.
+struct Rates<S, const M: usize> {
+    dy: [S; M],
     motion: Instant<S>,
     force: S,
 }
 
-impl<S: Scalar> Dynamics<S> {
+/// Continuous states of a plant with these effects.
+pub(super) fn states_of<S: Scalar>(effects: &[Placed<S>]) -> usize {
+    let of = |p: &Placed<S>| build(p.id, &p.parameters).map_or(0, |effect| effect.states());
+    FIRST_OF_EFFECTS + effects.iter().map(of).sum::<usize>()
+}
+
+impl<S: Scalar, const M: usize> Dynamics<S, M> {
     pub(super) fn new(baseline: &Baseline<S>, effects: &[Placed<S>]) -> Result<Self, SimulateError> {
         let mut first = FIRST_OF_EFFECTS;
         let mut mounted = Vec::with_capacity(effects.len());
@@ -70,7 +86,7 @@ impl<S: Scalar> Dynamics<S> {
             mounted.push(Mounted { hooks: effect.hooks(), effect, first, last });
             first = last;
         }
-        if first > STATES {
+        if first > M {
             return Err(SimulateError::TooManyStates { states: first });
         }
         let velocity_limit = match *baseline {
@@ -84,8 +100,8 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// The state a run starts from.
-    pub(super) fn rest(&self, start: &Start<S>) -> State<S> {
-        let mut y = [S::from(0.0); STATES];
+    pub(super) fn rest(&self, start: &Start<S>) -> State<S, M> {
+        let mut y = [S::from(0.0); M];
         y[DISPLACEMENT] = start.displacement;
         y[SPEED] = start.velocity;
         y[TABLE] = start.velocity;
@@ -95,62 +111,78 @@ impl<S: Scalar> Dynamics<S> {
         State { command: S::from(0.0), spool: S::from(0.0), time: 0.0, y }
     }
 
+    /// The fastest rate among the effects' equations, 1/s: what the integration step has to resolve.
+    pub(super) fn fastest(&self) -> f64 {
+        let oil = self.compliance.oil.map_or(0.0, |(stiffness, damping)| stiffness.value().sqrt() + damping.value());
+        let leakage = self.compliance.leakage.map_or(0.0, |c| 1.0 / c.value().max(1e-4));
+        self.mounted.iter().map(|m| m.effect.fastest()).fold(oil.max(leakage.min(2e3)), f64::max)
+    }
+
+    /// True where an effect advances with whole steps, so that mid-sample must end one.
+    pub(super) fn whole_steps(&self) -> bool {
+        self.mounted.iter().any(|m| m.hooks.after)
+    }
+
     /// Takes the command through what has memory, for a step of `h` seconds.
-    pub(super) fn begin_step(&mut self, state: &mut State<S>, h: f64) {
+    pub(super) fn begin_step(&mut self, state: &mut State<S, M>, h: f64) {
         state.spool = state.command;
         for m in self.mounted.iter_mut().filter(|m| m.hooks.command) {
             state.spool = m.effect.command(state.spool, h);
         }
     }
 
-    /// Advances the state by `h` seconds with the classical fourth-order rule.
-    pub(super) fn advance(&mut self, state: &mut State<S>, h: f64) {
+    /// Advances the state by `h` seconds with the classical fourth-order rule; half way by its dense output.
+    pub(super) fn advance(&mut self, state: &mut State<S, M>, h: f64, middle: bool) -> Passage<S> {
         let y = state.y;
-        let at = |scale: f64, k: &[S; STATES], n: usize| {
+        let n = self.used;
+        let at = |scale: f64, k: &[S; M]| {
             let mut moved = y;
-            for i in 0..n {
-                moved[i] += k[i] * scale;
+            for (value, rate) in moved.iter_mut().zip(k).take(n) {
+                *value += *rate * scale;
             }
             moved
         };
-        let (n, t, u) = (self.used, state.time, state.spool);
-        let k1 = self.rates(t, u, &y, h).dy;
-        let k2 = self.rates(t + 0.5 * h, u, &at(0.5 * h, &k1, n), h).dy;
-        let k3 = self.rates(t + 0.5 * h, u, &at(0.5 * h, &k2, n), h).dy;
-        let k4 = self.rates(t + h, u, &at(h, &k3, n), h).dy;
+        let (t, u) = (state.time, state.spool);
+        let first = self.rates(t, u, &y, h);
+        let k1 = first.dy;
+        let k2 = self.rates(t + 0.5 * h, u, &at(0.5 * h, &k1), h).dy;
+        let k3 = self.rates(t + 0.5 * h, u, &at(0.5 * h, &k2), h).dy;
+        let k4 = self.rates(t + h, u, &at(h, &k3), h).dy;
+        let middle = middle.then(|| {
+            let mut half = y;
+            for i in 0..n {
+                half[i] += (k1[i] * 5.0 + (k2[i] + k3[i]) * 4.0 - k4[i]) * (h / 24.0);
+            }
+            self.velocities_at(t + 0.5 * h, u, &half, h)
+        });
         for i in 0..n {
             state.y[i] += (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0);
         }
         state.time += h;
-        if self.mounted.iter().any(|m| m.hooks.after) {
-            let motion = self.motion(state);
+        if self.whole_steps() {
+            let motion = self.rates(state.time, u, &state.y, h).motion;
             for m in self.mounted.iter_mut().filter(|m| m.hooks.after) {
                 m.effect.after(&motion, h);
             }
         }
-    }
-
-    /// Displacement and velocity now, after the command's update.
-    pub(super) fn motion(&self, state: &State<S>) -> Instant<S> {
-        self.rates(state.time, state.spool, &state.y, super::LONGEST_STEP).motion
-    }
-
-    /// The force per table mass that opposes positive motion now, m/s2.
-    pub(super) fn friction(&self, state: &State<S>) -> S {
-        self.rates(state.time, state.spool, &state.y, super::LONGEST_STEP).force
+        Passage { start: first.motion, force: first.force, middle }
     }
 
     /// The velocity whose difference the accelerometer shows, and the table's own.
-    pub(super) fn velocities(&self, state: &State<S>) -> (S, S) {
-        let motion = self.motion(state);
+    pub(super) fn velocities(&self, state: &State<S, M>, h: f64) -> (S, S) {
+        self.velocities_at(state.time, state.spool, &state.y, h)
+    }
+
+    fn velocities_at(&self, time: f64, command: S, y: &[S; M], h: f64) -> (S, S) {
+        let motion = self.rates(time, command, y, h).motion;
         let mut sensed = motion.velocity;
         for m in self.mounted.iter().filter(|m| m.hooks.velocity) {
-            sensed = m.effect.sense_velocity(sensed, &state.y[m.first..m.last]);
+            sensed = m.effect.sense_velocity(sensed, &y[m.first..m.last]);
         }
         (sensed, motion.velocity)
     }
 
-    pub(super) fn sense_displacement(&self, state: &State<S>) -> S {
+    pub(super) fn sense_displacement(&self, state: &State<S, M>) -> S {
         self.mounted
             .iter()
             .filter(|m| m.hooks.displacement)
@@ -164,13 +196,13 @@ impl<S: Scalar> Dynamics<S> {
             .fold(mean, |a, m| m.effect.sense_acceleration(a, at))
     }
 
-    pub(super) fn supply_pressure(&self, state: &State<S>) -> Option<S> {
+    pub(super) fn supply_pressure(&self, state: &State<S, M>) -> Option<S> {
         self.mounted.iter().find_map(|m| m.effect.supply_pressure(&state.y[m.first..m.last]))
     }
 
     /// Derivatives of every state, with the motion and the force they imply.
-    fn rates(&self, time: f64, command: S, y: &[S; STATES], h: f64) -> Rates<S> {
-        let mut dy = [S::from(0.0); STATES];
+    fn rates(&self, time: f64, command: S, y: &[S; M], h: f64) -> Rates<S, M> {
+        let mut dy = [S::from(0.0); M];
         let mut spool = command;
         for m in self.mounted.iter().filter(|m| m.hooks.valve) {
             spool = m.effect.valve(spool, &y[m.first..m.last], &mut dy[m.first..m.last]);
@@ -211,7 +243,7 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// The flow the valve lets through, as piston velocity, for the demand `w`.
-    fn flow(&self, at: &Instant<S>, w: S, y: &[S; STATES]) -> S {
+    fn flow(&self, at: &Instant<S>, w: S, y: &[S; M]) -> S {
         let one = S::from(1.0);
         let limit = self.velocity_limit;
         let mut flow = Flow { gain: one, limit: one, positive: limit, negative: limit, sharpness: None };
@@ -233,7 +265,7 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// Velocity and load of an actuator that yields, driven by `flow`.
-    fn yielding(&self, flow: S, force: S, y: &[S; STATES], dy: &mut [S; STATES], h: f64) {
+    fn yielding(&self, flow: S, force: S, y: &[S; M], dy: &mut [S; M], h: f64) {
         if !self.yields {
             return;
         }
