@@ -1,5 +1,7 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
+mod diagnose;
+mod effects;
 mod failure;
 mod modify;
 mod histories;
@@ -29,6 +31,8 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Modify(Box<modify::Args>),
+    Diagnose(diagnose::Args),
+    Effects(effects::Args),
     Prove(prove::Args),
     Run(run::Args),
     Sweep(sweep::Args),
@@ -42,6 +46,8 @@ pub(crate) fn main() -> ExitCode {
         None => Ok(()),
         Some(command) => match command {
             Command::Modify(args) => modify::run(&args),
+            Command::Diagnose(args) => diagnose::run(&args),
+            Command::Effects(args) => effects::run(&args),
             Command::Prove(args) => prove::run(&args),
             Command::Run(args) => run::run(&args),
             Command::Sweep(args) => sweep::run(&args),

@@ -10,9 +10,10 @@ pub mod locate;
 pub mod result;
 pub mod search;
 
-use crate::identify::prepare::{PrepareError, prepare};
+use crate::identify::data::Run;
+use crate::identify::prepare::{PrepareError, Prepared, prepare};
 use crate::plant::simulate::SimulateError;
-use crate::recording::{Experiment, RecordingError};
+use crate::recording::{self, Experiment, RecordingError};
 pub use result::Diagnosis;
 use std::path::Path;
 
@@ -51,19 +52,43 @@ pub enum DiagnoseError {
     Simulate(#[from] SimulateError),
 }
 
+/// A diagnosis with everything that was weighed for it, for reports.
+#[derive(Debug, Clone)]
+pub struct Examined {
+    /// What came out.
+    pub diagnosis: Diagnosis,
+    /// Runs and stated model as they were fitted.
+    pub prepared: Prepared,
+    /// What was judged and decided.
+    pub decision: decide::Decision,
+}
+
+impl Examined {
+    /// The runs that judged: those held back, or those fitted where none was.
+    pub fn judging_runs(&self) -> &[Run] {
+        if self.prepared.holdout.is_empty() { &self.prepared.fit } else { &self.prepared.holdout }
+    }
+
+    /// The stated model with its refitted values and the effects that were found.
+    pub fn augmented(&self, stated: &recording::Model) -> recording::Model {
+        result::augmented(stated, &self.decision.after)
+    }
+}
+
 /// Diagnoses the experiment of a TOML file.
 pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, DiagnoseError> {
     let experiment = Experiment::load(path)?;
-    diagnose(&experiment, options)
+    Ok(diagnose(&experiment, options)?.diagnosis)
 }
 
 /// Diagnoses an experiment.
-pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Diagnosis, DiagnoseError> {
+pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
     let begun = std::time::Instant::now();
     let prepared = prepare(experiment)?;
     let search = search::search(&prepared, options)?;
     options.say("judging on the runs held back", 0.9);
     let decision = decide::decide(&prepared, &search)?;
     let location = locate::locate(&prepared, &search.baseline, &decision)?;
-    Ok(result::assemble(&prepared, &search, decision, location, begun.elapsed().as_secs_f64()))
+    let diagnosis = result::assemble(&prepared, &decision, location, begun.elapsed().as_secs_f64());
+    Ok(Examined { diagnosis, prepared, decision })
 }

@@ -1,7 +1,7 @@
 //! Names what stands: significance on the runs fitted, gain on the runs held back, and at least nine tenths of the
 //! excess explained. What falls short is said to be outside the library.
 
-use super::judge::{Score, confidence, score};
+use super::judge::{Score, gains, score};
 use super::search::{CHANCE, Search};
 use crate::identify::fit::Fit;
 use crate::identify::prepare::Prepared;
@@ -10,8 +10,10 @@ use rayon::prelude::*;
 
 /// Models of each size that are judged on the runs held back.
 const JUDGED: usize = 6;
-/// Spreads by which blocks held back must get better.
-const SURE: f64 = 3.0;
+/// Gain of squares on the runs held back that chance does not give a model fitted elsewhere.
+const SURE: f64 = 16.0;
+/// Most of that gain that blocks may lose elsewhere.
+const LOST: f64 = 0.5;
 /// Share of what was left that one more effect must take away.
 const WORTH: f64 = 0.35;
 /// Share of the baseline's excess that one more effect must take away: simple forms leave about as much of a real one.
@@ -20,8 +22,10 @@ const NOTICEABLE: f64 = 0.012;
 const EXPLAINED: f64 = 0.9;
 /// Excess of chi2 that is never called physics: noise is not known better.
 const NEGLIGIBLE: f64 = 0.06;
-/// Share of the baseline's excess squares that each parameter costs.
-const PARAMETER: f64 = 0.003;
+/// Share of the misfit that the best model leaves which each parameter of a model has to earn.
+const PARAMETER: f64 = 0.12;
+/// Least gain of chi2 for a further effect: less than this is not told from noise that is not quite white.
+const LEAST_GAIN: f64 = 0.015;
 /// Samples over which a misfit's error is alike.
 const ALIKE: f64 = 20.0;
 /// Log odds below which two models are not told apart.
@@ -44,6 +48,11 @@ impl Judged {
     /// Squares on all runs.
     fn total(&self) -> f64 {
         self.fit.squares + self.hold.squares()
+    }
+
+    /// Residuals behind that sum.
+    fn rows(&self) -> usize {
+        self.fit.rows + self.hold.rows
     }
 }
 
@@ -85,7 +94,7 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
     let mut sizes = Vec::new();
     for grown in &search.grown {
         let mut size = grown.par_iter().take(JUDGED).map(judged).collect::<Result<Vec<_>, _>>()?;
-        let rank = Ranking::new(&before);
+        let rank = Ranking::new(&size);
         size.sort_by(|a, b| rank.cost(a).total_cmp(&rank.cost(b)));
         sizes.push(size);
     }
@@ -98,9 +107,11 @@ struct Ranking {
 }
 
 impl Ranking {
-    fn new(before: &Judged) -> Self {
-        let excess = before.total() - (before.fit.rows + before.hold.samples) as f64;
-        Self { parameter: 10.0 + PARAMETER * excess.max(0.0) }
+    /// Among these models.
+    fn new<'a>(models: impl IntoIterator<Item = &'a Judged>) -> Self {
+        let misfit = |judged: &Judged| judged.total() - judged.rows() as f64;
+        let least = models.into_iter().map(misfit).fold(f64::INFINITY, f64::min);
+        Self { parameter: 10.0 + PARAMETER * if least.is_finite() { least.max(0.0) } else { 0.0 } }
     }
 
     /// Squares with the price of parameters.
@@ -111,7 +122,6 @@ impl Ranking {
 }
 
 fn choose(before: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
-    let ranking = Ranking::new(&before);
     let mut after = before.clone();
     let mut skipped = false;
     for size in &sizes {
@@ -126,6 +136,7 @@ fn choose(before: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
         }
     }
     let mut candidates: Vec<Judged> = std::iter::once(before.clone()).chain(sizes.into_iter().flatten()).collect();
+    let ranking = Ranking::new(&candidates);
     candidates.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
     let (unlisted, unlisted_probability) = outside(&before, &after);
     let ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
@@ -147,9 +158,13 @@ fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
     let held_gain = present.hold.chi2 - larger.hold.chi2;
     let left = (present.hold.chi2 - 1.0).max(0.0);
     let excess = (before.hold.chi2 - 1.0).max(0.0);
-    gained > CHANCE + 4.0 * added
-        && confidence(&present.hold.blocks, &larger.hold.blocks) > SURE
-        && (held_gain > WORTH * left || present.added.is_empty())
+    let (better, worse) = gains(&present.hold.blocks, &larger.hold.blocks);
+    // Where little is left its colour is the noise's own; a misfit's colour is no noise.
+    let colour = if larger.hold.chi2 < 1.3 { larger.hold.colour } else { 1.0 };
+    gained > (CHANCE + 4.0 * added) * colour
+        && better - worse > SURE * colour
+        && worse < LOST * better
+        && (present.added.is_empty() || held_gain > (WORTH * left).max(LEAST_GAIN))
         && held_gain > NOTICEABLE * excess
 }
 
@@ -166,7 +181,7 @@ fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
 /// Spreads belief over the candidates of the accepted size and finds what is not told apart.
 fn believe(ranking: &Ranking, after: &Judged, candidates: &mut [Judged], unlisted: f64) -> Vec<Vec<&'static str>> {
     // A misfit is no white noise: its squares count once for every stretch over which it is alike.
-    let misfit = (after.total() / (after.fit.rows + after.hold.samples) as f64 - 1.0).max(0.0);
+    let misfit = (after.total() / after.rows() as f64 - 1.0).max(0.0);
     let temper = 1.0 + misfit * ALIKE;
     let best = ranking.cost(after);
     let odds = |judged: &Judged| -0.5 * (ranking.cost(judged) - best) / temper;

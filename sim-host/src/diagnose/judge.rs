@@ -15,8 +15,12 @@ pub struct Score {
     pub chi2: f64,
     /// Samples behind that mean.
     pub samples: usize,
+    /// Residuals of all judged channels.
+    pub rows: usize,
     /// Sum of squares of all judged channels in each block of a run.
     pub blocks: Vec<f64>,
+    /// By how much neighbouring residuals of a judged channel being alike overstates their number, 1 for white ones.
+    pub colour: f64,
     /// Normalised RMS residual by channel: RMS of the residual over RMS of the measurement about its mean.
     pub nrmse: Vec<(Channel, f64)>,
     /// The prediction of each run.
@@ -43,7 +47,7 @@ pub fn score(model: &Model, runs: &[Run]) -> Result<Score, SimulateError> {
 
 /// Scores predictions that are at hand.
 pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
-    let mut score = Score { chi2: 0.0, samples: 0, blocks: Vec::new(), nrmse: Vec::new(), predicted: Vec::new() };
+    let mut score = Score { chi2: 0.0, samples: 0, rows: 0, blocks: Vec::new(), colour: 1.0, nrmse: Vec::new(), predicted: Vec::new() };
     let mut sums: Vec<(Channel, Sums)> = Vec::new();
     for (run, prediction) in runs.iter().zip(&predicted) {
         let block = ((BLOCK / run.dt).round() as usize).max(1);
@@ -51,6 +55,9 @@ pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
         score.blocks.resize(first + run.len().div_ceil(block), 0.0);
         for (measured, series) in run.measured.iter().zip(&prediction.channels) {
             let counted = counts(run, measured);
+            if measured.judged {
+                score.colour = score.colour.max(colour(measured, series));
+            }
             let place = sums.iter().position(|(c, _)| *c == measured.channel).unwrap_or_else(|| {
                 sums.push((measured.channel, Sums::default()));
                 sums.len() - 1
@@ -68,6 +75,7 @@ pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
                 }
                 if measured.judged {
                     score.blocks[first + k / block] += square;
+                    score.rows += 1;
                 }
             }
         }
@@ -76,6 +84,15 @@ pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
     score.nrmse = sums.into_iter().map(|(channel, sums)| (channel, sums.nrmse())).collect();
     score.predicted = predicted;
     score
+}
+
+/// One plus twice the sum of the residual's correlations over neighbouring samples.
+fn colour(measured: &Measured, series: &[f64]) -> f64 {
+    const NEIGHBOURS: usize = 12;
+    let residual: Vec<f64> = measured.values.iter().zip(series).map(|(y, m)| y - m).filter(|r| r.is_finite()).collect();
+    let power: f64 = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
+    let lagged = |lag: usize| residual.iter().zip(residual.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>() / power;
+    1.0 + 2.0 * (1..=NEIGHBOURS).map(lagged).sum::<f64>().max(0.0)
 }
 
 /// Whether a channel counts in chi2.
@@ -108,12 +125,8 @@ impl Sums {
     }
 }
 
-/// How surely blocks got better: the sum of the gains over its own spread.
-pub fn confidence(before: &[f64], after: &[f64]) -> f64 {
-    let gains: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
-    let n = gains.len() as f64;
-    let sum: f64 = gains.iter().sum();
-    let mean = sum / n.max(1.0);
-    let spread: f64 = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() * n / (n - 1.0).max(1.0);
-    sum / spread.max(1e-12).sqrt()
+/// Blocks' gains, summed apart: where the second model is better, and where it is worse.
+pub fn gains(before: &[f64], after: &[f64]) -> (f64, f64) {
+    let gains = before.iter().zip(after).map(|(b, a)| b - a);
+    gains.fold((0.0, 0.0), |(better, worse), gain| (better + gain.max(0.0), worse + (-gain).max(0.0)))
 }

@@ -3,7 +3,6 @@
 use super::decide::{Decision, Judged};
 use super::judge::Score;
 use super::locate::Location;
-use super::search::Search;
 use crate::identify::data::Channel;
 use crate::identify::prepare::Prepared;
 use crate::plant::effects::Role;
@@ -143,8 +142,7 @@ impl Standing {
 /// Puts a diagnosis together.
 pub(super) fn assemble(
     prepared: &Prepared,
-    search: &Search,
-    decision: Decision,
+    decision: &Decision,
     location: Location,
     seconds: f64,
 ) -> Diagnosis {
@@ -157,15 +155,15 @@ pub(super) fn assemble(
         schema: "shakedown.diagnosis/1",
         verdict,
         location,
-        effects: named(&decision, &quantities),
-        candidates: candidates(&decision),
+        effects: named(decision, &quantities),
+        candidates: candidates(decision),
         indistinguishable: decision.ties.clone(),
         next_test: None,
         holdout: BeforeAfter { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) },
         model,
         part_explained: decision.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
         findings: Vec::new(),
-        seconds: seconds + 0.0 * search.baseline.squares,
+        seconds,
     }
 }
 
@@ -223,4 +221,33 @@ fn quantities(judged: &Judged) -> BTreeMap<String, Quantity> {
         (name, Quantity { value: value.value, std, low: edge(-1.0), high: edge(1.0), unit })
     })
     .collect()
+}
+
+/// The stated model with its fitted values and the effects that were added.
+pub(super) fn augmented(stated: &crate::recording::Model, judged: &Judged) -> crate::recording::Model {
+    use crate::recording::{Accuracy, Place, StatedEffect};
+    let mut model = stated.clone();
+    let quantities = quantities(judged);
+    let accuracy = |q: &Quantity| Accuracy { std: q.std, low: q.low, high: q.high };
+    for parameter in judged.fit.model.kind.parameters() {
+        let Some(quantity) = quantities.get(parameter.key).filter(|q| q.std.is_some()) else { continue };
+        if model.baseline.set(parameter.key, quantity.value) {
+            model.accuracy.insert(parameter.key.to_owned(), accuracy(quantity));
+        }
+    }
+    for placed in &judged.fit.model.effects {
+        let id = placed.entry.id;
+        let shared = || placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun);
+        let values = shared().filter_map(|p| Some((p.key.to_owned(), quantities.get(&format!("{id}.{}", p.key))?.value)));
+        let effect = StatedEffect { id: id.to_owned(), parameters: values.collect(), place: Place::file(std::path::Path::new("diagnosis")) };
+        model.effects.retain(|e| e.id != id);
+        model.effects.push(effect);
+        for parameter in shared() {
+            let name = format!("{id}.{}", parameter.key);
+            if let Some(quantity) = quantities.get(&name) {
+                model.accuracy.insert(name, accuracy(quantity));
+            }
+        }
+    }
+    model
 }

@@ -1,5 +1,5 @@
-//! Grows the stated model by effects of the library: all effects at all their starting values a little way, the better
-//! half further, the best to the end; then pairs around the best singles, then triples around the best pairs.
+//! Grows the stated model by effects of the library: one look at every effect from all its starting values, a few steps
+//! for those that promise most, the best to the end; then pairs around the best singles, then triples around the best pairs.
 
 use super::Options;
 use crate::identify::data::Run;
@@ -24,8 +24,12 @@ const MOST: usize = 3;
 const BEAM: usize = 3;
 /// Models of each size that are fitted to the end.
 const FINALISTS: usize = 7;
+/// Starts that are taken further than one look.
+const PROMISING: usize = 18;
 /// A gain of squares no larger than this is nothing: chance over the whole library.
 pub(super) const CHANCE: f64 = 30.0;
+/// chi2 above which a refitted model may be bent.
+const BENT: f64 = 4.0;
 /// What is left of the baseline's excess when growing stops.
 const SETTLED: f64 = 0.004;
 
@@ -38,6 +42,10 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     let yardsticks = Yardsticks { line: super::locate::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
     let mut search = Search { baseline, grown: Vec::new() };
     let mut parents = vec![search.baseline.clone()];
+    // A refit bends a model far from the truth to hide what is missing: then the values as stated are a second start.
+    if search.baseline.chi2() > BENT {
+        parents.push(Fit::begin(prepared.model.clone(), runs)?);
+    }
     for size in 0..MOST {
         options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
         let singles = search.grown.first().cloned().unwrap_or_default();
@@ -70,7 +78,7 @@ fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks)
             let mut set = parent.model.ids();
             set.push(entry.id);
             set.sort_unstable();
-            if sets.contains(&set) {
+            if sets.contains(&set) && !parent.model.effects.is_empty() {
                 continue;
             }
             sets.push(set);
@@ -82,15 +90,19 @@ fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks)
             seedlings.extend(starts.map(|placed| Seedling { parent, placed }));
         }
     }
-    let begun = |s: &Seedling| -> Result<Fit, SimulateError> {
-        let mut fit = Fit::resume(s.parent.model.with(s.placed.clone()), s.parent.locals.clone(), runs)?;
-        fit.improve(runs, Effort { steps: 2, tolerance: 1e-4 })?;
-        Ok(fit)
-    };
+    let begun = |s: &Seedling| Fit::resume(s.parent.model.with(s.placed.clone()), s.parent.locals.clone(), runs);
     let mut fits = seedlings.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+    let finite = |x: f64| if x.is_finite() { x } else { f64::INFINITY };
+    fits.sort_by(|a, b| finite(a.promised()).total_cmp(&finite(b.promised())));
+    fits.truncate(PROMISING);
+    fits.par_iter_mut().try_for_each(|fit| fit.improve(runs, Effort { steps: 2, tolerance: 1e-4 }))?;
     best_of_each_set(&mut fits);
-    further(&mut fits, 2 * FINALISTS, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
-    further(&mut fits, FINALISTS, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
+    let floor = parents.iter().map(|parent| parent.squares).fold(f64::INFINITY, f64::min) - CHANCE;
+    if fits.first().is_some_and(|best| best.squares > floor && best.promised() > floor) {
+        return Ok(fits);
+    }
+    further(&mut fits, FINALISTS, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
+    further(&mut fits, BEAM, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
     Ok(fits)
 }
 

@@ -33,6 +33,20 @@ impl Channel {
     }
 }
 
+impl Channel {
+    /// Its unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Displacement => "m",
+            Self::Acceleration => "m/s2",
+            Self::Velocity => "m/s",
+            Self::Command => "unit of u",
+            Self::PressureDifference => "unit of p",
+            Self::SupplyPressure => "1",
+        }
+    }
+}
+
 /// One measured channel of a run.
 #[derive(Debug, Clone)]
 pub struct Measured {

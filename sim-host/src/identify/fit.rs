@@ -65,6 +65,12 @@ impl Fit {
         self.squares / (self.rows as f64).max(1.0)
     }
 
+    /// Squares that the next step promises, were the residual linear in the parameters.
+    pub fn promised(&self) -> f64 {
+        let step = self.normal.step(1e-3, &self.held());
+        self.squares - step.map_or(0.0, |step| step.dot(&self.normal.gradient))
+    }
+
     /// True where the last effort ended because nothing moved any more.
     pub fn converged(&self) -> bool {
         self.converged
@@ -95,8 +101,7 @@ impl Fit {
         let (mut model, mut locals) = (self.model.clone(), self.locals.clone());
         let free = model.values_mut().chain(locals.iter_mut().flat_map(Local::values_mut)).filter(|v| v.free);
         for (value, change) in free.zip(step.iter()) {
-            let change = if value.positive { change.clamp(-1.2, 1.2) } else { *change };
-            value.set_coordinate(value.coordinate() + change);
+            value.set_coordinate(value.coordinate() + bounded(value.positive, *change));
         }
         let normal = assemble(&model, &locals, runs)?;
         self.evaluations += 1;
@@ -138,6 +143,16 @@ impl Fit {
             covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)].max(0.0).sqrt() * value.slope())
         };
         self.model.values().map(deviation).collect()
+    }
+}
+
+/// A step of a coordinate. A logarithm grows as the value itself would under the same linear step, so that a size
+/// started near nothing arrives in one step, and shrinks by no more than a factor of four.
+fn bounded(positive: bool, change: f64) -> f64 {
+    match positive {
+        false => change,
+        true if change > 0.0 => change.min(60.0).ln_1p(),
+        true => change.max(-1.4),
     }
 }
 

@@ -152,6 +152,9 @@ impl Model {
     /// This model with one more effect, kept in the order of the registry.
     pub fn with(&self, effect: Placed) -> Self {
         let mut model = self.clone();
+        for (own, parameter) in model.own.iter_mut().zip(self.kind.parameters()) {
+            own.free |= effect.entry.frees.contains(&parameter.key);
+        }
         model.effects.push(effect);
         let place = |p: &Placed| crate::plant::effects::ENTRIES.iter().position(|e| e.id == p.entry.id);
         model.effects.sort_by_key(place);

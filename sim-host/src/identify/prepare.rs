@@ -167,8 +167,9 @@ fn measured(run: &recording::Run, law: Law, baseline: &recording::Baseline) -> R
         if !values.iter().any(|v| v.is_finite()) {
             return Err(PrepareError::EmptyChannel { run: run.name.clone(), channel: source.name() });
         }
-        let values = if channel == Channel::SupplyPressure { relative_to_start(values) } else { values.to_vec() };
-        let noise = run.noise.get(source).copied().filter(|n| *n > 0.0);
+        let start = if channel == Channel::SupplyPressure { mean_of_start(values) } else { 1.0 };
+        let values: Vec<f64> = values.iter().map(|v| v / start).collect();
+        let noise = run.noise.get(source).map(|n| n / start.abs()).filter(|n| *n > 0.0);
         let judged = match channel {
             _ if balance => channel == Channel::PressureDifference,
             Channel::Command => effort,
@@ -195,11 +196,10 @@ fn fast_noise(values: &[f64]) -> f64 {
     (*median / (0.6745 * 20.0_f64.sqrt())).max(1e-6 * scale).max(1e-12)
 }
 
-/// Supply pressure as a ratio to its mean over the first samples, at rest.
-fn relative_to_start(values: &[f64]) -> Vec<f64> {
+/// Mean of the first samples, taken at rest.
+fn mean_of_start(values: &[f64]) -> f64 {
     let first: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).take(16).collect();
-    let start = first.iter().sum::<f64>() / first.len().max(1) as f64;
-    values.iter().map(|v| v / start).collect()
+    first.iter().sum::<f64>() / first.len().max(1) as f64
 }
 
 /// Missing samples of an input filled by straight lines; none where every sample is missing.

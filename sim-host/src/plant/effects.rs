@@ -119,6 +119,8 @@ pub struct Entry {
     pub parameters: &'static [Parameter],
     /// Models it makes sense for.
     pub kinds: &'static [Kind],
+    /// The model's own parameters that mean something else with this effect and are fitted beside it.
+    pub frees: &'static [&'static str],
     /// What it looks like in recordings.
     pub signature: &'static str,
     /// Effects it is mistaken for.

@@ -21,7 +21,7 @@ pub const LONGEST_STEP: f64 = 2.6e-3;
 const RESOLVED: f64 = 1.2;
 
 /// Most integration steps in a controller tick.
-const MOST_STEPS: f64 = 64.0;
+const MOST_STEPS: f64 = 12.0;
 
 /// What drives a simulated run.
 #[derive(Debug, Clone, Copy)]

@@ -11,6 +11,7 @@ pub const ENTRY: Entry = Entry {
     stage: Stage::Sensor,
     parameters: &[Parameter { key: "offset", unit: "m/s2", rigid_unit: "m/s2", meaning: "constant added to the acceleration", yardstick: Yardstick::One, low: -20.0, high: 20.0, starts: &[0.0], positive: false, role: Role::Shared }],
     kinds: &[Kind::Servo, Kind::RigidMass],
+    frees: &[],
     signature: "a constant in the accelerometer",
     mistaken_for: &["tilt_coupling"],
     test: "the table at rest",

@@ -11,6 +11,7 @@ pub const ENTRY: Entry = Entry {
     stage: Stage::Sensor,
     parameters: &[Parameter { key: "gain", unit: "1", rigid_unit: "1", meaning: "shown over true acceleration", yardstick: Yardstick::One, low: 0.2, high: 5.0, starts: &[1.0], positive: false, role: Role::Shared }],
     kinds: &[Kind::Servo, Kind::RigidMass],
+    frees: &[],
     signature: "acceleration out of proportion to the second difference of displacement",
     mistaken_for: &["displacement_nonlinearity", "acceleration_lag"],
     test: "turn the accelerometer over in the field of gravity",

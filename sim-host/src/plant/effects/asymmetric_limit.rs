@@ -12,6 +12,7 @@ pub const ENTRY: Entry = Entry {
     parameters: &[Parameter { key: "positive", unit: "m/s", rigid_unit: "m/s", meaning: "velocity limit for positive motion", yardstick: Yardstick::Speed, low: 0.2, high: 3.0, starts: &[0.9], positive: true, role: Role::Shared },
         Parameter { key: "negative", unit: "m/s", rigid_unit: "m/s", meaning: "velocity limit for negative motion", yardstick: Yardstick::Speed, low: 0.2, high: 3.0, starts: &[0.9], positive: true, role: Role::Shared }],
     kinds: &[Kind::Servo],
+    frees: &[],
     signature: "one direction saturates earlier; even harmonics, drift under large motion",
     mistaken_for: &["null_bias", "flow_softening"],
     test: "ramps both ways; zero-command drift at two amplitudes",

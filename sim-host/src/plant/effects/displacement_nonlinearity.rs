@@ -11,6 +11,7 @@ pub const ENTRY: Entry = Entry {
     stage: Stage::Sensor,
     parameters: &[Parameter { key: "cubic", unit: "1/m2", rigid_unit: "1/m2", meaning: "relative change of sensitivity per square of displacement", yardstick: Yardstick::One, low: -60.0, high: 60.0, starts: &[0.0], positive: false, role: Role::Shared }],
     kinds: &[Kind::Servo, Kind::RigidMass],
+    frees: &[],
     signature: "third harmonics at large stroke; accelerometer and LVDT disagree there",
     mistaken_for: &["end_stop", "acceleration_gain"],
     test: "a second displacement sensor",

@@ -11,6 +11,7 @@ pub const ENTRY: Entry = Entry {
     stage: Stage::Flow,
     parameters: &[Parameter { key: "sharpness", unit: "1", rigid_unit: "1", meaning: "exponent n; the hard limit is n to infinity", yardstick: Yardstick::One, low: 1.2, high: 40.0, starts: &[3.0, 8.0], positive: true, role: Role::Shared }],
     kinds: &[Kind::Servo],
+    frees: &["velocity_limit"],
     signature: "gain falls well below the velocity limit; odd harmonics",
     mistaken_for: &["load_dependent_flow", "supply_droop", "asymmetric_limit"],
     test: "velocity ladder from 50 to 110 % of the limit",

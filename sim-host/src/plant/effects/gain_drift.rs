@@ -11,6 +11,7 @@ pub const ENTRY: Entry = Entry {
     stage: Stage::Flow,
     parameters: &[Parameter { key: "rate", unit: "1/s", rigid_unit: "1/s", meaning: "relative change of gain per second", yardstick: Yardstick::One, low: -0.05, high: 0.05, starts: &[0.0], positive: false, role: Role::Shared }],
     kinds: &[Kind::Servo],
+    frees: &[],
     signature: "the same motion tracks differently early and late in a run",
     mistaken_for: &["supply_droop", "viscous_friction"],
     test: "randomised repeats of one short motion",

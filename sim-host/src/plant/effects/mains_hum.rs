@@ -16,6 +16,7 @@ pub const ENTRY: Entry = Entry {
         Parameter { key: "in_phase", unit: "m/s2", rigid_unit: "m/s2", meaning: "sine amplitude in one run", yardstick: Yardstick::One, low: -50.0, high: 50.0, starts: &[0.0], positive: false, role: Role::PerRun },
         Parameter { key: "quadrature", unit: "m/s2", rigid_unit: "m/s2", meaning: "cosine amplitude in one run", yardstick: Yardstick::One, low: -50.0, high: 50.0, starts: &[0.0], positive: false, role: Role::PerRun }],
     kinds: &[Kind::Servo, Kind::RigidMass],
+    frees: &[],
     signature: "one line in the spectrum, whether the table moves or not",
     mistaken_for: &["acceleration_bias"],
     test: "the table at rest with the power on",

@@ -11,6 +11,7 @@ pub const ENTRY: Entry = Entry {
     stage: Stage::Sensor,
     parameters: &[Parameter { key: "angle_per_displacement", unit: "rad/m", rigid_unit: "rad/m", meaning: "tilt per displacement", yardstick: Yardstick::One, low: -2.0, high: 2.0, starts: &[0.0], positive: false, role: Role::Shared }],
     kinds: &[Kind::Servo, Kind::RigidMass],
+    frees: &[],
     signature: "a copy of the displacement in the accelerometer",
     mistaken_for: &["acceleration_bias", "acceleration_gain"],
     test: "slow large motion: the accelerometer follows the displacement",
