@@ -15,7 +15,7 @@ const SURE: f64 = 16.0;
 /// Most of that gain that blocks may lose elsewhere.
 const LOST: f64 = 0.5;
 /// Share of what was left that one more effect must take away.
-const WORTH: f64 = 0.35;
+const WORTH: f64 = 0.65;
 /// Share of the baseline's excess that one more effect must take away: simple forms leave about as much of a real one.
 const NOTICEABLE: f64 = 0.012;
 /// Share of the excess that must be explained for names to be given.

@@ -10,7 +10,7 @@ pub const ENTRY: Entry = Entry {
     equation: "s'' = w_v^2 (u - s) - 2 zeta w_v s'",
     stage: Stage::Valve,
     parameters: &[Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the spool", yardstick: Yardstick::One, low: 2.0, high: 300.0, starts: &[12.0, 35.0, 90.0], positive: true, role: Role::Shared },
-        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of the spool", yardstick: Yardstick::One, low: 0.2, high: 2.0, starts: &[0.7], positive: true, role: Role::Shared }],
+        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of the spool", yardstick: Yardstick::One, low: 0.35, high: 2.0, starts: &[0.7], positive: true, role: Role::Shared }],
     kinds: &[Kind::Servo],
     frees: &[],
     signature: "phase lost and, above its frequency, amplitude too",
