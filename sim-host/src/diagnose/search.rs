@@ -85,7 +85,9 @@ fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks)
             // Alone the effect was fitted already: its values there are one start, the library's the others.
             let alone = singles.iter().find_map(|fit| fit.model.effects.iter().find(|p| p.entry.id == entry.id));
             let library = (0..).map_while(|i| Placed::start(entry, i, yardsticks));
-            let most = if alone.is_some() { 1 } else { usize::MAX };
+            // A resonance is found from near its frequency only.
+            let resonates = entry.parameters.iter().any(|p| p.unit == "Hz");
+            let most = if alone.is_some() && !resonates { 1 } else { usize::MAX };
             let starts = alone.cloned().into_iter().chain(library.take(most));
             seedlings.extend(starts.map(|placed| Seedling { parent, placed }));
         }

@@ -1,6 +1,7 @@
 //! Runs as a fit sees them: the input that drives the simulation and the channels it is compared with.
 
-use crate::plant::simulate::Law;
+use crate::motion::filter::Cascade;
+use crate::plant::simulate::{Law, MeasuredMotion};
 
 /// A channel a simulation is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -81,6 +82,10 @@ pub struct Run {
     pub moving_start: bool,
     /// What a simulation is compared with.
     pub measured: Vec<Measured>,
+    /// The measured motion that drives a force balance.
+    pub motion: Option<MeasuredMotion>,
+    /// Both sides are low-passed, zero phase, before they are compared.
+    pub filter: Option<Cascade>,
 }
 
 impl Run {

@@ -5,7 +5,8 @@ use super::model::{Model, Value};
 use super::normal::Normal;
 use crate::plant::effects::Role;
 use crate::plant::model::Baseline;
-use crate::plant::simulate::{Drive, Placed, SimulateError, Start, Trace, simulate};
+use crate::motion::filter::{Cascade, Edge};
+use crate::plant::simulate::{Drive, Placed, SimulateError, Start, Trace, balance, effect_states, simulate};
 use crate::scalar::{Dual, Scalar};
 use nalgebra::{DMatrix, DVector};
 
@@ -23,6 +24,8 @@ pub struct Local {
     pub pressure: Value,
     /// Values of [`Role::PerRun`], in the order of the model's effects.
     pub effects: Vec<Value>,
+    /// By how much the effects' continuous states differ from rest at the start, where a run starts in motion.
+    pub states: Vec<Value>,
 }
 
 impl Local {
@@ -46,22 +49,29 @@ impl Local {
             p.entry.parameters.iter().zip(&p.values).filter(|(q, _)| q.role == Role::PerRun).map(|(_, v)| Value { free: true, ..*v }).collect::<Vec<_>>()
         };
         Self {
-            displacement: free(at, reach.max(1e-4), true),
-            velocity: free(slope, 1.0, run.moving_start),
+            displacement: free(at, reach.max(1e-4), run.motion.is_none()),
+            velocity: free(slope, 1.0, run.moving_start && run.motion.is_none()),
             pressure: free(0.0, f64::INFINITY, has_pressure),
             effects: model.effects.iter().flat_map(per_run).collect(),
+            states: if run.moving_start { vec![free(0.0, 10.0, true); states_of(model)] } else { Vec::new() },
         }
     }
 
     /// Every value, in a fixed order.
     pub fn values(&self) -> impl Iterator<Item = &Value> {
-        [&self.displacement, &self.velocity, &self.pressure].into_iter().chain(&self.effects)
+        [&self.displacement, &self.velocity, &self.pressure].into_iter().chain(&self.effects).chain(&self.states)
     }
 
     /// The same, to change.
     pub fn values_mut(&mut self) -> impl Iterator<Item = &mut Value> {
-        [&mut self.displacement, &mut self.velocity, &mut self.pressure].into_iter().chain(&mut self.effects)
+        let start = [&mut self.displacement, &mut self.velocity, &mut self.pressure];
+        start.into_iter().chain(&mut self.effects).chain(&mut self.states)
     }
+}
+
+/// Continuous states of a model's effects.
+fn states_of(model: &Model) -> usize {
+    effect_states(model.effects.iter().map(|p| (p.entry.id, p.values.iter().map(|v| v.value).collect())))
 }
 
 /// Slope of the measured displacement at the start, m/s.
@@ -99,9 +109,10 @@ fn trace<S: Scalar>(
         .iter()
         .map(|p| Placed { id: p.entry.id, parameters: p.values.iter().map(&mut lift).collect() })
         .collect();
-    let start = Start { displacement: lift(&local.displacement), velocity: lift(&local.velocity) };
-    let offset = lift(&local.pressure);
-    let mut per_run = local.effects.iter().map(&mut lift);
+    let (displacement, velocity, offset) = (lift(&local.displacement), lift(&local.velocity), lift(&local.pressure));
+    let per_run: Vec<S> = local.effects.iter().map(&mut lift).collect();
+    let start = Start { displacement, velocity, states: local.states.iter().map(&mut lift).collect() };
+    let mut per_run = per_run.into_iter();
     for (placed, effect) in effects.iter_mut().zip(&model.effects) {
         for (parameter, slot) in effect.entry.parameters.iter().zip(&mut placed.parameters) {
             if parameter.role == Role::PerRun
@@ -112,9 +123,31 @@ fn trace<S: Scalar>(
         }
     }
     let baseline = Baseline::new(model.kind, &own).ok_or(SimulateError::NoLoop)?;
+    if let Baseline::ForceBalance { scale, viscous } = baseline {
+        let motion = run.motion.as_ref().ok_or(SimulateError::NoLoop)?;
+        let trace = balance(viscous, &effects, motion, run.dt, &start.states)?;
+        return Ok((filtered(trace, run.filter.as_ref()), scale, offset));
+    }
     let drive = Drive { dt: run.dt, ticks: run.ticks, input: &run.input, added: &run.added, law: run.law };
     let trace = simulate(&baseline, &effects, &drive, &start)?;
-    Ok((trace, scale.unwrap_or(S::from(1.0)), offset))
+    Ok((filtered(trace, run.filter.as_ref()), scale.unwrap_or(S::from(1.0)), offset))
+}
+
+/// Low-passes every channel, derivatives with it: the filter is linear.
+fn filtered<S: Scalar>(mut trace: Trace<S>, filter: Option<&Cascade>) -> Trace<S> {
+    let Some(filter) = filter else { return trace };
+    for series in [
+        &mut trace.displacement,
+        &mut trace.velocity,
+        &mut trace.acceleration,
+        &mut trace.command,
+        &mut trace.load,
+    ] {
+        let pass = |i: usize| filter.zero_phase(&series.iter().map(|s| s.part(i)).collect::<Vec<_>>(), Edge::Hold);
+        let parts: Vec<Vec<f64>> = (0..S::PARTS).map(pass).collect();
+        *series = (0..series.len()).map(|k| S::from_parts(|i| parts[i][k])).collect();
+    }
+    trace
 }
 
 /// What one channel shows at one sample.
@@ -124,6 +157,7 @@ fn shown<S: Scalar>(trace: &Trace<S>, channel: Channel, k: usize, scale: S, offs
         Channel::Acceleration => trace.acceleration.get(k).copied(),
         Channel::Velocity => trace.velocity.get(k).copied(),
         Channel::Command => trace.command.get(k).copied(),
+        Channel::SupplyPressure if trace.command.is_empty() => None,
         Channel::PressureDifference => trace.load.get(k).map(|&load| load * scale + offset),
         Channel::SupplyPressure => Some(trace.supply.get(k).copied().unwrap_or(S::from(1.0))),
     }

@@ -50,9 +50,12 @@ impl Fit {
     /// A model with local parameters known from before.
     pub fn resume(model: Model, mut locals: Vec<Local>, runs: &[Run]) -> Result<Self, SimulateError> {
         for (local, run) in locals.iter_mut().zip(runs) {
-            let wanted = Local::start(&model, run).effects;
-            if local.effects.len() != wanted.len() {
-                local.effects = wanted;
+            let wanted = Local::start(&model, run);
+            if local.effects.len() != wanted.effects.len() {
+                local.effects = wanted.effects;
+            }
+            if local.states.len() != wanted.states.len() {
+                local.states = wanted.states;
             }
         }
         let normal = assemble(&model, &locals, runs)?;
@@ -173,3 +176,6 @@ fn assemble(model: &Model, locals: &[Local], runs: &[Run]) -> Result<Normal, Sim
     }
     Ok(sum)
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,8 @@ use super::data::{Channel, Measured, Run};
 use super::model::{Model, Placed, Value, Yardsticks};
 use crate::plant::effects::{Entry, Role, entry};
 use crate::plant::model::Kind;
-use crate::plant::simulate::Law;
+use crate::motion::filter::{Butterworth, Edge};
+use crate::plant::simulate::{Law, MeasuredMotion};
 use crate::recording::{self, Experiment, Use};
 
 /// Why an experiment cannot be fitted.
@@ -23,6 +24,14 @@ pub enum PrepareError {
         run: String,
         /// The channel.
         channel: &'static str,
+    },
+    /// The low-pass before the comparison.
+    #[error("{run}: `bandwidth_hz`: {problem}")]
+    Bandwidth {
+        /// The run.
+        run: String,
+        /// What is wrong with it.
+        problem: String,
     },
     /// The control core as a recording's controller.
     #[error("{run}: `controller = {{ core = ... }}` cannot be differentiated; state its plain gains as {{ kp, ki }}")]
@@ -129,7 +138,18 @@ fn of_recording(run: &recording::Run, model: &recording::Model) -> Result<Run, P
     let input = run.channel(driver).unwrap_or(&run.time).to_vec();
     let input =
         filled(&input).ok_or_else(|| PrepareError::EmptyChannel { run: run.name.clone(), channel: driver.name() })?;
-    let measured = measured(run, law, &model.baseline)?;
+    let mut measured = measured(run, law, &model.baseline)?;
+    let filter = model.bandwidth_hz.map(|corner| Butterworth::low_pass(4, corner).design(run.dt)).transpose();
+    let filter = filter.map_err(|e| PrepareError::Bandwidth { run: run.name.clone(), problem: e.to_string() })?;
+    let balance = matches!(model.baseline, recording::Baseline::ForceBalance(_));
+    let motion = balance.then(|| motion_of(run)).transpose()?;
+    if let Some(filter) = &filter {
+        for channel in &mut measured {
+            let smooth = filter.zero_phase(&filled(&channel.values).unwrap_or_default(), Edge::Hold);
+            let kept = |(value, smooth): (&f64, f64)| if value.is_finite() { smooth } else { f64::NAN };
+            channel.values = channel.values.iter().zip(smooth).map(kept).collect();
+        }
+    }
     let ticks = run.controller_rate_hz.map_or(1.0, |rate| (rate * run.dt).round()).max(1.0) as usize;
     let added = run.channel(C::Disturbance).and_then(filled).unwrap_or_default();
     Ok(Run {
@@ -142,7 +162,25 @@ fn of_recording(run: &recording::Run, model: &recording::Model) -> Result<Run, P
         law,
         moving_start: run.cut,
         measured,
+        motion,
+        filter,
     })
+}
+
+/// The measured motion that drives a force balance: what is not measured follows from what is.
+fn motion_of(run: &recording::Run) -> Result<MeasuredMotion, PrepareError> {
+    use recording::Channel as C;
+    let of = |channel| run.channel(channel).and_then(filled);
+    let missing = || PrepareError::EmptyChannel { run: run.name.clone(), channel: "displacement" };
+    let slope = |series: &[f64]| -> Vec<f64> {
+        let n = series.len();
+        let at = |k: usize| (series[(k + 1).min(n - 1)] - series[k.saturating_sub(1)]) / (2.0 * run.dt);
+        (0..n).map(at).collect()
+    };
+    let displacement = of(C::Displacement).ok_or_else(missing)?;
+    let velocity = of(C::Velocity).unwrap_or_else(|| slope(&displacement));
+    let acceleration = of(C::Acceleration).unwrap_or_else(|| slope(&velocity));
+    Ok(MeasuredMotion { displacement, velocity, acceleration })
 }
 
 /// The channels a run is compared with. A channel is judged where its noise is known; where neither displacement nor

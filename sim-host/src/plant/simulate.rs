@@ -5,6 +5,7 @@
 //! after the command's update. Between samples a fourth-order Runge-Kutta rule takes steps of at most [`LONGEST_STEP`];
 //! what has memory and corners (delay, rate limit, play) advances once a step, exactly for a held command.
 
+mod balance;
 mod dynamics;
 mod law;
 
@@ -12,6 +13,7 @@ use super::effects::{Instant, build, entry};
 use super::model::Baseline;
 use crate::scalar::Scalar;
 use dynamics::{Dynamics, STATES};
+pub use balance::{MeasuredMotion, balance};
 pub use law::Law;
 
 /// Longest integration step, s.
@@ -39,12 +41,19 @@ pub struct Drive<'a> {
 }
 
 /// How a run starts.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Start<S> {
     /// Displacement of the table, m.
     pub displacement: S,
     /// Velocity, m/s: the state z of a servo, which is at rest with it at zero.
     pub velocity: S,
+    /// By how much the effects' continuous states differ from rest, in the order of the effects; empty for rest.
+    pub states: Vec<S>,
+}
+
+/// Continuous states of these effects together.
+pub fn effect_states<'a>(effects: impl Iterator<Item = (&'a str, Vec<f64>)>) -> usize {
+    effects.map(|(id, parameters)| build(id, &parameters).map_or(0, |effect| effect.states())).sum()
 }
 
 /// What a simulated run shows, one value a sample.
@@ -180,3 +189,6 @@ impl<S> Trace<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

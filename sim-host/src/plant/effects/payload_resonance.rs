@@ -10,7 +10,7 @@ pub const ENTRY: Entry = Entry {
     equation: "f = mu (w_s^2 (x - x_s) + 2 zeta_s w_s (v - v_s)); x_s'' = f/mu",
     stage: Stage::Payload,
     parameters: &[Parameter { key: "mass_ratio", unit: "1", rigid_unit: "1", meaning: "payload mass over table mass", yardstick: Yardstick::One, low: 1e-3, high: 5.0, starts: &[0.05], positive: true, role: Role::Shared },
-        Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the payload on a still table", yardstick: Yardstick::One, low: 0.3, high: 40.0, starts: &[1.0, 2.0, 4.0, 8.0, 14.0], positive: true, role: Role::Shared },
+        Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the payload on a still table", yardstick: Yardstick::One, low: 0.3, high: 40.0, starts: &[0.8, 1.5, 2.5, 4.0, 6.0, 7.8, 10.0, 14.0], positive: true, role: Role::Shared },
         Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of the payload", yardstick: Yardstick::One, low: 1e-3, high: 0.7, starts: &[0.05], positive: true, role: Role::Shared }],
     kinds: &[Kind::Servo, Kind::RigidMass, Kind::ForceBalance],
     frees: &[],

@@ -40,11 +40,33 @@ pub(super) struct Passage<S> {
 
 /// One effect in place.
 #[derive(Debug)]
-struct Mounted<S> {
-    effect: Box<dyn Effect<S>>,
+pub(super) struct Mounted<S> {
+    pub(super) effect: Box<dyn Effect<S>>,
     hooks: Hooks,
-    first: usize,
-    last: usize,
+    pub(super) first: usize,
+    pub(super) last: usize,
+}
+
+impl<S: Scalar> Mounted<S> {
+    /// Puts effects in place, their states from index `first` on; gives them, the end of their states and how the
+    /// actuator yields.
+    pub(super) fn all(
+        effects: impl Iterator<Item = (&'static str, Vec<S>)>,
+        mut first: usize,
+        most: usize,
+    ) -> Result<(Vec<Self>, usize, Compliance<S>), SimulateError> {
+        let mut compliance = Compliance { oil: None, leakage: None, stall_acceleration: None };
+        let mut mounted = Vec::new();
+        for (id, parameters) in effects {
+            let unknown = || SimulateError::UnknownEffect { id: id.to_owned(), count: parameters.len() };
+            let effect = build(id, &parameters).ok_or_else(unknown)?;
+            effect.yields(&mut compliance);
+            let last = first + effect.states();
+            mounted.push(Self { hooks: effect.hooks(), effect, first, last });
+            first = last;
+        }
+        if first > most { Err(SimulateError::TooManyStates { states: first }) } else { Ok((mounted, first, compliance)) }
+    }
 }
 
 /// A plant ready to run, with `M` continuous states.
@@ -73,22 +95,8 @@ pub(super) fn states_of<S: Scalar>(effects: &[Placed<S>]) -> usize {
 
 impl<S: Scalar, const M: usize> Dynamics<S, M> {
     pub(super) fn new(baseline: &Baseline<S>, effects: &[Placed<S>]) -> Result<Self, SimulateError> {
-        let mut first = FIRST_OF_EFFECTS;
-        let mut mounted = Vec::with_capacity(effects.len());
-        let mut compliance = Compliance { oil: None, leakage: None, stall_acceleration: None };
-        for placed in effects {
-            let effect = build(placed.id, &per_mass(baseline, placed)).ok_or_else(|| SimulateError::UnknownEffect {
-                id: placed.id.to_owned(),
-                count: placed.parameters.len(),
-            })?;
-            effect.yields(&mut compliance);
-            let last = first + effect.states();
-            mounted.push(Mounted { hooks: effect.hooks(), effect, first, last });
-            first = last;
-        }
-        if first > M {
-            return Err(SimulateError::TooManyStates { states: first });
-        }
+        let placed = effects.iter().map(|placed| (placed.id, per_mass(baseline, placed)));
+        let (mounted, first, compliance) = Mounted::all(placed, FIRST_OF_EFFECTS, M)?;
         let velocity_limit = match *baseline {
             Baseline::Servo { velocity_limit, .. } => velocity_limit,
             Baseline::RigidMass { .. } => S::from(1.0),
@@ -108,6 +116,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         for m in &self.mounted {
             m.effect.rest(start.displacement, &mut y[m.first..m.last]);
         }
+        y.iter_mut().skip(FIRST_OF_EFFECTS).zip(&start.states).for_each(|(y, &away)| *y += away);
         State { command: S::from(0.0), spool: S::from(0.0), time: 0.0, y }
     }
 
