@@ -28,9 +28,11 @@ fn run<S: Scalar>(effects: &[Placed<S>]) -> Trace<S> {
 /// velocity-like sums that corners do not upset.
 #[test]
 fn sensitivities_are_those_of_the_simulation() {
+    let mut worst: Vec<String> = Vec::new();
     for entry in ENTRIES.iter().filter(|e| e.kinds.contains(&Kind::Servo)) {
         let last = (0..).map_while(|i| Start0::start(entry, i, &YARDSTICKS)).last().unwrap();
-        let at: Vec<f64> = last.values.iter().map(|v| v.value).collect();
+        // Off the round values, where steps and delays are whole and a difference would straddle a corner.
+        let at: Vec<f64> = last.values.iter().map(|v| 1.037 * v.value).collect();
         for i in 0..at.len() {
             let with = |value: f64| {
                 let mut parameters = at.clone();
@@ -50,9 +52,10 @@ fn sensitivities_are_those_of_the_simulation() {
                 size += difference.powi(2);
             }
             let key = entry.parameters[i].key;
-            assert!(error <= 0.02_f64.powi(2) * size + 1e-9, "{}.{key}: {error} of {size}", entry.id);
+            worst.extend((error > 0.02_f64.powi(2) * size + 1e-9).then(|| format!("{}.{key}: {error} of {size}", entry.id)));
         }
     }
+    assert!(worst.is_empty(), "{worst:#?}");
 }
 
 #[test]
@@ -67,7 +70,8 @@ fn without_effects_it_is_the_papers_plant() {
     for (k, x) in trace.displacement.iter().enumerate() {
         let t = k as f64 * DT;
         let exact = settled * (t - (1.0 - (-a1 * t).exp()) / a1) + b1 * u * t;
-        assert!((x - exact).abs() < 1e-7 * (1e-3 + exact), "{k}: {x} {exact}");
+        // A ten-thousandth of the LVDT's step of 0.04 mm.
+        assert!((x - exact).abs() < 4e-9, "{k}: {x} {exact}");
     }
 }
 
