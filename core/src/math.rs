@@ -1,6 +1,20 @@
 //! The only door to transcendental functions: `libm`, whose bits agree between host and target.
 //!
-//! None of these is called in a tick: configurations work them out once.
+//! In a tick only comparisons and, near the end of the stroke, the square root are called; configurations work the
+//! rest out once.
+
+/// The smaller of two numbers. Where either is NaN the second is given; a plain comparison, where `f32::min` is a call on
+/// a target without the instruction.
+#[inline]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger of two numbers, in the same way.
+#[inline]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
 
 /// Square root; NaN for negative input.
 #[inline]

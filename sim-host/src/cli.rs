@@ -1,10 +1,12 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
+mod demo;
 mod diagnose;
 mod effects;
 mod failure;
-mod modify;
 mod histories;
+mod init;
+mod modify;
 mod output;
 mod present;
 mod progress;
@@ -30,6 +32,8 @@ struct Arguments {
 /// What can be asked for; nothing given is `demo`.
 #[derive(Debug, Subcommand)]
 enum Command {
+    Init(init::Args),
+    Demo(demo::Args),
     Modify(Box<modify::Args>),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
@@ -43,8 +47,10 @@ enum Command {
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome: Result<(), Failure> = match arguments.command {
-        None => Ok(()),
+        None => demo::run(&demo::Args::default()),
         Some(command) => match command {
+            Command::Init(args) => init::run(&args),
+            Command::Demo(args) => demo::run(&args),
             Command::Modify(args) => modify::run(&args),
             Command::Diagnose(args) => diagnose::run(&args),
             Command::Effects(args) => effects::run(&args),

@@ -14,6 +14,7 @@ pub mod named;
 pub mod published;
 pub mod saw_tooth;
 pub mod scenario;
+pub mod showcase;
 pub mod table1;
 pub mod trade_off;
 pub mod trial;

@@ -11,8 +11,10 @@ pub mod result;
 pub mod search;
 
 use crate::identify::data::Run;
+use crate::identify::fit::Fit;
 use crate::identify::prepare::{PrepareError, Prepared, prepare};
 use crate::plant::simulate::SimulateError;
+use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError};
 pub use result::Diagnosis;
 use std::path::Path;
@@ -84,11 +86,29 @@ pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, Diagno
 /// Diagnoses an experiment.
 pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
     let begun = std::time::Instant::now();
+    options.say("checking the recordings", 0.0);
+    let findings = check(experiment);
     let prepared = prepare(experiment)?;
+    if is_bad_data(&findings) {
+        return unfit(prepared, &findings, begun);
+    }
     let search = search::search(&prepared, options)?;
     options.say("judging on the runs held back", 0.9);
     let decision = decide::decide(&prepared, &search)?;
     let location = locate::locate(&prepared, &search.baseline, &decision)?;
-    let diagnosis = result::assemble(&prepared, &decision, location, begun.elapsed().as_secs_f64());
+    let diagnosis = result::assemble(&prepared, &decision, location, &findings, begun.elapsed().as_secs_f64());
+    Ok(Examined { diagnosis, prepared, decision })
+}
+
+/// What is said of recordings that cannot be believed: the stated model's standing and nothing more.
+fn unfit(prepared: Prepared, findings: &[Finding], begun: std::time::Instant) -> Result<Examined, DiagnoseError> {
+    let stated = Fit::begin(prepared.model.clone(), &prepared.fit)?;
+    let decision = decide::decide(&prepared, &search::Search { baseline: stated, grown: Vec::new() })?;
+    let location = locate::Location::default();
+    let seconds = begun.elapsed().as_secs_f64();
+    let mut diagnosis = result::assemble(&prepared, &decision, location, findings, seconds);
+    diagnosis.verdict = result::Verdict::BadData;
+    diagnosis.effects.clear();
+    diagnosis.candidates.clear();
     Ok(Examined { diagnosis, prepared, decision })
 }

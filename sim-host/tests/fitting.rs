@@ -1,9 +1,9 @@
 //! Real records fitted to the paper's table: 0.242 m/s and 0.12 m. Prints the figures it asserts:
 //! `cargo test -p shakedown --test fitting -- --nocapture --test-threads 1`.
 
-use shakedown::motion::condition::{Recipe, peak_acceleration};
 use shakedown::closed_loop::published::Named;
 use shakedown::closed_loop::trial::Setup;
+use shakedown::motion::condition::{Recipe, peak_acceleration};
 use shakedown::motion::fit::certificate::{self, Relaxed};
 use shakedown::motion::fit::method::{Method, modify};
 use shakedown::motion::fit::online::{self, Modifier};
@@ -32,7 +32,10 @@ fn prepared(file: &str, scale: Option<&str>) -> Option<Motion> {
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
     let path = folder.join("records").join(file);
     if !path.exists() {
-        eprintln!("skipped: {} is not at hand; set SHAKEDOWN_DATA to the folder of the development data", path.display());
+        eprintln!(
+            "skipped: {} is not at hand; set SHAKEDOWN_DATA to the folder of the development data",
+            path.display()
+        );
         return None;
     }
     let record = read::record(&path, &read::Options::default()).unwrap();
@@ -74,7 +77,10 @@ fn offline_fits_reach_the_best_possible() {
 
 #[test]
 fn online_modifiers_keep_their_promises_on_records() {
-    println!("{:12} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9}", "record", "clip", "causal", "0.1 s", "0.5 s", "peak err", "end mm");
+    println!(
+        "{:12} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9}",
+        "record", "clip", "causal", "0.1 s", "0.5 s", "peak err", "end mm"
+    );
     let limits = Limits::table(VELOCITY, STROKE);
     for (name, file, scale, _) in RECORDS {
         let Some(motion) = prepared(file, scale) else { return };
@@ -144,7 +150,10 @@ fn a_missed_target_says_what_it_takes() {
     let reference = reference(&motion);
     let limits = Limits { end: Some(0.0), ..Limits::velocity(VELOCITY) };
     let found = certificate::relaxation(&reference, &limits, Relaxed::Velocity, 0.2).unwrap().unwrap();
-    println!("E_a 0.2 on Kobe 0.74 g takes {:.3} times the velocity; {:.3} times is not enough", found.met_at, found.missed_at);
+    println!(
+        "E_a 0.2 on Kobe 0.74 g takes {:.3} times the velocity; {:.3} times is not enough",
+        found.met_at, found.missed_at
+    );
     assert!(found.error <= 0.2 && found.bound > 0.2);
     assert!(found.met_at / found.missed_at < 1.005);
     assert!(certificate::relaxation(&reference, &limits, Relaxed::Velocity, 0.5).unwrap().is_none());
@@ -177,7 +186,9 @@ fn the_causal_modifier_beats_clipping_on_generated_records() {
             compared += 1;
         }
     }
-    println!("causal: E_a and peak error at most clip's on {compared} generated records; clip leaves the stroke on {left} more");
+    println!(
+        "causal: E_a and peak error at most clip's on {compared} generated records; clip leaves the stroke on {left} more"
+    );
     assert!(compared >= 8);
 }
 
@@ -190,10 +201,15 @@ fn fitted_records_leave_no_spike_in_the_closed_loop() {
         let Some(motion) = prepared(file, scale) else { return };
         let setup = Setup::paper(Named::Strong);
         let asked = peak(&motion.acceleration);
-        let mut spike = |label: &str, given: &Motion| {
+        let spike = |label: &str, given: &Motion| {
             let trace = setup.play(given).unwrap().trace;
             let found = peak(&trace.acceleration);
-            println!("{name:12} {label:14} {:8.3} {:8.3} {:7.2} s", found / 9.80665, found / asked, trace.saturated_s());
+            println!(
+                "{name:12} {label:14} {:8.3} {:8.3} {:7.2} s",
+                found / 9.80665,
+                found / asked,
+                trace.saturated_s()
+            );
             found / asked
         };
         spike("as it is", &motion);
@@ -219,7 +235,8 @@ fn an_independent_solver_agrees() {
         .collect();
     let task = serde_json::json!({"dt": dt, "velocity": velocity, "limit": limit, "stroke": stroke}).to_string();
     let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/independent_fit.py");
-    let child = Command::new("python3").arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let child =
+        Command::new("python3").arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let Ok(mut child) = child else {
         eprintln!("skipped: no python3");
         return;

@@ -10,9 +10,12 @@
 //! q = 1 is the step, the imaginary part of `q = exp(i w T)` the sine. Nothing of it is shared with the simulation.
 
 use nalgebra::Complex;
+use shakedown::closed_loop::named::settings;
+use shakedown::closed_loop::published::Gains;
 use shakedown::closed_loop::{Clock, Law, PlainPi, Trace, run};
 use shakedown::plant::paper::{FixedStep, Paper};
 use shakedown::plant::sensors::{SensorModel, Sensors};
+use shakedown_core::Controller;
 
 type C = Complex<f64>;
 
@@ -146,5 +149,27 @@ fn saw_tooth_slope_is_the_limit() {
     for &k in &flat {
         let slope = (trace.displacement[k + 1] - trace.displacement[k]) * RATE;
         assert!((slope - trace.velocity[k]).abs() < 1e-12, "tick {k}: {slope}");
+    }
+}
+
+/// The control core, in `f32`, against the same law in `f64`.
+#[test]
+fn the_core_is_the_law() {
+    for (kp, ki) in GAINS {
+        let gains = Gains { displacement: (kp, ki), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };
+        // The core holds the gains as f32; the law it is held against has the same.
+        let (kp, ki) = (f64::from(kp as f32), f64::from(ki as f32));
+        for amplitude in [0.01, 0.1] {
+            let w = std::f64::consts::TAU * 1.0 / RATE;
+            let sine: Vec<f64> = (0..TICKS).map(|k| amplitude * (w * k as f64).sin()).collect();
+            for (name, reference) in [("step", vec![amplitude; TICKS]), ("sine", sine)] {
+                let mut core = Controller::new(&settings(gains, RATE)).unwrap();
+                let core = simulate(linear(), &mut core, &reference);
+                let law = simulate(linear(), &mut PlainPi::new(kp, ki, RATE), &reference);
+                let off = farthest(&core.displacement, &law.displacement) / amplitude;
+                println!("{name} of {amplitude} m, kp {kp}: core {off:.1e} of the amplitude from the f64 law");
+                assert!(off < 1e-6);
+            }
+        }
     }
 }

@@ -2,8 +2,9 @@
 
 mod deny;
 mod figures;
-mod fuzz;
 mod firmware;
+mod firmware;
+mod fuzz;
 mod house;
 mod output;
 mod reproduce;

@@ -21,6 +21,7 @@
 use super::input::Input;
 use super::travel::{Integrator, Walls};
 use super::{Limits, Washout, within};
+use crate::math::{max, min};
 use crate::settings::SettingsError;
 
 /// What is set before a test.
@@ -88,7 +89,7 @@ pub fn step(config: &Config, state: &mut State, reference: f32, velocity_limit_n
     state.input.accept(reference, walls.leap, walls.brake);
     let wish = state.input.step;
     let change = wish - before;
-    state.peak = (state.peak * config.decay).max(wish.abs());
+    state.peak = max(state.peak * config.decay, wish.abs());
 
     let returned = config.velocity_share * velocity_error + config.displacement_share * displacement_error;
     let want = (wish - velocity_error) + returned - given_up(change, state.output.step, state.peak, limit);
@@ -104,6 +105,6 @@ fn given_up(change: f32, step: f32, peak: f32, limit: f32) -> f32 {
     }
     let outward = if change < 0.0 { -step } else { step };
     // A limit lowered to nothing leaves no way to go: whatever moves, moves outward.
-    let progress = if limit > 0.0 { (outward / limit).clamp(-1.0, 1.0) } else { 1.0 };
+    let progress = if limit > 0.0 { max(min(outward / limit, 1.0), -1.0) } else { 1.0 };
     change * (1.0 - limit / peak) * 0.5 * (1.0 + progress)
 }

@@ -7,6 +7,7 @@
 use super::Limits;
 use super::input::Input;
 use super::travel::{Integrator, Walls};
+use crate::math::{max, min};
 use crate::settings::SettingsError;
 
 /// What is set before a test.
@@ -54,7 +55,7 @@ pub fn step(config: &Config, state: &mut State, reference: f32, velocity_limit_n
     let walls = &config.walls;
     state.input.accept(reference, walls.leap, walls.brake);
     let limit = walls.step_now(velocity_limit_now);
-    let kept = state.input.step.min(limit).max(-limit);
+    let kept = max(min(state.input.step, limit), -limit);
     state.limited = kept != state.input.step;
     state.output.advance(kept)
 }

@@ -17,6 +17,7 @@ mod window;
 use super::input::Input;
 use super::travel::{Integrator, Walls};
 use super::{Limits, Washout, within};
+use crate::math::{max, min};
 use crate::settings::SettingsError;
 use window::Window;
 
@@ -116,8 +117,8 @@ fn string<const N: usize>(window: &Window<N>, ahead: u32, error: f32, limit: f32
         if roof < low {
             return low;
         }
-        low = low.max(floor);
-        high = high.min(roof);
+        low = max(low, floor);
+        high = min(high, roof);
     }
-    home.max(low).min(high)
+    min(max(home, low), high)
 }

@@ -64,15 +64,26 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
             let _ = writeln!(text, "    {key} = {:.5}{spread} {}", q.value, q.unit);
         }
     }
+    for finding in &diagnosis.findings {
+        let _ = writeln!(text, "\n  {}, {}: {}\n    {}", finding.run, finding.channel, finding.problem, finding.remedy);
+    }
     for tie in &diagnosis.indistinguishable {
         let _ = writeln!(text, "\n  not told apart by these runs: {}", tie.join(", "));
     }
     if diagnosis.verdict != Verdict::BadData {
         let (before, after) = (&diagnosis.holdout.before, &diagnosis.holdout.after);
         let runs = examined.judging_runs().len();
-        let _ = writeln!(text, "\nheld out ({runs} runs): chi2 {:.3} -> {:.3}; the noise floor is 1", before.chi2, after.chi2);
+        let _ = writeln!(
+            text,
+            "\nheld out ({runs} runs): chi2 {:.3} -> {:.3}; the noise floor is 1",
+            before.chi2, after.chi2
+        );
         for (channel, r2) in &after.r2 {
-            let _ = writeln!(text, "  {channel:<20} R2 {:.5} -> {r2:.5}", before.r2.get(channel).copied().unwrap_or(f64::NAN));
+            let _ = writeln!(
+                text,
+                "  {channel:<20} R2 {:.5} -> {r2:.5}",
+                before.r2.get(channel).copied().unwrap_or(f64::NAN)
+            );
         }
     }
     let _ = writeln!(text, "{:.1} s", diagnosis.seconds);

@@ -72,7 +72,8 @@ fn table(entries: &[&Entry]) -> Table {
 }
 
 fn markdown(entries: &[&Entry]) -> String {
-    let mut text = String::from("| effect | stage | equation | parameters | looks like | mistaken for | told apart by |\n");
+    let mut text =
+        String::from("| effect | stage | equation | parameters | looks like | mistaken for | told apart by |\n");
     text += "|---|---|---|---|---|---|---|\n";
     for e in entries {
         let cell = |s: &str| s.replace('|', "\\|");

@@ -34,7 +34,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let to_terminal = args.out.as_os_str() == "-";
     let path = args.folder.join(&args.out);
     if !to_terminal && path.exists() && !args.force {
-        let message = format!("{}: is there already; name another with --out, or replace it with --force", path.display());
+        let message =
+            format!("{}: is there already; name another with --out, or replace it with --force", path.display());
         return Err(Failure::Input(message));
     }
     let proposal = propose(&args.folder).map_err(|e| Failure::Input(e.to_string()))?;

@@ -19,13 +19,16 @@ use std::time::Instant;
 
 /// Fits a record to the table's limits: the drive is written in the record's own format.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
+#[command(
+    allow_negative_numbers = true,
+    after_help = "Examples:
   shakedown modify KJM000.AT2 --out drive.AT2 --scale-to 0.74g
   shakedown modify KJM000.AT2 --out drive.AT2 --velocity 0.3 --stroke 0.15 --report fit.html
   shakedown modify KJM000.AT2 --objective spectrum --band 0.05,0.5 --tolerance 0.05 --out drive.AT2
   shakedown modify KJM000.AT2 --preview 0.5 --json -      what the device itself would make of it
   shakedown modify KJM000.AT2 --target 0.2                what it would take to come that near
-  shakedown modify near-field-strong --report fit.html    a generated record, with no file at hand")]
+  shakedown modify near-field-strong --report fit.html    a generated record, with no file at hand"
+)]
 pub(crate) struct Args {
     /// The record: a file, or the name of a generated one (near-field-strong, near-field-moderate, far-field).
     record: PathBuf,
@@ -64,7 +67,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "S")]
     preview: Option<f64>,
     /// Periods whose spectral ordinates are kept, s.
-    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 2, default_values_t = [0.05, 0.5])]
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', default_values_t = [0.05, 0.5])]
     band: Vec<f64>,
     /// Damping of the spectrum, 1.
     #[arg(long, default_value_t = 0.05)]
@@ -76,7 +79,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "E_A")]
     target: Option<f64>,
     /// Keeps a stretch of the record only, s.
-    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 2)]
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',')]
     trim: Option<Vec<f64>>,
     /// Takes the record as it is: no rest before and after, no 0.1 Hz high-pass, its own sampling rate.
     #[arg(long)]
@@ -196,17 +199,15 @@ impl Args {
         {
             return clash(&format!("{name} is a limit that only --method convex keeps: leave one of them out"));
         }
+        let (shortest, longest) = pair("--band", &self.band)?;
         Ok(match (named, self.objective) {
             (How::Clip, _) => Method::Clip,
             (How::Taut, _) => Method::Taut,
             (How::Causal, _) => Method::Causal,
             (How::Preview, _) => Method::Preview(self.preview.unwrap_or(0.5)),
-            (How::Convex, Objective::Spectrum) => Method::Spectrum(Band {
-                shortest: self.band[0],
-                longest: self.band[1],
-                damping: self.damping,
-                tolerance: self.tolerance,
-            }),
+            (How::Convex, Objective::Spectrum) => {
+                Method::Spectrum(Band { shortest, longest, damping: self.damping, tolerance: self.tolerance })
+            }
             (How::Convex, Objective::Waveform) => Method::Convex(match self.norm {
                 Measure::Two => Norm::Two,
                 Measure::One => Norm::One,
@@ -239,8 +240,9 @@ impl Args {
     /// What is done to the record before it is fitted.
     fn recipe(&self, record: &Record) -> Result<Recipe, Failure> {
         let mut steps = Vec::new();
-        if let Some([from_s, to_s]) = self.trim.as_deref() {
-            steps.push(Step::Trim { from_s: *from_s, to_s: *to_s });
+        if let Some(values) = &self.trim {
+            let (from_s, to_s) = pair("--trim", values)?;
+            steps.push(Step::Trim { from_s, to_s });
         }
         if let Some(text) = &self.scale_to {
             let peak = peak_acceleration(text).map_err(|e| Failure::Input(format!("modify: --scale-to {e}")))?;
@@ -305,6 +307,14 @@ const RATE: f64 = 200.0;
 const BEFORE: f64 = 3.0;
 const AFTER: f64 = 5.0;
 const CORNER: f64 = 0.1;
+
+/// Two numbers of an argument, `FROM,TO`.
+fn pair(name: &str, values: &[f64]) -> Result<(f64, f64), Failure> {
+    if let [from, to] = values {
+        return Ok((*from, *to));
+    }
+    Err(Failure::Input(format!("modify: {name} takes two numbers, FROM,TO; {} were given", values.len())))
+}
 
 /// Which exit status a failed fit has.
 fn failure(error: &FitError) -> Failure {

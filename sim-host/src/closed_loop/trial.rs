@@ -35,6 +35,11 @@ impl Setup {
         f64::from(self.settings.rate)
     }
 
+    /// The same motion at the control rate: acceleration is linear between samples, so nothing changes between them.
+    pub fn at_rate(&self, motion: &Motion) -> Result<Motion, TrialError> {
+        Ok(Step::Resample { rate_hz: self.rate(), between: Interpolation::Linear }.apply(motion.clone())?)
+    }
+
     /// Plays a motion; it is brought to the control rate first, linear in acceleration between samples.
     pub fn play(&self, motion: &Motion) -> Result<Trial, TrialError> {
         self.play_with(&mut Controller::new(&self.settings).map_err(ClosedLoopError::from)?, motion)
@@ -42,7 +47,7 @@ impl Setup {
 
     /// The same with another law at the settings' rate.
     pub fn play_with(&self, law: &mut impl Law, motion: &Motion) -> Result<Trial, TrialError> {
-        let wanted = Step::Resample { rate_hz: self.rate(), between: Interpolation::Linear }.apply(motion.clone())?;
+        let wanted = self.at_rate(motion)?;
         let clock = Clock::new(self.rate(), self.steps).map_err(ClosedLoopError::from)?;
         let start = wanted.displacement.first().copied().unwrap_or(0.0);
         let mut plant = FixedStep::new(self.plant, clock.plant_step(), start).map_err(ClosedLoopError::from)?;

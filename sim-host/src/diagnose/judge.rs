@@ -47,7 +47,15 @@ pub fn score(model: &Model, runs: &[Run]) -> Result<Score, SimulateError> {
 
 /// Scores predictions that are at hand.
 pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
-    let mut score = Score { chi2: 0.0, samples: 0, rows: 0, blocks: Vec::new(), colour: 1.0, nrmse: Vec::new(), predicted: Vec::new() };
+    let mut score = Score {
+        chi2: 0.0,
+        samples: 0,
+        rows: 0,
+        blocks: Vec::new(),
+        colour: 1.0,
+        nrmse: Vec::new(),
+        predicted: Vec::new(),
+    };
     let mut sums: Vec<(Channel, Sums)> = Vec::new();
     for (run, prediction) in runs.iter().zip(&predicted) {
         let block = ((BLOCK / run.dt).round() as usize).max(1);

@@ -149,7 +149,8 @@ fn join(all: Vec<Stretch>, stands_out: f64) -> Vec<Stretch> {
 fn spectrum(series: &[f64], size: usize) -> Vec<f64> {
     let mut planner = RealFftPlanner::<f64>::new();
     let transform = planner.plan_fft_forward(size);
-    let window: Vec<f64> = (0..size).map(|i| (std::f64::consts::PI * (i as f64 + 0.5) / size as f64).sin().powi(2)).collect();
+    let window: Vec<f64> =
+        (0..size).map(|i| (std::f64::consts::PI * (i as f64 + 0.5) / size as f64).sin().powi(2)).collect();
     let weight: f64 = window.iter().map(|w| w * w).sum();
     let mut power = vec![0.0; size / 2 + 1];
     let mut segments = 0.0;

@@ -7,6 +7,7 @@ use crate::identify::data::Channel;
 use crate::identify::prepare::Prepared;
 use crate::plant::effects::Role;
 use crate::plant::model::Kind;
+use crate::recording::check::Finding;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -36,8 +37,10 @@ pub struct Diagnosis {
     pub model: BTreeMap<String, Quantity>,
     /// Where effects of the library explain a part only: which, and how much of the excess.
     pub part_explained: Option<Part>,
+    /// Share of the stated model's excess over the noise floor that the accepted model leaves.
+    pub share_left: f64,
     /// What is wrong with the data, or worth knowing about it.
-    pub findings: Vec<serde_json::Value>,
+    pub findings: Vec<Finding>,
     /// Wall-clock time, s.
     pub seconds: f64,
 }
@@ -144,6 +147,7 @@ pub(super) fn assemble(
     prepared: &Prepared,
     decision: &Decision,
     location: Location,
+    findings: &[Finding],
     seconds: f64,
 ) -> Diagnosis {
     let verdict = if decision.consistent() { Verdict::Consistent } else { Verdict::Mismatch };
@@ -161,8 +165,9 @@ pub(super) fn assemble(
         next_test: None,
         holdout: BeforeAfter { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) },
         model,
+        share_left: (decision.after.hold.chi2 - 1.0).max(0.0) / (decision.before.hold.chi2 - 1.0).max(1e-9),
         part_explained: decision.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
-        findings: Vec::new(),
+        findings: findings.to_vec(),
         seconds,
     }
 }
@@ -215,7 +220,11 @@ fn quantities(judged: &Judged) -> BTreeMap<String, Quantity> {
         let std = deviation.is_finite().then_some(deviation);
         let edge = |sign: f64| {
             std.map(|s| {
-                if value.positive { value.value * (sign * NINETY * s / value.value).exp() } else { value.value + sign * NINETY * s }
+                if value.positive {
+                    value.value * (sign * NINETY * s / value.value).exp()
+                } else {
+                    value.value + sign * NINETY * s
+                }
             })
         };
         (name, Quantity { value: value.value, std, low: edge(-1.0), high: edge(1.0), unit })
@@ -238,8 +247,13 @@ pub(super) fn augmented(stated: &crate::recording::Model, judged: &Judged) -> cr
     for placed in &judged.fit.model.effects {
         let id = placed.entry.id;
         let shared = || placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun);
-        let values = shared().filter_map(|p| Some((p.key.to_owned(), quantities.get(&format!("{id}.{}", p.key))?.value)));
-        let effect = StatedEffect { id: id.to_owned(), parameters: values.collect(), place: Place::file(std::path::Path::new("diagnosis")) };
+        let values =
+            shared().filter_map(|p| Some((p.key.to_owned(), quantities.get(&format!("{id}.{}", p.key))?.value)));
+        let effect = StatedEffect {
+            id: id.to_owned(),
+            parameters: values.collect(),
+            place: Place::file(std::path::Path::new("diagnosis")),
+        };
         model.effects.retain(|e| e.id != id);
         model.effects.push(effect);
         for parameter in shared() {

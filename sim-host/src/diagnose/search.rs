@@ -53,7 +53,8 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
         let (Some(best), Some(parent)) = (grown.first(), parents.first()) else { break };
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
-        let settled = gain < CHANCE || left < SETTLED || best.squares < best.rows as f64 + 3.0 * (2.0 * best.rows as f64).sqrt();
+        let settled =
+            gain < CHANCE || left < SETTLED || best.squares < best.rows as f64 + 3.0 * (2.0 * best.rows as f64).sqrt();
         parents = grown.iter().take(BEAM).cloned().collect();
         search.grown.push(grown);
         if settled {

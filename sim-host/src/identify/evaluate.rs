@@ -3,9 +3,9 @@
 use super::data::{Channel, Measured, Run};
 use super::model::{Model, Value};
 use super::normal::Normal;
+use crate::motion::filter::{Cascade, Edge};
 use crate::plant::effects::Role;
 use crate::plant::model::Baseline;
-use crate::motion::filter::{Cascade, Edge};
 use crate::plant::simulate::{Drive, Placed, SimulateError, Start, Trace, balance, effect_states, simulate};
 use crate::scalar::{Dual, Scalar};
 use nalgebra::{DMatrix, DVector};
@@ -46,7 +46,13 @@ impl Local {
         let slope = run.moving_start.then(|| initial_slope(run)).flatten().unwrap_or(0.0);
         let has_pressure = run.channel(Channel::PressureDifference).is_some_and(|m| m.judged);
         let per_run = |p: &super::model::Placed| {
-            p.entry.parameters.iter().zip(&p.values).filter(|(q, _)| q.role == Role::PerRun).map(|(_, v)| Value { free: true, ..*v }).collect::<Vec<_>>()
+            p.entry
+                .parameters
+                .iter()
+                .zip(&p.values)
+                .filter(|(q, _)| q.role == Role::PerRun)
+                .map(|(_, v)| Value { free: true, ..*v })
+                .collect::<Vec<_>>()
         };
         Self {
             displacement: free(at, reach.max(1e-4), run.motion.is_none()),
@@ -91,7 +97,10 @@ pub struct Predicted {
 /// Simulates a run and gives the prediction of each of its channels.
 pub fn predict(model: &Model, run: &Run, local: &Local) -> Result<Predicted, SimulateError> {
     let (trace, scale, offset) = trace::<f64>(model, run, local, |value| value.value)?;
-    let channels = run.measured.iter().map(|m| (0..run.len()).map(|k| shown(&trace, m.channel, k, scale, offset).unwrap_or(f64::NAN)).collect());
+    let channels = run
+        .measured
+        .iter()
+        .map(|m| (0..run.len()).map(|k| shown(&trace, m.channel, k, scale, offset).unwrap_or(f64::NAN)).collect());
     Ok(Predicted { channels: channels.collect() })
 }
 
@@ -136,13 +145,9 @@ fn trace<S: Scalar>(
 /// Low-passes every channel, derivatives with it: the filter is linear.
 fn filtered<S: Scalar>(mut trace: Trace<S>, filter: Option<&Cascade>) -> Trace<S> {
     let Some(filter) = filter else { return trace };
-    for series in [
-        &mut trace.displacement,
-        &mut trace.velocity,
-        &mut trace.acceleration,
-        &mut trace.command,
-        &mut trace.load,
-    ] {
+    for series in
+        [&mut trace.displacement, &mut trace.velocity, &mut trace.acceleration, &mut trace.command, &mut trace.load]
+    {
         let pass = |i: usize| filter.zero_phase(&series.iter().map(|s| s.part(i)).collect::<Vec<_>>(), Edge::Hold);
         let parts: Vec<Vec<f64>> = (0..S::PARTS).map(pass).collect();
         *series = (0..series.len()).map(|k| S::from_parts(|i| parts[i][k])).collect();

@@ -102,7 +102,12 @@ impl Yardsticks {
         for run in runs {
             if let Some(command) = run.channel(Channel::Command) {
                 squares += command.values.iter().filter(|u| u.is_finite()).map(|u| u * u).sum::<f64>();
-                rates += command.values.windows(2).map(|w| ((w[1] - w[0]) / run.dt).powi(2)).filter(|r| r.is_finite()).sum::<f64>();
+                rates += command
+                    .values
+                    .windows(2)
+                    .map(|w| ((w[1] - w[0]) / run.dt).powi(2))
+                    .filter(|r| r.is_finite())
+                    .sum::<f64>();
                 count += run.len() as f64;
             }
             if let Some(x) = run.channel(Channel::Displacement) {

@@ -67,7 +67,8 @@ impl Normal {
     pub(super) fn covariance(&self) -> Option<DMatrix<f64>> {
         let n = self.gradient.len();
         let scale = DVector::from_fn(n, |i, _| 1.0 / self.matrix[(i, i)].max(1e-300).sqrt());
-        let scaled = DMatrix::from_fn(n, n, |i, j| self.matrix[(i, j)] * scale[i] * scale[j] + if i == j { 1e-10 } else { 0.0 });
+        let scaled =
+            DMatrix::from_fn(n, n, |i, j| self.matrix[(i, j)] * scale[i] * scale[j] + if i == j { 1e-10 } else { 0.0 });
         let inverse = scaled.cholesky()?.inverse();
         let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
         let mut spread = DMatrix::zeros(n, n);
@@ -78,6 +79,10 @@ impl Normal {
         let robust = &inverse * spread * &inverse * few;
         // Where residuals are white the curvature alone is the sharper estimate; the larger of the two is honest.
         let chi2 = (self.squares / (self.rows as f64 - n as f64).max(1.0)).max(1.0);
-        Some(DMatrix::from_fn(n, n, |i, j| if i == j { robust[(i, i)].max(inverse[(i, i)] * chi2) } else { robust[(i, j)] }))
+        Some(DMatrix::from_fn(
+            n,
+            n,
+            |i, j| if i == j { robust[(i, i)].max(inverse[(i, i)] * chi2) } else { robust[(i, j)] },
+        ))
     }
 }

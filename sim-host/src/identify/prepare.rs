@@ -2,9 +2,9 @@
 
 use super::data::{Channel, Measured, Run};
 use super::model::{Model, Placed, Value, Yardsticks};
+use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Entry, Role, entry};
 use crate::plant::model::Kind;
-use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::simulate::{Law, MeasuredMotion};
 use crate::recording::{self, Experiment, Use};
 

@@ -40,7 +40,8 @@ impl Kind {
     pub fn parameters(self) -> &'static [Own] {
         const SERVO: &[Own] =
             &[signed("b1", "1/s"), positive("b0", "1/s2"), positive("a1", "1/s"), positive("velocity_limit", "m/s")];
-        const RIGID_MASS: &[Own] = &[positive("mass", "kg"), signed("viscous", "N s/m"), positive("gain", "N per unit of u")];
+        const RIGID_MASS: &[Own] =
+            &[positive("mass", "kg"), signed("viscous", "N s/m"), positive("gain", "N per unit of u")];
         const FORCE_BALANCE: &[Own] = &[signed("scale", "unit of p per m/s2"), signed("viscous", "1/s")];
         match self {
             Self::Servo => SERVO,

@@ -12,8 +12,8 @@ mod law;
 use super::effects::{Instant, build, entry};
 use super::model::Baseline;
 use crate::scalar::Scalar;
-use dynamics::{Dynamics, STATES};
 pub use balance::{MeasuredMotion, balance};
+use dynamics::{Dynamics, STATES};
 pub use law::Law;
 
 /// Longest integration step, s.

@@ -6,12 +6,7 @@ use crate::report::{Axis, Item, Matrix, Page, Plot, Section, Series, Style, Tabl
 
 /// The page of a campaign.
 pub fn page(summary: &Summary) -> Page {
-    let failed: Vec<&str> = summary.gates.iter().filter(|g| !g.holds).map(|g| g.name).collect();
-    let lead = if failed.is_empty() {
-        format!("{} concealed cases: no gate's 95 % bound excludes its limit.", summary.plan.cases)
-    } else {
-        format!("{} concealed cases; gates missed: {}.", summary.plan.cases, failed.join("; "))
-    };
+    let lead = lead(summary);
     let section = |heading: &str, items: Vec<Item>| Section { heading: heading.into(), items };
     Page {
         title: "Proof on concealed data".into(),
@@ -40,6 +35,25 @@ pub fn page(summary: &Summary) -> Page {
     }
 }
 
+/// What came out, misses first.
+fn lead(summary: &Summary) -> String {
+    let cases = summary.plan.cases;
+    let missed: Vec<&str> = summary.gates.iter().filter(|g| !g.holds).map(|g| g.name).collect();
+    let empty = summary.gates.iter().filter(|g| g.cases == 0).count();
+    let mut text = if missed.is_empty() {
+        format!("{cases} concealed cases: no gate's 95 % bound excludes its limit.")
+    } else {
+        format!("{cases} concealed cases; gates missed: {}.", missed.join("; "))
+    };
+    if empty > 0 {
+        text += &format!(" {empty} gates had no cases.");
+    }
+    if !summary.failed.is_empty() {
+        text += &format!(" {} cases were not answered.", summary.failed.len());
+    }
+    text
+}
+
 const GATE_NOTE: &str = "A gate fails only where the one-sided 95 % bound (Clopper and Pearson) of its estimate excludes \
                          the limit. A gate without cases says nothing.";
 
@@ -47,18 +61,17 @@ const BESIDE: &str = "Linear refit: the baseline's parameters re-estimated, a mi
                       1.08, no name ever. White-noise BIC: forward selection of 13 terms along the predicted motion. \
                       Sparse regression: the same terms by thresholded least squares. On the cases that all could read.";
 
-/// The diagnosis and its rivals, a row a method.
+/// The diagnosis and its rivals, a column a method.
 pub fn beside_table(beside: &[Beside]) -> Table {
-    let mut columns = vec!["Method".to_string()];
-    if let Some(first) = beside.first() {
-        columns.extend(first.gates.iter().map(|g| format!("{} [%]", g.name)));
-    }
-    let row = |b: &Beside| {
-        let mut cells = vec![b.name.clone()];
-        cells.extend(b.gates.iter().map(|g| percent(g.value)));
+    let mut columns = vec!["Share [%]".to_string()];
+    columns.extend(beside.iter().map(|b| b.name.clone()));
+    let gates = beside.first().map_or(0, |b| b.gates.len());
+    let row = |i: usize| {
+        let mut cells = vec![beside[0].gates[i].name.to_string()];
+        cells.extend(beside.iter().map(|b| percent(b.gates[i].value)));
         cells
     };
-    Table { columns, rows: beside.iter().map(row).collect(), caption: String::new() }
+    Table { columns, rows: (0..gates).map(row).collect(), caption: String::new() }
 }
 
 fn percent(share: f64) -> String {
@@ -69,7 +82,11 @@ fn percent(share: f64) -> String {
 pub fn gate_table(gates: &[Gate]) -> Table {
     let rows = gates.iter().map(|gate| {
         let is_share = gate.name != SECONDS;
-        let show = |value: f64| if is_share { format!("{} %", percent(value)) } else { format!("{value:.2} s") };
+        let show = |value: f64| match (is_share, value.is_nan()) {
+            (_, true) => "\u{2013}".to_string(),
+            (true, false) => format!("{} %", percent(value)),
+            (false, false) => format!("{value:.2} s"),
+        };
         let limit = match gate.limit {
             Limit::AtMost(most) => format!("\u{2264} {}", show(most)),
             Limit::AtLeast(least) => format!("\u{2265} {}", show(least)),
@@ -171,7 +188,7 @@ fn brier(summary: &Summary) -> String {
         .collect();
     let score =
         summary.brier.map_or_else(|| "no probabilities were given".into(), |b| format!("mean Brier score {b:.3}"));
-    format!("{score}. {}.", bins.join("; "))
+    if bins.is_empty() { format!("{score}.") } else { format!("{score}. {}.", bins.join("; ")) }
 }
 
 fn coverage(summary: &Summary) -> Table {

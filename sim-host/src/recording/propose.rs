@@ -126,17 +126,7 @@ fn first_readable(
 ) -> Result<Recording, ProposeError> {
     while let Some(name) = files.first().cloned() {
         let path = folder.join(&name);
-        let mut error = None;
-        let (mut kept, mut columns) = (Vec::new(), Vec::new());
-        for heading in headings.iter().filter(|h| !h.text.is_empty()).take(MOST_COLUMNS) {
-            match file::read(&path, &[&heading.text]) {
-                Ok(mut table) => {
-                    columns.append(&mut table.columns);
-                    kept.push(heading.clone());
-                }
-                Err(e) => error = Some(e),
-            }
-        }
+        let (mut kept, mut columns, error) = numeric_columns(&path, headings);
         // A file of variables also holds single numbers: gains, a date.
         let longest = columns.iter().map(Vec::len).max().unwrap_or(0);
         let whole: Vec<bool> = columns.iter().map(|c| c.len() == longest).collect();
@@ -152,6 +142,26 @@ fn first_readable(
         files.remove(0);
     }
     Err(ProposeError::NoRecordings { path: folder.to_path_buf(), left_out: std::mem::take(left_out) })
+}
+
+/// The columns that are numbers throughout, and what is wrong with the last of the others.
+fn numeric_columns(path: &Path, headings: &[Heading]) -> (Vec<Heading>, Vec<Vec<f64>>, Option<RecordingError>) {
+    let named: Vec<&Heading> = headings.iter().filter(|h| !h.text.is_empty()).take(MOST_COLUMNS).collect();
+    let all: Vec<&str> = named.iter().map(|h| h.text.as_str()).collect();
+    if let Ok(table) = file::read(path, &all) {
+        return (table.headings, table.columns, None);
+    }
+    let (mut kept, mut columns, mut error) = (Vec::new(), Vec::new(), None);
+    for heading in named {
+        match file::read(path, &[&heading.text]) {
+            Ok(mut table) => {
+                columns.append(&mut table.columns);
+                kept.push(heading.clone());
+            }
+            Err(e) => error = Some(e),
+        }
+    }
+    (kept, columns, error)
 }
 
 #[cfg(test)]

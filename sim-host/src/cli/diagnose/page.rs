@@ -8,6 +8,9 @@ use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 pub(super) fn page(name: &str, examined: &Examined) -> Page {
     let diagnosis = &examined.diagnosis;
     let mut sections = vec![verdict(diagnosis)];
+    if !diagnosis.findings.is_empty() {
+        sections.push(findings(diagnosis));
+    }
     if diagnosis.verdict == Verdict::Mismatch {
         sections.push(location(diagnosis));
         sections.push(candidates(diagnosis));
@@ -24,11 +27,26 @@ pub(super) fn lead(diagnosis: &Diagnosis) -> String {
         Verdict::BadData => "The recordings cannot be believed as they are; the findings say why.".into(),
         Verdict::Mismatch if names == ["unlisted"] => {
             let part = diagnosis.part_explained.as_ref().map_or(String::new(), |part| {
-                format!(" The nearest it holds, {}, explains {:.0} % of the excess.", part.ids.join(" with "), 100.0 * part.share)
+                format!(
+                    " The nearest it holds, {}, explains {:.0} % of the excess.",
+                    part.ids.join(" with "),
+                    100.0 * part.share
+                )
             });
             format!("The model lacks physics that the library does not hold.{part}")
         }
-        Verdict::Mismatch => format!("The model lacks {}.", names.join(" and ")),
+        Verdict::Mismatch => {
+            let left = diagnosis.holdout.after.chi2;
+            let more = if left > 1.5 {
+                format!(
+                    " More is missing: what is left stands at chi2 {left:.2}, {:.1} % of the first excess.",
+                    100.0 * diagnosis.share_left
+                )
+            } else {
+                String::new()
+            };
+            format!("The model lacks {}.{more}", names.join(" and "))
+        }
     }
 }
 
@@ -43,7 +61,14 @@ fn verdict(diagnosis: &Diagnosis) -> Section {
         items.push(Item::Text(format!("{}: {}", effect.id, effect.equation)));
         let rows = effect.parameters.iter().map(|(key, q)| {
             let number = |x: Option<f64>| x.map_or("not determined".into(), |x| format!("{x:.5}"));
-            vec![key.clone(), format!("{:.5}", q.value), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
+            vec![
+                key.clone(),
+                format!("{:.5}", q.value),
+                number(q.std),
+                number(q.low),
+                number(q.high),
+                q.unit.to_owned(),
+            ]
         });
         items.push(Item::Table(Table {
             columns: ["parameter", "value", "std", "90 % from", "90 % to", "unit"].map(String::from).into(),
@@ -57,24 +82,47 @@ fn verdict(diagnosis: &Diagnosis) -> Section {
     Section { heading: "What is missing".into(), items }
 }
 
+fn findings(diagnosis: &Diagnosis) -> Section {
+    let rows = diagnosis.findings.iter().map(|f| {
+        let [from, to] = [format!("{:.2}", f.from_s), format!("{:.2}", f.to_s)];
+        vec![f.run.clone(), f.channel.to_owned(), f.problem.clone(), from, to, f.remedy.clone()]
+    });
+    let table = Table {
+        columns: ["run", "channel", "problem", "from [s]", "to [s]", "remedy"].map(String::from).into(),
+        rows: rows.collect(),
+        caption: "What the recordings themselves show".into(),
+    };
+    Section { heading: "The recordings".into(), items: vec![Item::Table(table)] }
+}
+
 fn location(diagnosis: &Diagnosis) -> Section {
     let location = &diagnosis.location;
     let time = location.time.iter().map(|s| {
         vec![s.run.clone(), format!("{:.2}", s.from_s), format!("{:.2}", s.to_s), format!("{:.0}", 100.0 * s.share)]
     });
-    let bands = location.frequency.iter().map(|b| vec![format!("{:.2}", b.from_hz), format!("{:.2}", b.to_hz), format!("{:.1}", b.ratio)]);
-    let state = location.state.iter().map(|s| vec![s.variable.to_owned(), s.place.clone(), format!("{:.0}", 100.0 * s.strength)]);
+    let bands = location
+        .frequency
+        .iter()
+        .map(|b| vec![format!("{:.2}", b.from_hz), format!("{:.2}", b.to_hz), format!("{:.1}", b.ratio)]);
+    let state = location
+        .state
+        .iter()
+        .map(|s| vec![s.variable.to_owned(), s.place.clone(), format!("{:.0}", 100.0 * s.strength)]);
     let table = |columns: &[&str], rows: Vec<Vec<String>>, caption: &str| {
-        Item::Table(Table {
-            columns: columns.iter().map(|&c| c.to_owned()).collect(),
-            rows,
-            caption: caption.into(),
-        })
+        Item::Table(Table { columns: columns.iter().map(|&c| c.to_owned()).collect(), rows, caption: caption.into() })
     };
     let items = vec![
-        table(&["run", "from [s]", "to [s]", "share of excess [%]"], time.collect(), "When: stretches with most of the excess"),
+        table(
+            &["run", "from [s]", "to [s]", "share of excess [%]"],
+            time.collect(),
+            "When: stretches with most of the excess",
+        ),
         table(&["from [Hz]", "to [Hz]", "residual over noise power [1]"], bands.collect(), "At which frequencies"),
-        table(&["quantity", "where", "share explained [%]"], state.collect(), "Along which quantity, cross-validated, without the library"),
+        table(
+            &["quantity", "where", "share explained [%]"],
+            state.collect(),
+            "Along which quantity, cross-validated, without the library",
+        ),
     ];
     Section { heading: "Where it is".into(), items }
 }

@@ -32,11 +32,8 @@ pub(super) fn page(answer: &Answer) -> Result<Page, Failure> {
 }
 
 fn summary(answer: &Answer) -> Result<Section, Failure> {
-    let rows = [
-        ("asked for", &answer.motion),
-        ("fitted", &answer.modified.motion),
-        ("clipped (Eq. 10)", &answer.clipped),
-    ];
+    let rows =
+        [("asked for", &answer.motion), ("fitted", &answer.modified.motion), ("clipped (Eq. 10)", &answer.clipped)];
     let mut table = Table {
         columns: ["motion", "E_a", "E_d", "peak [g]", "peak [m/s]", "farthest [m]", "end [mm]"].map(Into::into).into(),
         rows: Vec::new(),
@@ -93,7 +90,9 @@ fn target(answer: &Answer) -> Vec<Item> {
         })
         .collect();
     vec![Item::Table(Table {
-        columns: ["relaxed", "enough: times", "E_a reached", "not enough: times", "E_a at least"].map(Into::into).into(),
+        columns: ["relaxed", "enough: times", "E_a reached", "not enough: times", "E_a at least"]
+            .map(Into::into)
+            .into(),
         rows,
         caption: format!("What E_a {target} takes: smallest factors, proven from both sides."),
     })]
@@ -212,7 +211,8 @@ fn in_time(answer: &Answer) -> Section {
 
 /// A limit as two dashed lines.
 fn walls(limit: Option<f64>, last: f64) -> Vec<Series> {
-    let line = |name: &str, y: f64| Series { name: name.into(), x: vec![0.0, last], y: vec![y, y], style: Style::Dashed };
+    let line =
+        |name: &str, y: f64| Series { name: name.into(), x: vec![0.0, last], y: vec![y, y], style: Style::Dashed };
     limit.map_or_else(Vec::new, |l| vec![line("limit", l), line("limit below", -l)])
 }
 

@@ -11,7 +11,15 @@ const LEAST: f64 = 0.02;
 /// Shares of the residual's variance by quantity, strongest first.
 pub(super) fn shares(runs: &[Run], predicted: &[Predicted]) -> Vec<StateShare> {
     const VARIABLES: [&str; 9] = [
-        "displacement", "velocity", "acceleration", "command", "velocity_sign", "path", "time", "pressure", "reference",
+        "displacement",
+        "velocity",
+        "acceleration",
+        "command",
+        "velocity_sign",
+        "path",
+        "time",
+        "pressure",
+        "reference",
     ];
     let telling = |run: &Run| {
         let judged = judged_channels(run);
@@ -56,7 +64,15 @@ fn coordinate(variable: &str, run: &Run, predicted: &Predicted) -> Option<Vec<f6
         "velocity_sign" => Some(velocity()?.iter().map(|v| if v.abs() < 1e-4 { 0.0 } else { v.signum() }).collect()),
         "path" => {
             let mut path = 0.0;
-            Some(velocity()?.iter().map(|v| { path += v.abs() * run.dt; path }).collect())
+            Some(
+                velocity()?
+                    .iter()
+                    .map(|v| {
+                        path += v.abs() * run.dt;
+                        path
+                    })
+                    .collect(),
+            )
         }
         "time" => Some((0..run.len()).map(|k| k as f64 * run.dt).collect()),
         "reference" => Some(run.input.clone()),

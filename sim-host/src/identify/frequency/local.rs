@@ -12,7 +12,13 @@ const ORDER: usize = 3;
 
 /// Response at every `spacing`-th bin of the record's spectrum from `half` bins to either side (at least 4; 6 is a good
 /// start), samples `dt` apart. Coherence is the part of the local output power that the response explains.
-pub fn local_polynomial(input: &[f64], output: &[f64], dt: f64, half: usize, spacing: usize) -> Result<Response, ResponseError> {
+pub fn local_polynomial(
+    input: &[f64],
+    output: &[f64],
+    dt: f64,
+    half: usize,
+    spacing: usize,
+) -> Result<Response, ResponseError> {
     let half = half.max(ORDER + 1);
     check(input, output, 8 * half)?;
     let (u, y) = (transform(input), transform(output));

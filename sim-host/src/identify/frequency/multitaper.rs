@@ -44,9 +44,8 @@ fn add(sums: &mut [Sums], input: &[f64], output: &[f64], dt: f64, tapers: usize,
     detrend(&mut u);
     detrend(&mut y);
     for taper in 1..=tapers {
-        let window: Vec<f64> = (1..=n)
-            .map(|k| (2.0 / (n + 1) as f64).sqrt() * (PI * (taper * k) as f64 / (n + 1) as f64).sin())
-            .collect();
+        let window: Vec<f64> =
+            (1..=n).map(|k| (2.0 / (n + 1) as f64).sqrt() * (PI * (taper * k) as f64 / (n + 1) as f64).sin()).collect();
         let tapered = |x: &[f64]| transform(&x.iter().zip(&window).map(|(x, w)| x * w).collect::<Vec<f64>>());
         let (fu, fy) = (tapered(&u), tapered(&y));
         for (k, sum) in sums.iter_mut().enumerate() {

@@ -73,7 +73,8 @@ impl TransferFunction {
     /// Mean squared error against a response in units of its standard deviation.
     pub fn chi2(&self, response: &Response) -> f64 {
         let weights = weights(response);
-        let errors = response.points.iter().zip(&weights).map(|(p, w)| (w * (p.value - self.at(p.frequency))).norm_sqr());
+        let errors =
+            response.points.iter().zip(&weights).map(|(p, w)| (w * (p.value - self.at(p.frequency))).norm_sqr());
         errors.sum::<f64>() / response.points.len().max(1) as f64
     }
 }

@@ -65,7 +65,11 @@ impl<S: Scalar> Mounted<S> {
             mounted.push(Self { hooks: effect.hooks(), effect, first, last });
             first = last;
         }
-        if first > most { Err(SimulateError::TooManyStates { states: first }) } else { Ok((mounted, first, compliance)) }
+        if first > most {
+            Err(SimulateError::TooManyStates { states: first })
+        } else {
+            Ok((mounted, first, compliance))
+        }
     }
 }
 
@@ -199,10 +203,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     pub(super) fn sense_acceleration(&self, mean: S, at: &Instant<S>) -> S {
-        self.mounted
-            .iter()
-            .filter(|m| m.hooks.acceleration)
-            .fold(mean, |a, m| m.effect.sense_acceleration(a, at))
+        self.mounted.iter().filter(|m| m.hooks.acceleration).fold(mean, |a, m| m.effect.sense_acceleration(a, at))
     }
 
     pub(super) fn supply_pressure(&self, state: &State<S, M>) -> Option<S> {

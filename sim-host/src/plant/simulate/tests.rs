@@ -41,9 +41,8 @@ fn sensitivities_are_those_of_the_simulation() {
             };
             let h = 1e-5 * at[i].abs().max(1e-3);
             let (up, down) = (with(at[i] + h), with(at[i] - h));
-            let parameters = at.iter().enumerate().map(|(j, &v)| {
-                if i == j { Dual::<1>::variable(v, 0) } else { Dual::from(v) }
-            });
+            let parameters =
+                at.iter().enumerate().map(|(j, &v)| if i == j { Dual::<1>::variable(v, 0) } else { Dual::from(v) });
             let dual = run(&[Placed { id: entry.id, parameters: parameters.collect() }]);
             let (mut error, mut size) = (0.0, 1e-12);
             for k in 0..dual.displacement.len() {
@@ -52,7 +51,9 @@ fn sensitivities_are_those_of_the_simulation() {
                 size += difference.powi(2);
             }
             let key = entry.parameters[i].key;
-            worst.extend((error > 0.02_f64.powi(2) * size + 1e-9).then(|| format!("{}.{key}: {error} of {size}", entry.id)));
+            worst.extend(
+                (error > 0.02_f64.powi(2) * size + 1e-9).then(|| format!("{}.{key}: {error} of {size}", entry.id)),
+            );
         }
     }
     assert!(worst.is_empty(), "{worst:#?}");

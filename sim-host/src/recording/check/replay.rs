@@ -123,13 +123,15 @@ fn core(
     displacement: &[f64],
     signals: &PerChannel<Cow<'_, [f64]>>,
 ) -> Option<Vec<f64>> {
-    let mut controller = Controller::new(settings).ok()?;
+    // The guard holds the law until it is armed; the recording was made with it armed.
+    let mut controller = Controller::new(&Settings { guard: None, ..settings.clone() }).ok()?;
     let acceleration = signals.get(Channel::Acceleration).map(|s| filled(s));
     let step = |k: usize| {
         let sample = Sample {
             reference: reference[k] as f32,
             displacement: displacement[k] as f32,
             acceleration: acceleration.as_ref().map_or(0.0, |a| a[k] as f32),
+            ..Sample::default()
         };
         f64::from(controller.step(&sample).valve)
     };

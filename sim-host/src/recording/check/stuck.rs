@@ -20,10 +20,10 @@ const SENSORS: [Channel; 6] = [
     Channel::SpecimenAcceleration,
 ];
 
-/// Channels that show whether the table moves, or should; those with little noise are asked first.
+/// Channels that show whether the table moves, or should; those that show it plainly are asked first.
 const WITNESSES: [&[Channel]; 2] = [
-    &[Channel::Reference, Channel::Displacement, Channel::Command, Channel::Velocity],
-    &[Channel::Acceleration, Channel::PressureDifference],
+    &[Channel::Reference, Channel::Displacement, Channel::Velocity],
+    &[Channel::Command, Channel::Acceleration, Channel::PressureDifference],
 ];
 
 /// A shorter stretch of equal values is not looked at, samples.

@@ -64,7 +64,7 @@ fn channels_units_and_gains_are_proposed_with_their_evidence() {
 #[test]
 fn what_the_header_says_is_taken_and_the_rest_is_left_open() {
     let header = "t [ms],reference [mm],displacement [mm],noise,humidity";
-    let folder = folder(&[("a.csv", recording(header, 0.0).replace("\n0.", "\n0."))]);
+    let folder = folder(&[("a.csv", recording(header, 0.0))]);
     let proposal = propose(folder.path()).unwrap();
     assert!(proposal.text.contains("the header says [mm]"), "{}", proposal.text);
     assert!(proposal.text.contains("#   humidity ("), "{}", proposal.text);

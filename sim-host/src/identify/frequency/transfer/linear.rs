@@ -11,7 +11,11 @@ const PASSES: usize = 12;
 const DELAYS: usize = 40;
 
 /// The best linear fit over all delays tried.
-pub(super) fn best_start(response: &Response, weights: &[f64], order: Order) -> Result<TransferFunction, ResponseError> {
+pub(super) fn best_start(
+    response: &Response,
+    weights: &[f64],
+    order: Order,
+) -> Result<TransferFunction, ResponseError> {
     let delays = if order.longest_delay > 0.0 { DELAYS } else { 0 };
     (0..=delays)
         .filter_map(|k| {

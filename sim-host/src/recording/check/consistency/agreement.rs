@@ -49,6 +49,9 @@ const LOWEST: f64 = 0.2;
 /// Below this frequency a sensor's delay turns no sign, Hz.
 const SLOW: f64 = 8.0;
 
+/// Power below this part of the strongest line's is not used.
+const RANGE: f64 = 1e-5;
+
 /// Fewest coherent bins from which anything is said.
 const FEWEST: usize = 3;
 
@@ -70,11 +73,16 @@ pub(in crate::recording::check) fn coherent_bins(
         upper.max(1e-24 * power.iter().copied().fold(0.0, f64::max))
     };
     let (input_floor, output_floor) = (floor(&spectra.input), floor(&spectra.output));
+    let derived = |k: usize| spectra.input[k] * (2.0 * PI * spectra.frequency[k]).powi(2 * order.cast_signed());
+    // Far below the strongest lines a window's own leakage is all there is.
+    let used = |k: &usize| *k >= 2 && (LOWEST..0.35 / dt).contains(&spectra.frequency[*k]);
+    let strongest = (0..spectra.frequency.len())
+        .filter(used)
+        .fold((0.0f64, 0.0f64), |(a, b), k| (a.max(derived(k)), b.max(spectra.output[k])));
     let threshold = threshold(spectra.segments);
-    let highest = 0.35 / dt;
     let (mut bins, mut strange, mut signal) = (Vec::new(), 0, 0);
-    for (k, &frequency) in spectra.frequency.iter().enumerate() {
-        if k < 2 || !(LOWEST..highest).contains(&frequency) {
+    for k in (0..spectra.frequency.len()).filter(used) {
+        if derived(k) < RANGE * strongest.0 || spectra.output[k] < RANGE * strongest.1 {
             continue;
         }
         let coherence = spectra.coherence(k);

@@ -1,0 +1,156 @@
+//! Bad input on the command line: exit status 2, one message that names the file, the place and the remedy, and nothing
+//! written, half or whole.
+
+use shakedown_tests::binary::shakedown;
+use std::fs;
+use std::path::Path;
+use std::process::{Output, Stdio};
+use tempfile::TempDir;
+
+/// Runs the binary in a folder, asking for both outputs.
+fn run(folder: &TempDir, arguments: &[&str]) -> Output {
+    let mut command = shakedown();
+    command.current_dir(folder.path()).args(arguments).args(["--json", "out.json", "--report", "out.html"]);
+    command.output().unwrap()
+}
+
+fn write(folder: &TempDir, name: &str, text: &str) {
+    fs::write(folder.path().join(name), text).unwrap();
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// The one message of a refusal, after checking that it is one.
+fn refusal(folder: &TempDir, arguments: &[&str]) -> String {
+    let before = files(folder.path());
+    let output = run(folder, arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed {}", String::from_utf8_lossy(&output.stdout));
+    assert_eq!(message.matches("error: ").count(), 1, "{message}");
+    assert_eq!(files(folder.path()), before, "{arguments:?} left something behind");
+    message
+}
+
+/// Every command that reads a record from `--record`.
+const READERS: [&[&str]; 2] = [&["run"], &["sweep", "trade-off"]];
+
+/// Refusals of `name` by every reader; each must hold all of `parts`.
+fn every_reader_refuses(folder: &TempDir, name: &str, options: &[&str], parts: &[&str]) {
+    for command in READERS {
+        let message = refusal(folder, &[command, &["--record", name], options].concat());
+        for part in [&[name], parts].concat() {
+            assert!(message.contains(part), "{command:?}: `{part}` is not in: {message}");
+        }
+    }
+}
+
+const COLUMNS: [&str; 4] = ["--dt", "0.01", "--unit", "g"];
+
+#[test]
+fn a_missing_file_is_named() {
+    let folder = TempDir::new().unwrap();
+    every_reader_refuses(&folder, "none.AT2", &[], &["no such file", "check the path"]);
+    assert!(refusal(&folder, &["run", "none.toml"]).contains("none.toml"));
+    assert!(refusal(&folder, &["table1", "--records", "nowhere"]).contains("nowhere"));
+    assert!(refusal(&folder, &["table1", "--records", "."]).contains("KJM000"));
+}
+
+#[test]
+fn a_wrong_unit_is_refused() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "a.txt", &"0.1\n-0.2\n".repeat(50));
+    let message = refusal(&folder, &["run", "--record", "a.txt", "--dt", "0.01", "--unit", "furlong"]);
+    assert!(message.contains("`furlong`") && message.contains("expected m/s2"), "{message}");
+    every_reader_refuses(&folder, "a.txt", &["--dt", "0.01"], &["unit"]);
+    let at2 = "PEER\nx\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 4, DT= .0100 SEC\n 0.1 -0.1 0.1 -0.1\n";
+    write(&folder, "a.AT2", at2);
+    every_reader_refuses(&folder, "a.AT2", &["--unit", "m/s2"], &["m/s2 (--unit) but g in the file"]);
+}
+
+#[test]
+fn rows_that_are_no_numbers_are_refused_with_their_line() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "a.txt", "0.1\n0.2\nNaN\n0.3\n");
+    every_reader_refuses(&folder, "a.txt", &COLUMNS, &["line 3", "not finite", "interpolation"]);
+}
+
+#[test]
+fn a_header_peak_that_the_data_contradict_is_quoted_beside_them() {
+    let folder = TempDir::new().unwrap();
+    let header = "Origin Time       2018/01/24 19:51:00\nLat.              41.0\nLong.             142.4\n\
+                  Depth. (km)       34\nMag.              6.3\nStation Code      AOM001\nStation Lat.      41.5\n\
+                  Station Long.     140.9\nStation Height(m) 5\nRecord Time       2018/01/24 19:51:41\n\
+                  Sampling Freq(Hz) 100Hz\nDuration Time(s)  1\nDir.              N-S\n\
+                  Scale Factor      3920(gal)/6182761\nMax. Acc. (gal)   9.9\nLast Correction   2018/01/24 19:51:26\nMemo.\n";
+    let rows = "1000 -1000 1000 -1000 1000 -1000 1000 -1000\n".repeat(12) + "1000 -1000 1000 -1000\n";
+    write(&folder, "a.NS", &(header.to_owned() + &rows));
+    every_reader_refuses(&folder, "a.NS", &[], &["line 15", "9.9 gal", "0.634 gal"]);
+}
+
+#[test]
+fn an_empty_file_is_refused() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "a.AT2", "");
+    every_reader_refuses(&folder, "a.AT2", &[], &["empty"]);
+}
+
+#[test]
+fn a_gigabyte_is_refused_unread() {
+    let folder = TempDir::new().unwrap();
+    fs::File::create(folder.path().join("a.AT2")).unwrap().set_len(1 << 30).unwrap();
+    every_reader_refuses(&folder, "a.AT2", &[], &["1073741824 bytes"]);
+}
+
+#[test]
+fn a_scenario_is_refused_with_its_line() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "a.toml", "controller = \"strong\"\nvelocity = 1\n");
+    assert!(refusal(&folder, &["run", "a.toml"]).contains("a.toml, line 2: unknown field `velocity`"));
+    write(&folder, "b.toml", "controller = \"fast\"\n");
+    assert!(refusal(&folder, &["run", "b.toml"]).contains("`fast`: expected one of current"));
+    write(&folder, "c.toml", "[record]\nfile = \"none.AT2\"\n");
+    assert!(refusal(&folder, &["run", "c.toml"]).contains("none.AT2"));
+}
+
+#[test]
+fn options_that_cannot_be_are_refused() {
+    let folder = TempDir::new().unwrap();
+    for (arguments, part) in [
+        (&["run", "--controller", "fast"][..], "fast"),
+        (&["run", "--scale-to", "0.74"], "no unit"),
+        (&["run", "--dt", "0.01"], "--record"),
+        (&["sweep", "bode", "--step", "0"], "--step"),
+        (&["sweep", "bode", "--gains", "3.7"], "Kp,Ki"),
+        (&["sweep", "slew-rate", "--area", "0"], "--area"),
+        (&["sweep", "everything"], "everything"),
+    ] {
+        let message = refusal(&folder, arguments);
+        assert!(message.contains(part), "{arguments:?}: {message}");
+    }
+}
+
+/// An interrupt in the middle of the work leaves nothing behind, neither the outputs nor parts of them.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_nothing() {
+    let folder = TempDir::new().unwrap();
+    let mut child = shakedown()
+        .current_dir(folder.path())
+        .args(["sweep", "bode", "--step", "0.01", "--json", "out.json", "--report", "out.html"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    assert!(child.try_wait().unwrap().is_none(), "the work was over before it was interrupted");
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    assert!(!child.wait().unwrap().success());
+    assert_eq!(files(folder.path()), Vec::<String>::new());
+}
