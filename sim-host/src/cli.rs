@@ -1,6 +1,8 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
 mod demo;
+mod diagnose;
+mod effects;
 mod failure;
 mod histories;
 mod init;
@@ -33,6 +35,8 @@ enum Command {
     Init(init::Args),
     Demo(demo::Args),
     Modify(Box<modify::Args>),
+    Diagnose(diagnose::Args),
+    Effects(effects::Args),
     Prove(prove::Args),
     Run(run::Args),
     Sweep(sweep::Args),
@@ -48,6 +52,8 @@ pub(crate) fn main() -> ExitCode {
             Command::Init(args) => init::run(&args),
             Command::Demo(args) => demo::run(&args),
             Command::Modify(args) => modify::run(&args),
+            Command::Diagnose(args) => diagnose::run(&args),
+            Command::Effects(args) => effects::run(&args),
             Command::Prove(args) => prove::run(&args),
             Command::Run(args) => run::run(&args),
             Command::Sweep(args) => sweep::run(&args),

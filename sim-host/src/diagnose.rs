@@ -1,1 +1,114 @@
 //! Where a model and recordings part, and what physics was left out.
+//!
+//! What flows: an experiment comes in; [`search`] fits the stated model and grows it by effects of the library;
+//! [`judge`] scores every survivor on the runs held back; [`decide`] names what stands, says what it is mistaken for and
+//! what no effect explains; [`locate`] looks at the residual without the library. Out comes a [`Diagnosis`].
+
+pub mod decide;
+pub mod judge;
+pub mod locate;
+pub mod result;
+pub mod search;
+
+use crate::identify::data::Run;
+use crate::identify::fit::Fit;
+use crate::identify::prepare::{PrepareError, Prepared, prepare};
+use crate::plant::simulate::SimulateError;
+use crate::recording::check::{Finding, check, is_bad_data};
+use crate::recording::{self, Experiment, RecordingError};
+pub use result::Diagnosis;
+use std::path::Path;
+
+/// What a diagnosis may be told.
+#[derive(Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// Told what is being done, with a share of the whole between 0 and 1.
+    pub progress: Option<&'a (dyn Fn(&str, f64) + Sync)>,
+}
+
+impl std::fmt::Debug for Options<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Options").field("progress", &self.progress.is_some()).finish()
+    }
+}
+
+impl Options<'_> {
+    fn say(&self, what: &str, share: f64) {
+        if let Some(progress) = self.progress {
+            progress(what, share);
+        }
+    }
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// The experiment or a recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The experiment cannot be fitted.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// A model cannot be simulated.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+}
+
+/// A diagnosis with everything that was weighed for it, for reports.
+#[derive(Debug, Clone)]
+pub struct Examined {
+    /// What came out.
+    pub diagnosis: Diagnosis,
+    /// Runs and stated model as they were fitted.
+    pub prepared: Prepared,
+    /// What was judged and decided.
+    pub decision: decide::Decision,
+}
+
+impl Examined {
+    /// The runs that judged: those held back, or those fitted where none was.
+    pub fn judging_runs(&self) -> &[Run] {
+        if self.prepared.holdout.is_empty() { &self.prepared.fit } else { &self.prepared.holdout }
+    }
+
+    /// The stated model with its refitted values and the effects that were found.
+    pub fn augmented(&self, stated: &recording::Model) -> recording::Model {
+        result::augmented(stated, &self.decision.after)
+    }
+}
+
+/// Diagnoses the experiment of a TOML file.
+pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, DiagnoseError> {
+    let experiment = Experiment::load(path)?;
+    Ok(diagnose(&experiment, options)?.diagnosis)
+}
+
+/// Diagnoses an experiment.
+pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
+    let begun = std::time::Instant::now();
+    options.say("checking the recordings", 0.0);
+    let findings = check(experiment);
+    let prepared = prepare(experiment)?;
+    if is_bad_data(&findings) {
+        return unfit(prepared, &findings, begun);
+    }
+    let search = search::search(&prepared, options)?;
+    options.say("judging on the runs held back", 0.9);
+    let decision = decide::decide(&prepared, &search)?;
+    let location = locate::locate(&prepared, &search.baseline, &decision)?;
+    let diagnosis = result::assemble(&prepared, &decision, location, &findings, begun.elapsed().as_secs_f64());
+    Ok(Examined { diagnosis, prepared, decision })
+}
+
+/// What is said of recordings that cannot be believed: the stated model's standing and nothing more.
+fn unfit(prepared: Prepared, findings: &[Finding], begun: std::time::Instant) -> Result<Examined, DiagnoseError> {
+    let stated = Fit::begin(prepared.model.clone(), &prepared.fit)?;
+    let decision = decide::decide(&prepared, &search::Search { baseline: stated, grown: Vec::new() })?;
+    let location = locate::Location::default();
+    let seconds = begun.elapsed().as_secs_f64();
+    let mut diagnosis = result::assemble(&prepared, &decision, location, findings, seconds);
+    diagnosis.verdict = result::Verdict::BadData;
+    diagnosis.effects.clear();
+    diagnosis.candidates.clear();
+    Ok(Examined { diagnosis, prepared, decision })
+}

@@ -26,6 +26,13 @@ pub trait Scalar:
     + Div<f64, Output = Self>
     + 'static
 {
+    /// Numbers it consists of: the value and its derivatives.
+    const PARTS: usize;
+    /// One of those numbers, the value first.
+    fn part(&self, i: usize) -> f64;
+    /// From those numbers.
+    fn from_parts(part: impl Fn(usize) -> f64) -> Self;
+
     /// The value without its derivatives.
     fn value(self) -> f64;
     /// Applies a function known by its value and derivative at this point.
@@ -81,6 +88,13 @@ pub trait Scalar:
 }
 
 impl Scalar for f64 {
+    const PARTS: usize = 1;
+    fn part(&self, _i: usize) -> f64 {
+        *self
+    }
+    fn from_parts(part: impl Fn(usize) -> f64) -> Self {
+        part(0)
+    }
     fn value(self) -> f64 {
         self
     }
@@ -128,6 +142,13 @@ impl<const N: usize> PartialOrd for Dual<N> {
 }
 
 impl<const N: usize> Scalar for Dual<N> {
+    const PARTS: usize = N + 1;
+    fn part(&self, i: usize) -> f64 {
+        if i == 0 { self.value } else { self.tangent[i - 1] }
+    }
+    fn from_parts(part: impl Fn(usize) -> f64) -> Self {
+        Self { value: part(0), tangent: std::array::from_fn(|i| part(i + 1)) }
+    }
     fn value(self) -> f64 {
         self.value
     }

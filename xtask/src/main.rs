@@ -3,8 +3,8 @@
 mod deny;
 mod figures;
 mod firmware;
-mod fuzz;
 mod firmware;
+mod fuzz;
 mod house;
 mod output;
 mod reproduce;

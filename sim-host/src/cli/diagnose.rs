@@ -1,0 +1,91 @@
+//! `shakedown diagnose`: where model and recordings part, what physics was left out, how much better it fits.
+
+mod page;
+
+use super::output::{Outputs, print, write_whole};
+use super::{Failure, progress};
+use shakedown::diagnose::result::Verdict;
+use shakedown::diagnose::{DiagnoseError, Diagnosis, Examined, Options, diagnose};
+use shakedown::recording::Experiment;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Locates the mismatch of a model and recordings, names the missing physics, models it, shows the fit improve.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  shakedown diagnose experiment.toml
+  shakedown diagnose experiment.toml --report diagnosis.html --model table.toml
+  shakedown diagnose experiment.toml --json - | jq .effects")]
+pub(crate) struct Args {
+    /// The experiment: model, channels, runs (`shakedown init` writes one).
+    #[arg(value_name = "EXPERIMENT.toml")]
+    experiment: PathBuf,
+    /// Writes the model with what was found, for `run`, `identify`, `modify` and `table1`.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// Diagnoses and shows what came out.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let experiment = Experiment::load(&args.experiment).map_err(|e| Failure::Input(e.to_string()))?;
+    let spinner = progress::spinner("reading".into());
+    let say = |what: &str, _share: f64| spinner.set_message(what.to_owned());
+    let examined = diagnose(&experiment, &Options { progress: Some(&say) }).map_err(failure)?;
+    spinner.finish_and_clear();
+    let value = serde_json::to_value(&examined.diagnosis).map_err(|e| Failure::Work(e.to_string()))?;
+    args.outputs.write_json(value, &experiment.inputs)?;
+    args.outputs.write_report(&mut page::page(&experiment.name, &examined), &experiment.inputs)?;
+    if let Some(path) = &args.model {
+        write_whole(path, examined.augmented(&experiment.model).to_toml().as_bytes())?;
+    }
+    if !args.outputs.quiet() {
+        print(&summary(&examined.diagnosis, &examined));
+    }
+    Ok(())
+}
+
+fn failure(error: DiagnoseError) -> Failure {
+    match error {
+        DiagnoseError::Simulate(e) => Failure::Work(e.to_string()),
+        other => Failure::Input(other.to_string()),
+    }
+}
+
+/// The answer in a few lines.
+fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "{}", page::lead(diagnosis));
+    for effect in &diagnosis.effects {
+        let _ = writeln!(text, "\n  {}  (probability {:.2})\n  {}", effect.id, effect.probability, effect.equation);
+        for (key, q) in &effect.parameters {
+            let spread = q.std.map_or(String::new(), |s| format!(" +/- {s:.2e}"));
+            let _ = writeln!(text, "    {key} = {:.5}{spread} {}", q.value, q.unit);
+        }
+    }
+    for finding in &diagnosis.findings {
+        let _ = writeln!(text, "\n  {}, {}: {}\n    {}", finding.run, finding.channel, finding.problem, finding.remedy);
+    }
+    for tie in &diagnosis.indistinguishable {
+        let _ = writeln!(text, "\n  not told apart by these runs: {}", tie.join(", "));
+    }
+    if diagnosis.verdict != Verdict::BadData {
+        let (before, after) = (&diagnosis.holdout.before, &diagnosis.holdout.after);
+        let runs = examined.judging_runs().len();
+        let _ = writeln!(
+            text,
+            "\nheld out ({runs} runs): chi2 {:.3} -> {:.3}; the noise floor is 1",
+            before.chi2, after.chi2
+        );
+        for (channel, r2) in &after.r2 {
+            let _ = writeln!(
+                text,
+                "  {channel:<20} R2 {:.5} -> {r2:.5}",
+                before.r2.get(channel).copied().unwrap_or(f64::NAN)
+            );
+        }
+    }
+    let _ = writeln!(text, "{:.1} s", diagnosis.seconds);
+    text
+}

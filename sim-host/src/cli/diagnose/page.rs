@@ -1,0 +1,181 @@
+//! The page of a diagnosis: what differs, where, what it is, how much better the model with it foresees.
+
+use shakedown::diagnose::result::Verdict;
+use shakedown::diagnose::{Diagnosis, Examined};
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+
+/// The page.
+pub(super) fn page(name: &str, examined: &Examined) -> Page {
+    let diagnosis = &examined.diagnosis;
+    let mut sections = vec![verdict(diagnosis)];
+    if !diagnosis.findings.is_empty() {
+        sections.push(findings(diagnosis));
+    }
+    if diagnosis.verdict == Verdict::Mismatch {
+        sections.push(location(diagnosis));
+        sections.push(candidates(diagnosis));
+    }
+    sections.push(traces(examined));
+    Page { title: format!("Diagnosis: {name}"), lead: lead(diagnosis), sections, ..Page::default() }
+}
+
+/// One or two sentences that say what came out.
+pub(super) fn lead(diagnosis: &Diagnosis) -> String {
+    let names: Vec<&str> = diagnosis.effects.iter().map(|e| e.id).collect();
+    match diagnosis.verdict {
+        Verdict::Consistent => "The model explains the recordings to within their noise; nothing is missing.".into(),
+        Verdict::BadData => "The recordings cannot be believed as they are; the findings say why.".into(),
+        Verdict::Mismatch if names == ["unlisted"] => {
+            let part = diagnosis.part_explained.as_ref().map_or(String::new(), |part| {
+                format!(
+                    " The nearest it holds, {}, explains {:.0} % of the excess.",
+                    part.ids.join(" with "),
+                    100.0 * part.share
+                )
+            });
+            format!("The model lacks physics that the library does not hold.{part}")
+        }
+        Verdict::Mismatch => {
+            let left = diagnosis.holdout.after.chi2;
+            let more = if left > 1.5 {
+                format!(
+                    " More is missing: what is left stands at chi2 {left:.2}, {:.1} % of the first excess.",
+                    100.0 * diagnosis.share_left
+                )
+            } else {
+                String::new()
+            };
+            format!("The model lacks {}.{more}", names.join(" and "))
+        }
+    }
+}
+
+fn verdict(diagnosis: &Diagnosis) -> Section {
+    let (before, after) = (&diagnosis.holdout.before, &diagnosis.holdout.after);
+    let mut items = vec![Item::Tiles(vec![
+        ("chi2 held out, before [1]".into(), format!("{:.3}", before.chi2)),
+        ("chi2 held out, after [1]".into(), format!("{:.3}", after.chi2)),
+        ("noise floor [1]".into(), "1".into()),
+    ])];
+    for effect in &diagnosis.effects {
+        items.push(Item::Text(format!("{}: {}", effect.id, effect.equation)));
+        let rows = effect.parameters.iter().map(|(key, q)| {
+            let number = |x: Option<f64>| x.map_or("not determined".into(), |x| format!("{x:.5}"));
+            vec![
+                key.clone(),
+                format!("{:.5}", q.value),
+                number(q.std),
+                number(q.low),
+                number(q.high),
+                q.unit.to_owned(),
+            ]
+        });
+        items.push(Item::Table(Table {
+            columns: ["parameter", "value", "std", "90 % from", "90 % to", "unit"].map(String::from).into(),
+            rows: rows.collect(),
+            caption: format!("{}, probability {:.2}", effect.id, effect.probability),
+        }));
+    }
+    for tie in &diagnosis.indistinguishable {
+        items.push(Item::Note(format!("These runs cannot tell apart: {}.", tie.join(", "))));
+    }
+    Section { heading: "What is missing".into(), items }
+}
+
+fn findings(diagnosis: &Diagnosis) -> Section {
+    let rows = diagnosis.findings.iter().map(|f| {
+        let [from, to] = [format!("{:.2}", f.from_s), format!("{:.2}", f.to_s)];
+        vec![f.run.clone(), f.channel.to_owned(), f.problem.clone(), from, to, f.remedy.clone()]
+    });
+    let table = Table {
+        columns: ["run", "channel", "problem", "from [s]", "to [s]", "remedy"].map(String::from).into(),
+        rows: rows.collect(),
+        caption: "What the recordings themselves show".into(),
+    };
+    Section { heading: "The recordings".into(), items: vec![Item::Table(table)] }
+}
+
+fn location(diagnosis: &Diagnosis) -> Section {
+    let location = &diagnosis.location;
+    let time = location.time.iter().map(|s| {
+        vec![s.run.clone(), format!("{:.2}", s.from_s), format!("{:.2}", s.to_s), format!("{:.0}", 100.0 * s.share)]
+    });
+    let bands = location
+        .frequency
+        .iter()
+        .map(|b| vec![format!("{:.2}", b.from_hz), format!("{:.2}", b.to_hz), format!("{:.1}", b.ratio)]);
+    let state = location
+        .state
+        .iter()
+        .map(|s| vec![s.variable.to_owned(), s.place.clone(), format!("{:.0}", 100.0 * s.strength)]);
+    let table = |columns: &[&str], rows: Vec<Vec<String>>, caption: &str| {
+        Item::Table(Table { columns: columns.iter().map(|&c| c.to_owned()).collect(), rows, caption: caption.into() })
+    };
+    let items = vec![
+        table(
+            &["run", "from [s]", "to [s]", "share of excess [%]"],
+            time.collect(),
+            "When: stretches with most of the excess",
+        ),
+        table(&["from [Hz]", "to [Hz]", "residual over noise power [1]"], bands.collect(), "At which frequencies"),
+        table(
+            &["quantity", "where", "share explained [%]"],
+            state.collect(),
+            "Along which quantity, cross-validated, without the library",
+        ),
+    ];
+    Section { heading: "Where it is".into(), items }
+}
+
+fn candidates(diagnosis: &Diagnosis) -> Section {
+    let rows = diagnosis.candidates.iter().take(14).map(|c| {
+        let ids = if c.ids.is_empty() { "stated model".into() } else { c.ids.join(" + ") };
+        vec![ids, format!("{:.3}", c.probability), c.holdout_chi2.map_or(String::new(), |x| format!("{x:.3}"))]
+    });
+    let table = Table {
+        columns: ["model", "probability [1]", "chi2 held out [1]"].map(String::from).into(),
+        rows: rows.collect(),
+        caption: "What else was weighed".into(),
+    };
+    Section { heading: "Why not something else".into(), items: vec![Item::Table(table)] }
+}
+
+/// Held-out traces over each other, and what each model leaves.
+fn traces(examined: &Examined) -> Section {
+    let mut items = Vec::new();
+    for (i, run) in examined.judging_runs().iter().enumerate() {
+        let time: Vec<f64> = (0..run.len()).map(|k| run.from + k as f64 * run.dt).collect();
+        for (j, measured) in run.measured.iter().enumerate() {
+            let of = |judged: &shakedown::diagnose::decide::Judged| judged.hold.predicted[i].channels[j].clone();
+            let (before, after) = (of(&examined.decision.before), of(&examined.decision.after));
+            if before.iter().all(|v| v.is_nan()) {
+                continue;
+            }
+            let series = |name: &str, y: Vec<f64>, style| Series { name: name.into(), x: time.clone(), y, style };
+            let left = |model: &[f64]| measured.values.iter().zip(model).map(|(y, m)| y - m).collect::<Vec<_>>();
+            let channel = measured.channel.name().replace('_', " ");
+            let plot = |title: String, series| {
+                Item::Plot(Plot {
+                    title,
+                    x: Axis { label: "time [s]".into(), ..Axis::default() },
+                    y: Axis { label: format!("{channel} [{}]", measured.channel.unit()), ..Axis::default() },
+                    series,
+                    group: Some(run.name.clone()),
+                    ..Plot::default()
+                })
+            };
+            let mut residuals = vec![series("stated model leaves", left(&before), Style::Faint)];
+            let mut curves = vec![
+                series("measured", measured.values.clone(), Style::Line),
+                series("stated model", before, Style::Dashed),
+            ];
+            if !examined.decision.after.added.is_empty() {
+                residuals.push(series("model with what was found leaves", left(&after), Style::Line));
+                curves.push(series("model with what was found", after, Style::Line));
+            }
+            items.push(plot(format!("{}: {channel}", run.name), curves));
+            items.push(plot(format!("{}: {channel}, measured less model", run.name), residuals));
+        }
+    }
+    Section { heading: "How well each model foresees the runs held back".into(), items }
+}

@@ -1,0 +1,207 @@
+//! Names what stands: significance on the runs fitted, gain on the runs held back, and at least nine tenths of the
+//! excess explained. What falls short is said to be outside the library.
+
+use super::judge::{Score, gains, score};
+use super::search::{CHANCE, Search};
+use crate::identify::fit::Fit;
+use crate::identify::prepare::Prepared;
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+
+/// Models of each size that are judged on the runs held back.
+const JUDGED: usize = 6;
+/// Gain of squares on the runs held back that chance does not give a model fitted elsewhere.
+const SURE: f64 = 16.0;
+/// Most of that gain that blocks may lose elsewhere.
+const LOST: f64 = 0.5;
+/// Share of what was left that one more effect must take away.
+const WORTH: f64 = 0.65;
+/// Share of the baseline's excess that one more effect must take away: simple forms leave about as much of a real one.
+const NOTICEABLE: f64 = 0.012;
+/// Share of the excess that must be explained for names to be given.
+const EXPLAINED: f64 = 0.9;
+/// Excess of chi2 that is never called physics: noise is not known better.
+const NEGLIGIBLE: f64 = 0.06;
+/// Share of the misfit that the best model leaves which each parameter of a model has to earn.
+const PARAMETER: f64 = 0.12;
+/// Least gain of chi2 for a further effect: less than this is not told from noise that is not quite white.
+const LEAST_GAIN: f64 = 0.015;
+/// Samples over which a misfit's error is alike.
+const ALIKE: f64 = 20.0;
+/// Log odds below which two models are not told apart.
+const TIE: f64 = 3.0;
+
+/// A model and how it foresees the runs held back.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The fitted model.
+    pub fit: Fit,
+    /// Its standing on the runs held back.
+    pub hold: Score,
+    /// Effects it adds to the stated model.
+    pub added: Vec<&'static str>,
+    /// Its share of belief among the candidates.
+    pub probability: f64,
+}
+
+impl Judged {
+    /// Squares on all runs.
+    fn total(&self) -> f64 {
+        self.fit.squares + self.hold.squares()
+    }
+
+    /// Residuals behind that sum.
+    fn rows(&self) -> usize {
+        self.fit.rows + self.hold.rows
+    }
+}
+
+/// What was decided.
+#[derive(Debug, Clone)]
+pub struct Decision {
+    /// The stated model on the runs held back.
+    pub before: Judged,
+    /// The accepted model; the stated one where nothing was added.
+    pub after: Judged,
+    /// Every model judged, best first.
+    pub candidates: Vec<Judged>,
+    /// Sets of effects that the data cannot tell apart.
+    pub ties: Vec<Vec<&'static str>>,
+    /// True where no combination of the library explains the mismatch.
+    pub unlisted: bool,
+    /// The best the library can do, where that is not enough.
+    pub partial: Option<Judged>,
+    /// Probability that the mismatch is outside the library.
+    pub unlisted_probability: f64,
+}
+
+impl Decision {
+    /// True where the stated model and the recordings agree.
+    pub fn consistent(&self) -> bool {
+        !self.unlisted && self.after.added.is_empty()
+    }
+}
+
+/// Judges everything the search found.
+pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, SimulateError> {
+    let runs = if prepared.holdout.is_empty() { &prepared.fit } else { &prepared.holdout };
+    let stated = prepared.model.ids();
+    let judged = |fit: &Fit| -> Result<Judged, SimulateError> {
+        let added = fit.model.ids().into_iter().filter(|id| !stated.contains(id)).collect();
+        Ok(Judged { hold: score(&fit.model, runs)?, fit: fit.clone(), added, probability: 0.0 })
+    };
+    let before = judged(&search.baseline)?;
+    let mut sizes = Vec::new();
+    for grown in &search.grown {
+        let mut size = grown.par_iter().take(JUDGED).map(judged).collect::<Result<Vec<_>, _>>()?;
+        let rank = Ranking::new(&size);
+        size.sort_by(|a, b| rank.cost(a).total_cmp(&rank.cost(b)));
+        sizes.push(size);
+    }
+    Ok(choose(before, sizes))
+}
+
+/// What parameters cost, and by how much squares overstate the evidence.
+struct Ranking {
+    parameter: f64,
+}
+
+impl Ranking {
+    /// Among these models.
+    fn new<'a>(models: impl IntoIterator<Item = &'a Judged>) -> Self {
+        let misfit = |judged: &Judged| judged.total() - judged.rows() as f64;
+        let least = models.into_iter().map(misfit).fold(f64::INFINITY, f64::min);
+        Self { parameter: 10.0 + PARAMETER * if least.is_finite() { least.max(0.0) } else { 0.0 } }
+    }
+
+    /// Squares with the price of parameters.
+    fn cost(&self, judged: &Judged) -> f64 {
+        let parameters: usize = judged.fit.model.values().filter(|v| v.free).count();
+        judged.total() + self.parameter * parameters as f64
+    }
+}
+
+fn choose(before: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
+    let mut after = before.clone();
+    let mut skipped = false;
+    for size in &sizes {
+        let Some(best) = size.first() else { break };
+        if stands(&before, &after, best) {
+            after = best.clone();
+            skipped = false;
+        } else if skipped {
+            break;
+        } else {
+            skipped = true;
+        }
+    }
+    let mut candidates: Vec<Judged> = std::iter::once(before.clone()).chain(sizes.into_iter().flatten()).collect();
+    let ranking = Ranking::new(&candidates);
+    candidates.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
+    let (unlisted, unlisted_probability) = outside(&before, &after);
+    let ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
+    if let Some(same) = candidates.iter().find(|c| c.added == after.added) {
+        after.probability = same.probability;
+    }
+    let partial = (unlisted && !after.added.is_empty()).then(|| after.clone());
+    if unlisted {
+        after = before.clone();
+    }
+    Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability }
+}
+
+/// Whether a larger model stands against the present one.
+fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
+    let added = larger.fit.model.values().filter(|v| v.free).count() as f64
+        - present.fit.model.values().filter(|v| v.free).count() as f64;
+    let gained = present.fit.squares - larger.fit.squares;
+    let held_gain = present.hold.chi2 - larger.hold.chi2;
+    let left = (present.hold.chi2 - 1.0).max(0.0);
+    let excess = (before.hold.chi2 - 1.0).max(0.0);
+    let (better, worse) = gains(&present.hold.blocks, &larger.hold.blocks);
+    // Where little is left its colour is the noise's own; a misfit's colour is no noise.
+    let colour = if larger.hold.chi2 < 1.3 { larger.hold.colour } else { 1.0 };
+    gained > (CHANCE + 4.0 * added) * colour
+        && better - worse > SURE * colour
+        && worse < LOST * better
+        && (present.added.is_empty() || held_gain > (WORTH * left).max(LEAST_GAIN))
+        && held_gain > NOTICEABLE * excess
+}
+
+/// Whether what is left lies outside the library, and how probable that is.
+fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
+    let excess = before.hold.chi2 - 1.0;
+    let left = after.hold.chi2 - 1.0;
+    let blur = 3.0 * (2.0 / after.hold.samples.max(1) as f64).sqrt();
+    let allowed = (NEGLIGIBLE + blur).max((1.0 - EXPLAINED) * excess);
+    let ratio = (left / allowed).max(1e-3);
+    (left > allowed, 1.0 / (1.0 + (-3.0 * ratio.ln()).exp()) * if ratio < 0.3 { 0.5 } else { 1.0 })
+}
+
+/// Spreads belief over the candidates of the accepted size and finds what is not told apart.
+fn believe(ranking: &Ranking, after: &Judged, candidates: &mut [Judged], unlisted: f64) -> Vec<Vec<&'static str>> {
+    // A misfit is no white noise: its squares count once for every stretch over which it is alike.
+    let misfit = (after.total() / after.rows() as f64 - 1.0).max(0.0);
+    let temper = 1.0 + misfit * ALIKE;
+    let best = ranking.cost(after);
+    let odds = |judged: &Judged| -0.5 * (ranking.cost(judged) - best) / temper;
+    let same_size = |judged: &Judged| judged.added.len() == after.added.len();
+    let sum: f64 = candidates.iter().filter(|c| same_size(c)).map(|c| odds(c).min(50.0).exp()).sum();
+    let mut ties = Vec::new();
+    for judged in candidates.iter_mut() {
+        if !same_size(judged) {
+            judged.probability = 0.0;
+            continue;
+        }
+        judged.probability = (1.0 - unlisted) * odds(judged).min(50.0).exp() / sum;
+        if judged.added != after.added && !after.added.is_empty() && odds(judged) > -TIE {
+            let differ = |a: &[&'static str], b: &[&'static str]| -> Vec<&'static str> {
+                a.iter().copied().filter(|id| !b.contains(id)).collect()
+            };
+            let mut tie = differ(&after.added, &judged.added);
+            tie.extend(differ(&judged.added, &after.added));
+            ties.push(tie);
+        }
+    }
+    ties
+}

@@ -1,0 +1,140 @@
+//! How well a model foresees runs it was not fitted to: only where they start is estimated again.
+
+use crate::identify::data::{Channel, Measured, Run};
+use crate::identify::evaluate::{BLOCK, Predicted, predict};
+use crate::identify::fit::{Effort, Fit};
+use crate::identify::model::Model;
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+
+/// A model's standing on a set of runs.
+#[derive(Debug, Clone)]
+pub struct Score {
+    /// Mean of (residual / noise)^2 over displacement and acceleration, or over the command where neither states its
+    /// noise.
+    pub chi2: f64,
+    /// Samples behind that mean.
+    pub samples: usize,
+    /// Residuals of all judged channels.
+    pub rows: usize,
+    /// Sum of squares of all judged channels in each block of a run.
+    pub blocks: Vec<f64>,
+    /// By how much neighbouring residuals of a judged channel being alike overstates their number, 1 for white ones.
+    pub colour: f64,
+    /// Normalised RMS residual by channel: RMS of the residual over RMS of the measurement about its mean.
+    pub nrmse: Vec<(Channel, f64)>,
+    /// The prediction of each run.
+    pub predicted: Vec<Predicted>,
+}
+
+impl Score {
+    /// Sum of squares of all judged channels.
+    pub fn squares(&self) -> f64 {
+        self.blocks.iter().sum()
+    }
+}
+
+/// Scores a model on runs, its shared parameters as they are.
+pub fn score(model: &Model, runs: &[Run]) -> Result<Score, SimulateError> {
+    let mut fixed = model.clone();
+    fixed.values_mut().for_each(|v| v.free = false);
+    let mut fit = Fit::begin(fixed, runs)?;
+    fit.improve(runs, Effort { steps: 6, tolerance: 1e-5 })?;
+    let predicted: Result<Vec<_>, _> =
+        runs.par_iter().zip(&fit.locals).map(|(run, local)| predict(&fit.model, run, local)).collect();
+    Ok(of_predictions(runs, predicted?))
+}
+
+/// Scores predictions that are at hand.
+pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
+    let mut score = Score {
+        chi2: 0.0,
+        samples: 0,
+        rows: 0,
+        blocks: Vec::new(),
+        colour: 1.0,
+        nrmse: Vec::new(),
+        predicted: Vec::new(),
+    };
+    let mut sums: Vec<(Channel, Sums)> = Vec::new();
+    for (run, prediction) in runs.iter().zip(&predicted) {
+        let block = ((BLOCK / run.dt).round() as usize).max(1);
+        let first = score.blocks.len();
+        score.blocks.resize(first + run.len().div_ceil(block), 0.0);
+        for (measured, series) in run.measured.iter().zip(&prediction.channels) {
+            let counted = counts(run, measured);
+            if measured.judged {
+                score.colour = score.colour.max(colour(measured, series));
+            }
+            let place = sums.iter().position(|(c, _)| *c == measured.channel).unwrap_or_else(|| {
+                sums.push((measured.channel, Sums::default()));
+                sums.len() - 1
+            });
+            for (k, (y, model)) in measured.values.iter().zip(series).enumerate().skip(usize::from(run.moving_start)) {
+                let residual = y - model;
+                if !residual.is_finite() {
+                    continue;
+                }
+                sums[place].1.add(*y, residual);
+                let square = (residual / measured.noise).powi(2);
+                if counted {
+                    score.chi2 += square;
+                    score.samples += 1;
+                }
+                if measured.judged {
+                    score.blocks[first + k / block] += square;
+                    score.rows += 1;
+                }
+            }
+        }
+    }
+    score.chi2 /= score.samples.max(1) as f64;
+    score.nrmse = sums.into_iter().map(|(channel, sums)| (channel, sums.nrmse())).collect();
+    score.predicted = predicted;
+    score
+}
+
+/// One plus twice the sum of the residual's correlations over neighbouring samples.
+fn colour(measured: &Measured, series: &[f64]) -> f64 {
+    const NEIGHBOURS: usize = 12;
+    let residual: Vec<f64> = measured.values.iter().zip(series).map(|(y, m)| y - m).filter(|r| r.is_finite()).collect();
+    let power: f64 = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
+    let lagged = |lag: usize| residual.iter().zip(residual.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>() / power;
+    1.0 + 2.0 * (1..=NEIGHBOURS).map(lagged).sum::<f64>().max(0.0)
+}
+
+/// Whether a channel counts in chi2.
+fn counts(run: &Run, measured: &Measured) -> bool {
+    let motion = |c| matches!(c, Channel::Displacement | Channel::Acceleration);
+    let any_motion = run.measured.iter().any(|m| m.judged && motion(m.channel));
+    measured.judged && (!any_motion || motion(measured.channel))
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    sum: f64,
+    squares: f64,
+    residual: f64,
+}
+
+impl Sums {
+    fn add(&mut self, y: f64, residual: f64) {
+        self.count += 1.0;
+        self.sum += y;
+        self.squares += y * y;
+        self.residual += residual * residual;
+    }
+
+    fn nrmse(&self) -> f64 {
+        let mean = self.sum / self.count;
+        let about_mean = self.squares / self.count - mean * mean;
+        (self.residual / self.count / about_mean.max(f64::MIN_POSITIVE)).sqrt()
+    }
+}
+
+/// Blocks' gains, summed apart: where the second model is better, and where it is worse.
+pub fn gains(before: &[f64], after: &[f64]) -> (f64, f64) {
+    let gains = before.iter().zip(after).map(|(b, a)| b - a);
+    gains.fold((0.0, 0.0), |(better, worse), gain| (better + gain.max(0.0), worse + (-gain).max(0.0)))
+}

@@ -1,0 +1,223 @@
+//! Where in time, frequency and state a residual lies, found without the library.
+
+use super::decide::Decision;
+use super::judge::score;
+use crate::identify::data::{Channel, Run};
+use crate::identify::evaluate::{Predicted, predict};
+use crate::identify::fit::Fit;
+use crate::identify::prepare::Prepared;
+use crate::plant::simulate::SimulateError;
+use realfft::RealFftPlanner;
+use serde::Serialize;
+
+mod state;
+
+/// Where the model and the recordings part.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Location {
+    /// The block of the signal path: of the accepted effects, or `unlisted`; none where all is consistent.
+    pub block: Option<&'static str>,
+    /// Stretches of runs, most of the excess first.
+    pub time: Vec<Stretch>,
+    /// Bands where the residual stands above the noise, strongest first.
+    pub frequency: Vec<Band>,
+    /// Quantities that explain the residual, strongest first.
+    pub state: Vec<StateShare>,
+}
+
+/// A stretch of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct Stretch {
+    /// The run.
+    pub run: String,
+    /// Start, s on the run's clock.
+    pub from_s: f64,
+    /// End, s.
+    pub to_s: f64,
+    /// Its share of all excess.
+    pub share: f64,
+}
+
+/// A band of frequencies.
+#[derive(Debug, Clone, Serialize)]
+pub struct Band {
+    /// Lower edge, Hz.
+    pub from_hz: f64,
+    /// Upper edge, Hz.
+    pub to_hz: f64,
+    /// Power of the residual over that of the noise.
+    pub ratio: f64,
+}
+
+/// A quantity that explains part of the residual.
+#[derive(Debug, Clone, Serialize)]
+pub struct StateShare {
+    /// `displacement velocity acceleration command velocity_sign path time pressure reference`.
+    pub variable: &'static str,
+    /// Where along it, in words.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// Share of the residual's variance it explains on blocks it was not fitted to.
+    pub strength: f64,
+}
+
+/// Longest stretches named.
+const STRETCHES: usize = 5;
+
+/// Locates the mismatch of the stated model on the runs it was fitted to.
+pub fn locate(prepared: &Prepared, baseline: &Fit, decision: &Decision) -> Result<Location, SimulateError> {
+    if decision.consistent() {
+        return Ok(Location::default());
+    }
+    let predicted = score(&baseline.model, &prepared.fit)?.predicted;
+    let block = if decision.unlisted {
+        Some("unlisted")
+    } else {
+        let last = decision.after.added.first().and_then(|id| crate::plant::effects::entry(id));
+        last.map(|entry| entry.stage.name())
+    };
+    Ok(Location {
+        block,
+        time: stretches(&prepared.fit, &predicted),
+        frequency: bands(&prepared.fit, &predicted),
+        state: state::shares(&prepared.fit, &predicted),
+    })
+}
+
+/// Residual of a channel in units of its noise.
+pub(super) fn residual(run: &Run, predicted: &Predicted, channel: Channel) -> Option<Vec<f64>> {
+    let place = run.measured.iter().position(|m| m.channel == channel)?;
+    let measured = &run.measured[place];
+    Some(measured.values.iter().zip(&predicted.channels[place]).map(|(y, m)| (y - m) / measured.noise).collect())
+}
+
+/// The channels a location looks at, the most telling first.
+pub(super) fn judged_channels(run: &Run) -> Vec<Channel> {
+    run.measured.iter().filter(|m| m.judged).map(|m| m.channel).collect()
+}
+
+fn stretches(runs: &[Run], predicted: &[Predicted]) -> Vec<Stretch> {
+    let mut all = Vec::new();
+    let mut whole = 0.0;
+    for (run, predicted) in runs.iter().zip(predicted) {
+        let block = ((0.5 / run.dt).round() as usize).max(1);
+        let mut sums = vec![0.0; run.len().div_ceil(block)];
+        for channel in judged_channels(run) {
+            for (k, r) in residual(run, predicted, channel).unwrap_or_default().iter().enumerate() {
+                sums[k / block] += if r.is_finite() { r * r - 1.0 } else { 0.0 };
+            }
+        }
+        for (i, &excess) in sums.iter().enumerate() {
+            whole += excess.max(0.0);
+            all.push(Stretch {
+                run: run.name.clone(),
+                from_s: run.from + (i * block) as f64 * run.dt,
+                to_s: run.from + ((i + 1) * block).min(run.len()) as f64 * run.dt,
+                share: excess,
+            });
+        }
+    }
+    let joined = join(all, whole / runs.len().max(1) as f64 / 40.0);
+    let mut named: Vec<Stretch> =
+        joined.into_iter().map(|s| Stretch { share: (s.share / whole.max(1e-12)).clamp(0.0, 1.0), ..s }).collect();
+    named.sort_by(|a, b| b.share.total_cmp(&a.share));
+    named.truncate(STRETCHES);
+    named
+}
+
+/// Joins neighbouring stretches that all stand out.
+fn join(all: Vec<Stretch>, stands_out: f64) -> Vec<Stretch> {
+    let mut joined: Vec<Stretch> = Vec::new();
+    let mut before = false;
+    for stretch in all {
+        let out = stretch.share > stands_out;
+        match joined.last_mut() {
+            Some(last) if out && before && last.run == stretch.run => {
+                last.to_s = stretch.to_s;
+                last.share += stretch.share;
+            }
+            _ if out => joined.push(stretch),
+            _ => {}
+        }
+        before = out;
+    }
+    joined
+}
+
+/// Power spectrum of a series, one-sided, over its mean segments of `size` with a Hann window; white noise of unit
+/// variance gives 1 everywhere.
+fn spectrum(series: &[f64], size: usize) -> Vec<f64> {
+    let mut planner = RealFftPlanner::<f64>::new();
+    let transform = planner.plan_fft_forward(size);
+    let window: Vec<f64> =
+        (0..size).map(|i| (std::f64::consts::PI * (i as f64 + 0.5) / size as f64).sin().powi(2)).collect();
+    let weight: f64 = window.iter().map(|w| w * w).sum();
+    let mut power = vec![0.0; size / 2 + 1];
+    let mut segments = 0.0;
+    let mut start = 0;
+    while start + size <= series.len() {
+        let clean = |x: f64| if x.is_finite() { x } else { 0.0 };
+        let mut input: Vec<f64> = series[start..start + size].iter().zip(&window).map(|(&x, w)| clean(x) * w).collect();
+        let mut output = transform.make_output_vec();
+        if transform.process(&mut input, &mut output).is_ok() {
+            power.iter_mut().zip(&output).for_each(|(p, c)| *p += c.norm_sqr() / weight);
+            segments += 1.0;
+        }
+        start += size / 2;
+    }
+    power.iter_mut().for_each(|p| *p /= f64::max(segments, 1.0));
+    power
+}
+
+fn bands(runs: &[Run], predicted: &[Predicted]) -> Vec<Band> {
+    let Some(dt) = runs.first().map(|r| r.dt) else { return Vec::new() };
+    let size = ((4.0 / dt) as usize).next_power_of_two().max(64);
+    let mut power = vec![0.0; size / 2 + 1];
+    let mut count = 0.0;
+    for (run, predicted) in runs.iter().zip(predicted) {
+        for channel in judged_channels(run) {
+            let series = residual(run, predicted, channel).unwrap_or_default();
+            power.iter_mut().zip(spectrum(&series, size)).for_each(|(sum, p)| *sum += p);
+            count += 1.0;
+        }
+    }
+    let hz = 1.0 / (size as f64 * dt);
+    let mut bands: Vec<Band> = Vec::new();
+    let mut edge = 0.25;
+    while edge < 0.5 / dt {
+        let upper = (edge * 1.5_f64).max(edge + 0.5).min(0.5 / dt);
+        let (i, j) = ((edge / hz) as usize, ((upper / hz) as usize).min(power.len()));
+        if j > i {
+            let ratio = power[i..j].iter().sum::<f64>() / (j - i) as f64 / f64::max(count, 1.0);
+            bands.push(Band { from_hz: edge, to_hz: upper, ratio });
+        }
+        edge = upper;
+    }
+    bands.retain(|b| b.ratio > 1.3);
+    bands.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    bands.truncate(STRETCHES);
+    bands
+}
+
+/// The strongest line in the accelerometer's residual, Hz: where a hum would start from.
+pub(super) fn strongest_line(runs: &[Run], baseline: &Fit) -> Result<f64, SimulateError> {
+    let Some((run, local)) = runs.iter().zip(&baseline.locals).max_by_key(|(r, _)| r.len()) else { return Ok(50.0) };
+    let predicted = predict(&baseline.model, run, local)?;
+    let Some(series) = residual(run, &predicted, Channel::Acceleration) else { return Ok(50.0) };
+    let size = run.len().next_power_of_two().max(16);
+    let mut padded = series;
+    padded.resize(size, 0.0);
+    let power = spectrum(&padded, size);
+    let hz = 1.0 / (size as f64 * run.dt);
+    let lowest = (5.0 / hz) as usize;
+    // A line stands above its own neighbourhood, a resonance does not.
+    let neighbourhood = ((1.0 / hz) as usize).max(4);
+    let prominence = |i: usize| {
+        let around = &power[i.saturating_sub(neighbourhood)..(i + neighbourhood).min(power.len())];
+        let mut sorted = around.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        power[i] / sorted[sorted.len() / 2].max(1e-300)
+    };
+    let line = (lowest.min(power.len())..power.len()).max_by(|&a, &b| prominence(a).total_cmp(&prominence(b)));
+    Ok(line.map_or(50.0, |i| i as f64 * hz))
+}

@@ -1,0 +1,267 @@
+//! The diagnosis as other tools read it: schema `shakedown.diagnosis/1`.
+
+use super::decide::{Decision, Judged};
+use super::judge::Score;
+use super::locate::Location;
+use crate::identify::data::Channel;
+use crate::identify::prepare::Prepared;
+use crate::plant::effects::Role;
+use crate::plant::model::Kind;
+use crate::recording::check::Finding;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Half width of a 90 % interval in standard deviations.
+const NINETY: f64 = 1.645;
+
+/// What came out.
+#[derive(Debug, Clone, Serialize)]
+pub struct Diagnosis {
+    /// The schema this object follows.
+    pub schema: &'static str,
+    /// `consistent`, `mismatch` or `bad-data`.
+    pub verdict: Verdict,
+    /// Where the model and the recordings part.
+    pub location: Location,
+    /// The accepted effects.
+    pub effects: Vec<NamedEffect>,
+    /// Every set of effects in the running.
+    pub candidates: Vec<Candidate>,
+    /// Sets of effects that the data cannot tell apart.
+    pub indistinguishable: Vec<Vec<&'static str>>,
+    /// The test that would settle what is open.
+    pub next_test: Option<NextTest>,
+    /// Fit on the runs held back.
+    pub holdout: BeforeAfter,
+    /// The refitted model's own parameters.
+    pub model: BTreeMap<String, Quantity>,
+    /// Where effects of the library explain a part only: which, and how much of the excess.
+    pub part_explained: Option<Part>,
+    /// Share of the stated model's excess over the noise floor that the accepted model leaves.
+    pub share_left: f64,
+    /// What is wrong with the data, or worth knowing about it.
+    pub findings: Vec<Finding>,
+    /// Wall-clock time, s.
+    pub seconds: f64,
+}
+
+/// What was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The model explains the recordings to within their noise.
+    Consistent,
+    /// It does not.
+    Mismatch,
+    /// The recordings cannot be believed.
+    BadData,
+}
+
+/// An accepted effect.
+#[derive(Debug, Clone, Serialize)]
+pub struct NamedEffect {
+    /// Its identifier.
+    pub id: &'static str,
+    /// Probability that it is present.
+    pub probability: f64,
+    /// Its equation.
+    pub equation: &'static str,
+    /// Its parameters.
+    pub parameters: BTreeMap<String, Quantity>,
+}
+
+/// A number with its uncertainty and unit.
+#[derive(Debug, Clone, Serialize)]
+pub struct Quantity {
+    /// The value.
+    pub value: f64,
+    /// Standard deviation; none where it was not estimated.
+    pub std: Option<f64>,
+    /// Lower end of the 90 % interval.
+    pub low: Option<f64>,
+    /// Upper end of the 90 % interval.
+    pub high: Option<f64>,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// A set of effects in the running.
+#[derive(Debug, Clone, Serialize)]
+pub struct Candidate {
+    /// The effects; empty for the stated model.
+    pub ids: Vec<&'static str>,
+    /// Share of belief.
+    pub probability: f64,
+    /// chi2 on the runs held back.
+    pub holdout_chi2: Option<f64>,
+}
+
+/// A proposed test.
+#[derive(Debug, Clone, Serialize)]
+pub struct NextTest {
+    /// What it would settle, with the predicted separation in noise units.
+    pub why: String,
+    /// What to run.
+    pub record: String,
+}
+
+/// Fit before and after.
+#[derive(Debug, Clone, Serialize)]
+pub struct BeforeAfter {
+    /// The stated model.
+    pub before: Standing,
+    /// The accepted one.
+    pub after: Standing,
+}
+
+/// One model's fit.
+#[derive(Debug, Clone, Serialize)]
+pub struct Standing {
+    /// Mean of (residual / noise)^2.
+    pub chi2: f64,
+    /// RMS residual over RMS of the measurement about its mean, by channel.
+    pub nrmse: BTreeMap<&'static str, f64>,
+    /// 1 - nrmse^2, by channel.
+    pub r2: BTreeMap<&'static str, f64>,
+}
+
+/// What effects of the library explain of a mismatch that they do not account for.
+#[derive(Debug, Clone, Serialize)]
+pub struct Part {
+    /// The effects.
+    pub ids: Vec<&'static str>,
+    /// Share of the excess over the noise floor that they take away on the runs held back.
+    pub share: f64,
+}
+
+impl Standing {
+    fn of(score: &Score) -> Self {
+        let nrmse: BTreeMap<_, _> = score.nrmse.iter().map(|&(c, value): &(Channel, f64)| (c.name(), value)).collect();
+        let r2 = nrmse.iter().map(|(&name, value)| (name, 1.0 - value * value)).collect();
+        Self { chi2: score.chi2, nrmse, r2 }
+    }
+}
+
+/// Puts a diagnosis together.
+pub(super) fn assemble(
+    prepared: &Prepared,
+    decision: &Decision,
+    location: Location,
+    findings: &[Finding],
+    seconds: f64,
+) -> Diagnosis {
+    let verdict = if decision.consistent() { Verdict::Consistent } else { Verdict::Mismatch };
+    let quantities = quantities(&decision.after);
+    let own = prepared.model.kind.parameters();
+    let model = own.iter().filter_map(|p| Some((p.key.to_owned(), quantities.get(p.key)?.clone()))).collect();
+    let share = |part: &Judged| 1.0 - (part.hold.chi2 - 1.0) / (decision.before.hold.chi2 - 1.0).max(1e-9);
+    Diagnosis {
+        schema: "shakedown.diagnosis/1",
+        verdict,
+        location,
+        effects: named(decision, &quantities),
+        candidates: candidates(decision),
+        indistinguishable: decision.ties.clone(),
+        next_test: None,
+        holdout: BeforeAfter { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) },
+        model,
+        share_left: (decision.after.hold.chi2 - 1.0).max(0.0) / (decision.before.hold.chi2 - 1.0).max(1e-9),
+        part_explained: decision.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
+        findings: findings.to_vec(),
+        seconds,
+    }
+}
+
+fn named(decision: &Decision, quantities: &BTreeMap<String, Quantity>) -> Vec<NamedEffect> {
+    if decision.unlisted {
+        let probability = decision.unlisted_probability;
+        let equation = "not in the library";
+        return vec![NamedEffect { id: "unlisted", probability, equation, parameters: BTreeMap::new() }];
+    }
+    let placed = decision.after.fit.model.effects.iter().filter(|p| decision.after.added.contains(&p.entry.id));
+    placed
+        .map(|placed| {
+            let id = placed.entry.id;
+            let with = |c: &&Judged| c.added.contains(&id);
+            let keys = placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun).map(|p| p.key);
+            NamedEffect {
+                id,
+                probability: decision.candidates.iter().filter(with).map(|c| c.probability).sum(),
+                equation: placed.entry.equation,
+                parameters: keys
+                    .filter_map(|key| Some((key.to_owned(), quantities.get(&format!("{id}.{key}"))?.clone())))
+                    .collect(),
+            }
+        })
+        .collect()
+}
+
+fn candidates(decision: &Decision) -> Vec<Candidate> {
+    let mut all: Vec<Candidate> = decision
+        .candidates
+        .iter()
+        .map(|c| Candidate { ids: c.added.clone(), probability: c.probability, holdout_chi2: Some(c.hold.chi2) })
+        .collect();
+    all.push(Candidate { ids: vec!["unlisted"], probability: decision.unlisted_probability, holdout_chi2: None });
+    all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    all
+}
+
+/// Every shared value of a fitted model by name, with intervals.
+fn quantities(judged: &Judged) -> BTreeMap<String, Quantity> {
+    let model = &judged.fit.model;
+    let rigid = model.kind == Kind::RigidMass;
+    let own = model.kind.parameters().iter().map(|p| p.unit);
+    let scale = model.scale.iter().map(|_| "unit of pressure per m/s2");
+    let effects = model.effects.iter().flat_map(|placed| placed.entry.parameters);
+    let units = own.chain(scale).chain(effects.map(|p| if rigid { p.rigid_unit } else { p.unit }));
+    let rows = model.names().into_iter().zip(model.values()).zip(judged.fit.deviations()).zip(units);
+    rows.map(|(((name, value), deviation), unit)| {
+        let std = deviation.is_finite().then_some(deviation);
+        let edge = |sign: f64| {
+            std.map(|s| {
+                if value.positive {
+                    value.value * (sign * NINETY * s / value.value).exp()
+                } else {
+                    value.value + sign * NINETY * s
+                }
+            })
+        };
+        (name, Quantity { value: value.value, std, low: edge(-1.0), high: edge(1.0), unit })
+    })
+    .collect()
+}
+
+/// The stated model with its fitted values and the effects that were added.
+pub(super) fn augmented(stated: &crate::recording::Model, judged: &Judged) -> crate::recording::Model {
+    use crate::recording::{Accuracy, Place, StatedEffect};
+    let mut model = stated.clone();
+    let quantities = quantities(judged);
+    let accuracy = |q: &Quantity| Accuracy { std: q.std, low: q.low, high: q.high };
+    for parameter in judged.fit.model.kind.parameters() {
+        let Some(quantity) = quantities.get(parameter.key).filter(|q| q.std.is_some()) else { continue };
+        if model.baseline.set(parameter.key, quantity.value) {
+            model.accuracy.insert(parameter.key.to_owned(), accuracy(quantity));
+        }
+    }
+    for placed in &judged.fit.model.effects {
+        let id = placed.entry.id;
+        let shared = || placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun);
+        let values =
+            shared().filter_map(|p| Some((p.key.to_owned(), quantities.get(&format!("{id}.{}", p.key))?.value)));
+        let effect = StatedEffect {
+            id: id.to_owned(),
+            parameters: values.collect(),
+            place: Place::file(std::path::Path::new("diagnosis")),
+        };
+        model.effects.retain(|e| e.id != id);
+        model.effects.push(effect);
+        for parameter in shared() {
+            let name = format!("{id}.{}", parameter.key);
+            if let Some(quantity) = quantities.get(&name) {
+                model.accuracy.insert(name, accuracy(quantity));
+            }
+        }
+    }
+    model
+}

@@ -1,0 +1,132 @@
+//! Grows the stated model by effects of the library: one look at every effect from all its starting values, a few steps
+//! for those that promise most, the best to the end; then pairs around the best singles, then triples around the best pairs.
+
+use super::Options;
+use crate::identify::data::Run;
+use crate::identify::fit::{Effort, Fit};
+use crate::identify::model::{Placed, Yardsticks};
+use crate::identify::prepare::{Prepared, candidates};
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+
+/// Everything the search found.
+#[derive(Debug, Clone)]
+pub struct Search {
+    /// The stated model, refitted where the experiment allows it.
+    pub baseline: Fit,
+    /// Every model tried to some depth, best squares first, by number of effects added: singles, pairs, triples.
+    pub grown: Vec<Vec<Fit>>,
+}
+
+/// Most effects added to the stated model.
+const MOST: usize = 3;
+/// Models of each size that are grown further.
+const BEAM: usize = 3;
+/// Models of each size that are fitted to the end.
+const FINALISTS: usize = 7;
+/// Starts that are taken further than one look.
+const PROMISING: usize = 18;
+/// A gain of squares no larger than this is nothing: chance over the whole library.
+pub(super) const CHANCE: f64 = 30.0;
+/// chi2 above which a refitted model may be bent.
+const BENT: f64 = 4.0;
+/// What is left of the baseline's excess when growing stops.
+const SETTLED: f64 = 0.004;
+
+/// Searches for what the stated model lacks.
+pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, SimulateError> {
+    let runs = &prepared.fit;
+    options.say("fitting the stated model", 0.02);
+    let mut baseline = Fit::begin(prepared.model.clone(), runs)?;
+    baseline.improve(runs, Effort::FULL)?;
+    let yardsticks = Yardsticks { line: super::locate::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
+    let mut search = Search { baseline, grown: Vec::new() };
+    let mut parents = vec![search.baseline.clone()];
+    // A refit bends a model far from the truth to hide what is missing: then the values as stated are a second start.
+    if search.baseline.chi2() > BENT {
+        parents.push(Fit::begin(prepared.model.clone(), runs)?);
+    }
+    for size in 0..MOST {
+        options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
+        let singles = search.grown.first().cloned().unwrap_or_default();
+        let grown = grow(&parents, &singles, runs, &yardsticks)?;
+        let (Some(best), Some(parent)) = (grown.first(), parents.first()) else { break };
+        let gain = parent.squares - best.squares;
+        let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
+        let settled =
+            gain < CHANCE || left < SETTLED || best.squares < best.rows as f64 + 3.0 * (2.0 * best.rows as f64).sqrt();
+        parents = grown.iter().take(BEAM).cloned().collect();
+        search.grown.push(grown);
+        if settled {
+            break;
+        }
+    }
+    Ok(search)
+}
+
+/// A start: which parent, with which effect where.
+struct Seedling<'a> {
+    parent: &'a Fit,
+    placed: Placed,
+}
+
+/// Models with one effect more than their parents, best first; each set of effects once.
+fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks) -> Result<Vec<Fit>, SimulateError> {
+    let mut seedlings = Vec::new();
+    let mut sets: Vec<Vec<&'static str>> = Vec::new();
+    for parent in parents {
+        for entry in candidates(&parent.model) {
+            let mut set = parent.model.ids();
+            set.push(entry.id);
+            set.sort_unstable();
+            if sets.contains(&set) && !parent.model.effects.is_empty() {
+                continue;
+            }
+            sets.push(set);
+            // Alone the effect was fitted already: its values there are one start, the library's the others.
+            let alone = singles.iter().find_map(|fit| fit.model.effects.iter().find(|p| p.entry.id == entry.id));
+            let library = (0..).map_while(|i| Placed::start(entry, i, yardsticks));
+            // A resonance is found from near its frequency only.
+            let resonates = entry.parameters.iter().any(|p| p.unit == "Hz");
+            let most = if alone.is_some() && !resonates { 1 } else { usize::MAX };
+            let starts = alone.cloned().into_iter().chain(library.take(most));
+            seedlings.extend(starts.map(|placed| Seedling { parent, placed }));
+        }
+    }
+    let begun = |s: &Seedling| Fit::resume(s.parent.model.with(s.placed.clone()), s.parent.locals.clone(), runs);
+    let mut fits = seedlings.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+    let finite = |x: f64| if x.is_finite() { x } else { f64::INFINITY };
+    fits.sort_by(|a, b| finite(a.promised()).total_cmp(&finite(b.promised())));
+    fits.truncate(PROMISING);
+    fits.par_iter_mut().try_for_each(|fit| fit.improve(runs, Effort { steps: 2, tolerance: 1e-4 }))?;
+    best_of_each_set(&mut fits);
+    let floor = parents.iter().map(|parent| parent.squares).fold(f64::INFINITY, f64::min) - CHANCE;
+    if fits.first().is_some_and(|best| best.squares > floor && best.promised() > floor) {
+        return Ok(fits);
+    }
+    further(&mut fits, FINALISTS, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
+    further(&mut fits, BEAM, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
+    Ok(fits)
+}
+
+/// Takes the best `count` fits further and puts all in order again.
+fn further(fits: &mut [Fit], count: usize, effort: Effort, runs: &[Run]) -> Result<(), SimulateError> {
+    let count = count.min(fits.len());
+    fits[..count].par_iter_mut().try_for_each(|fit| fit.improve(runs, effort))?;
+    fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    Ok(())
+}
+
+/// Sorts by squares and keeps the best start of each set of effects.
+fn best_of_each_set(fits: &mut Vec<Fit>) {
+    fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    let mut seen: Vec<Vec<&'static str>> = Vec::new();
+    fits.retain(|fit| {
+        let set = fit.model.ids();
+        let new = !seen.contains(&set);
+        if new {
+            seen.push(set);
+        }
+        new
+    });
+}

@@ -1,0 +1,252 @@
+//! Residuals of a model on a run, and their sensitivities to every free parameter.
+
+use super::data::{Channel, Measured, Run};
+use super::model::{Model, Value};
+use super::normal::Normal;
+use crate::motion::filter::{Cascade, Edge};
+use crate::plant::effects::Role;
+use crate::plant::model::Baseline;
+use crate::plant::simulate::{Drive, Placed, SimulateError, Start, Trace, balance, effect_states, simulate};
+use crate::scalar::{Dual, Scalar};
+use nalgebra::{DMatrix, DVector};
+
+/// Length of the blocks over which residuals count as alike, s.
+pub const BLOCK: f64 = 1.0;
+
+/// Parameters that belong to one run: where it starts, sensors' offsets, the phases of periodic effects.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Local {
+    /// Displacement at the start, m.
+    pub displacement: Value,
+    /// Velocity at the start, m/s.
+    pub velocity: Value,
+    /// Offset of the pressure difference, in its unit.
+    pub pressure: Value,
+    /// Values of [`Role::PerRun`], in the order of the model's effects.
+    pub effects: Vec<Value>,
+    /// By how much the effects' continuous states differ from rest at the start, where a run starts in motion.
+    pub states: Vec<Value>,
+}
+
+impl Local {
+    /// A run's local parameters before any fit.
+    pub fn start(model: &Model, run: &Run) -> Self {
+        let first = |channel| run.channel(channel).and_then(|m| m.values.iter().copied().find(|x| x.is_finite()));
+        let reference = if run.law.simulates_reference() { run.input.first().copied() } else { None };
+        let shown = first(Channel::Displacement);
+        let at = if run.moving_start { shown.or(reference) } else { reference.or(shown) }.unwrap_or(0.0);
+        let reach = run.channel(Channel::Displacement).map_or(1e-3, |m| 50.0 * m.noise + 1e-9);
+        let free = |value: f64, reach: f64, free| Value {
+            value,
+            low: value - reach,
+            high: value + reach,
+            positive: false,
+            free,
+        };
+        let slope = run.moving_start.then(|| initial_slope(run)).flatten().unwrap_or(0.0);
+        let has_pressure = run.channel(Channel::PressureDifference).is_some_and(|m| m.judged);
+        let per_run = |p: &super::model::Placed| {
+            p.entry
+                .parameters
+                .iter()
+                .zip(&p.values)
+                .filter(|(q, _)| q.role == Role::PerRun)
+                .map(|(_, v)| Value { free: true, ..*v })
+                .collect::<Vec<_>>()
+        };
+        Self {
+            displacement: free(at, reach.max(1e-4), run.motion.is_none()),
+            velocity: free(slope, 1.0, run.moving_start && run.motion.is_none()),
+            pressure: free(0.0, f64::INFINITY, has_pressure),
+            effects: model.effects.iter().flat_map(per_run).collect(),
+            states: if run.moving_start { vec![free(0.0, 10.0, true); states_of(model)] } else { Vec::new() },
+        }
+    }
+
+    /// Every value, in a fixed order.
+    pub fn values(&self) -> impl Iterator<Item = &Value> {
+        [&self.displacement, &self.velocity, &self.pressure].into_iter().chain(&self.effects).chain(&self.states)
+    }
+
+    /// The same, to change.
+    pub fn values_mut(&mut self) -> impl Iterator<Item = &mut Value> {
+        let start = [&mut self.displacement, &mut self.velocity, &mut self.pressure];
+        start.into_iter().chain(&mut self.effects).chain(&mut self.states)
+    }
+}
+
+/// Continuous states of a model's effects.
+fn states_of(model: &Model) -> usize {
+    effect_states(model.effects.iter().map(|p| (p.entry.id, p.values.iter().map(|v| v.value).collect())))
+}
+
+/// Slope of the measured displacement at the start, m/s.
+fn initial_slope(run: &Run) -> Option<f64> {
+    let x = &run.channel(Channel::Displacement)?.values;
+    let span = 4.min(x.len().checked_sub(1)?);
+    Some((x[span] - x[0]) / (span as f64 * run.dt)).filter(|s| s.is_finite())
+}
+
+/// What a run shows under a model, without sensitivities.
+#[derive(Debug, Clone)]
+pub struct Predicted {
+    /// One series a measured channel, in the order of [`Run::measured`].
+    pub channels: Vec<Vec<f64>>,
+}
+
+/// Simulates a run and gives the prediction of each of its channels.
+pub fn predict(model: &Model, run: &Run, local: &Local) -> Result<Predicted, SimulateError> {
+    let (trace, scale, offset) = trace::<f64>(model, run, local, |value| value.value)?;
+    let channels = run
+        .measured
+        .iter()
+        .map(|m| (0..run.len()).map(|k| shown(&trace, m.channel, k, scale, offset).unwrap_or(f64::NAN)).collect());
+    Ok(Predicted { channels: channels.collect() })
+}
+
+/// The trace of a run with every value turned into a scalar by `lift`, in the order shared, then local.
+fn trace<S: Scalar>(
+    model: &Model,
+    run: &Run,
+    local: &Local,
+    mut lift: impl FnMut(&Value) -> S,
+) -> Result<(Trace<S>, S, S), SimulateError> {
+    let own: Vec<S> = model.own.iter().map(&mut lift).collect();
+    let scale = model.scale.as_ref().map(&mut lift);
+    let mut effects: Vec<Placed<S>> = model
+        .effects
+        .iter()
+        .map(|p| Placed { id: p.entry.id, parameters: p.values.iter().map(&mut lift).collect() })
+        .collect();
+    let (displacement, velocity, offset) = (lift(&local.displacement), lift(&local.velocity), lift(&local.pressure));
+    let per_run: Vec<S> = local.effects.iter().map(&mut lift).collect();
+    let start = Start { displacement, velocity, states: local.states.iter().map(&mut lift).collect() };
+    let mut per_run = per_run.into_iter();
+    for (placed, effect) in effects.iter_mut().zip(&model.effects) {
+        for (parameter, slot) in effect.entry.parameters.iter().zip(&mut placed.parameters) {
+            if parameter.role == Role::PerRun
+                && let Some(value) = per_run.next()
+            {
+                *slot = value;
+            }
+        }
+    }
+    let baseline = Baseline::new(model.kind, &own).ok_or(SimulateError::NoLoop)?;
+    if let Baseline::ForceBalance { scale, viscous } = baseline {
+        let motion = run.motion.as_ref().ok_or(SimulateError::NoLoop)?;
+        let trace = balance(viscous, &effects, motion, run.dt, &start.states)?;
+        return Ok((filtered(trace, run.filter.as_ref()), scale, offset));
+    }
+    let drive = Drive { dt: run.dt, ticks: run.ticks, input: &run.input, added: &run.added, law: run.law };
+    let trace = simulate(&baseline, &effects, &drive, &start)?;
+    Ok((filtered(trace, run.filter.as_ref()), scale.unwrap_or(S::from(1.0)), offset))
+}
+
+/// Low-passes every channel, derivatives with it: the filter is linear.
+fn filtered<S: Scalar>(mut trace: Trace<S>, filter: Option<&Cascade>) -> Trace<S> {
+    let Some(filter) = filter else { return trace };
+    for series in
+        [&mut trace.displacement, &mut trace.velocity, &mut trace.acceleration, &mut trace.command, &mut trace.load]
+    {
+        let pass = |i: usize| filter.zero_phase(&series.iter().map(|s| s.part(i)).collect::<Vec<_>>(), Edge::Hold);
+        let parts: Vec<Vec<f64>> = (0..S::PARTS).map(pass).collect();
+        *series = (0..series.len()).map(|k| S::from_parts(|i| parts[i][k])).collect();
+    }
+    trace
+}
+
+/// What one channel shows at one sample.
+fn shown<S: Scalar>(trace: &Trace<S>, channel: Channel, k: usize, scale: S, offset: S) -> Option<S> {
+    match channel {
+        Channel::Displacement => trace.displacement.get(k).copied(),
+        Channel::Acceleration => trace.acceleration.get(k).copied(),
+        Channel::Velocity => trace.velocity.get(k).copied(),
+        Channel::Command => trace.command.get(k).copied(),
+        Channel::SupplyPressure if trace.command.is_empty() => None,
+        Channel::PressureDifference => trace.load.get(k).map(|&load| load * scale + offset),
+        Channel::SupplyPressure => Some(trace.supply.get(k).copied().unwrap_or(S::from(1.0))),
+    }
+}
+
+/// The normal equations of one run, its free shared parameters first, then its free local ones.
+pub(super) fn normal(model: &Model, run: &Run, local: &Local) -> Result<Normal, SimulateError> {
+    let count = model.values().chain(local.values()).filter(|v| v.free).count();
+    match count {
+        0..=4 => normal_of::<4>(model, run, local, count),
+        5..=6 => normal_of::<6>(model, run, local, count),
+        7..=8 => normal_of::<8>(model, run, local, count),
+        9..=12 => normal_of::<12>(model, run, local, count),
+        13..=16 => normal_of::<16>(model, run, local, count),
+        _ => normal_of::<24>(model, run, local, count.min(24)),
+    }
+}
+
+fn normal_of<const N: usize>(model: &Model, run: &Run, local: &Local, count: usize) -> Result<Normal, SimulateError> {
+    let mut next = 0;
+    let lift = |value: &Value| {
+        let mut dual = Dual::<N>::from(value.value);
+        if value.free {
+            if let Some(slot) = dual.tangent.get_mut(next) {
+                *slot = value.slope();
+            }
+            next += 1;
+        }
+        dual
+    };
+    let (trace, scale, offset) = trace(model, run, local, lift)?;
+    let mut sum = Sums::<N>::new(count, ((BLOCK / run.dt).round() as usize).max(1), run.len());
+    let skip = usize::from(run.moving_start);
+    for measured in run.measured.iter().filter(|m| m.judged) {
+        for k in skip..run.len() {
+            let Some(model) = shown(&trace, measured.channel, k, scale, offset) else { continue };
+            sum.row(k, measured, &model);
+        }
+    }
+    Ok(sum.finish())
+}
+
+/// Sums rows into normal equations on the stack.
+struct Sums<const N: usize> {
+    matrix: [[f64; N]; N],
+    blocks: Vec<[f64; N]>,
+    squares: f64,
+    rows: usize,
+    count: usize,
+    block: usize,
+}
+
+impl<const N: usize> Sums<N> {
+    fn new(count: usize, block: usize, samples: usize) -> Self {
+        Self { matrix: [[0.0; N]; N], blocks: vec![[0.0; N]; samples / block + 1], squares: 0.0, rows: 0, count, block }
+    }
+
+    #[inline]
+    fn row(&mut self, k: usize, measured: &Measured, model: &Dual<N>) {
+        let residual = (measured.values[k] - model.value) / measured.noise;
+        if residual.is_nan() {
+            return;
+        }
+        self.squares += residual * residual;
+        self.rows += 1;
+        let jacobian = model.tangent.map(|t| t / measured.noise);
+        let block = &mut self.blocks[k / self.block];
+        for i in 0..N {
+            block[i] += jacobian[i] * residual;
+            for j in 0..N {
+                self.matrix[i][j] += jacobian[i] * jacobian[j];
+            }
+        }
+    }
+
+    fn finish(self) -> Normal {
+        let blocks: Vec<_> = self.blocks.iter().map(|b| DVector::from_fn(self.count, |i, _| b[i])).collect();
+        let gradient = blocks.iter().fold(DVector::zeros(self.count), |sum, block| sum + block);
+        Normal {
+            matrix: DMatrix::from_fn(self.count, self.count, |i, j| self.matrix[i][j]),
+            gradient,
+            squares: self.squares,
+            rows: self.rows,
+            blocks,
+        }
+    }
+}

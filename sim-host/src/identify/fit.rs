@@ -1,0 +1,181 @@
+//! Bounded Levenberg-Marquardt on whole-loop simulation error.
+
+use super::data::Run;
+use super::evaluate::{Local, normal};
+use super::model::Model;
+use super::normal::Normal;
+use crate::plant::simulate::SimulateError;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// A model with the local parameters of the runs it was fitted to.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The model with its fitted values.
+    pub model: Model,
+    /// One set a run.
+    pub locals: Vec<Local>,
+    /// Sum of squared residuals in units of noise.
+    pub squares: f64,
+    /// Residuals summed.
+    pub rows: usize,
+    /// Runs of the plant simulated with sensitivities.
+    pub evaluations: usize,
+    damping: f64,
+    normal: Normal,
+    converged: bool,
+}
+
+/// How far a fit goes.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
+    /// Most steps tried.
+    pub steps: usize,
+    /// Stops when a step lowers the squares by less than this share.
+    pub tolerance: f64,
+}
+
+impl Effort {
+    /// Until nothing moves.
+    pub const FULL: Self = Self { steps: 25, tolerance: 1e-6 };
+}
+
+impl Fit {
+    /// A model before any step.
+    pub fn begin(model: Model, runs: &[Run]) -> Result<Self, SimulateError> {
+        let locals = runs.iter().map(|run| Local::start(&model, run)).collect();
+        Self::resume(model, locals, runs)
+    }
+
+    /// A model with local parameters known from before.
+    pub fn resume(model: Model, mut locals: Vec<Local>, runs: &[Run]) -> Result<Self, SimulateError> {
+        for (local, run) in locals.iter_mut().zip(runs) {
+            let wanted = Local::start(&model, run);
+            if local.effects.len() != wanted.effects.len() {
+                local.effects = wanted.effects;
+            }
+            if local.states.len() != wanted.states.len() {
+                local.states = wanted.states;
+            }
+        }
+        let normal = assemble(&model, &locals, runs)?;
+        let (squares, rows) = (normal.squares, normal.rows);
+        Ok(Self { model, locals, squares, rows, evaluations: 1, damping: 1e-3, normal, converged: false })
+    }
+
+    /// Mean squared residual in units of noise; 1 is the floor.
+    pub fn chi2(&self) -> f64 {
+        self.squares / (self.rows as f64).max(1.0)
+    }
+
+    /// Squares that the next step promises, were the residual linear in the parameters.
+    pub fn promised(&self) -> f64 {
+        let step = self.normal.step(1e-3, &self.held());
+        self.squares - step.map_or(0.0, |step| step.dot(&self.normal.gradient))
+    }
+
+    /// True where the last effort ended because nothing moved any more.
+    pub fn converged(&self) -> bool {
+        self.converged
+    }
+
+    /// Takes steps until the effort is spent or nothing moves.
+    pub fn improve(&mut self, runs: &[Run], effort: Effort) -> Result<(), SimulateError> {
+        let mut steps = 0;
+        while steps < effort.steps && !self.converged {
+            steps += 1;
+            let before = self.squares;
+            if !self.step(runs)? {
+                self.converged = self.damping > 1e7;
+                continue;
+            }
+            self.converged = before - self.squares <= effort.tolerance * before.min(self.rows as f64);
+        }
+        Ok(())
+    }
+
+    /// One step; false where it led nowhere and only the damping grew.
+    fn step(&mut self, runs: &[Run]) -> Result<bool, SimulateError> {
+        let held = self.held();
+        let Some(step) = self.normal.step(self.damping, &held) else {
+            self.damping *= 10.0;
+            return Ok(false);
+        };
+        let (mut model, mut locals) = (self.model.clone(), self.locals.clone());
+        let free = model.values_mut().chain(locals.iter_mut().flat_map(Local::values_mut)).filter(|v| v.free);
+        for (value, change) in free.zip(step.iter()) {
+            value.set_coordinate(value.coordinate() + bounded(value.positive, *change));
+        }
+        let normal = assemble(&model, &locals, runs)?;
+        self.evaluations += 1;
+        if normal.squares < self.squares {
+            self.squares = normal.squares;
+            (self.model, self.locals, self.normal) = (model, locals, normal);
+            self.damping = (self.damping * 0.2).max(1e-9);
+            Ok(true)
+        } else {
+            self.damping *= 8.0;
+            Ok(false)
+        }
+    }
+
+    /// Which parameters sit at a bound that the gradient pushes against.
+    fn held(&self) -> Vec<bool> {
+        let free = self.model.values().chain(self.locals.iter().flat_map(Local::values)).filter(|v| v.free);
+        free.zip(self.normal.gradient.iter())
+            .map(|(v, &g)| (v.value <= v.low && g < 0.0) || (v.value >= v.high && g > 0.0))
+            .collect()
+    }
+
+    /// Covariance of the free shared parameters' coordinates; none where the data do not determine them.
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        let shared = self.model.values().filter(|v| v.free).count();
+        Some(self.normal.covariance()?.view((0, 0), (shared, shared)).into_owned())
+    }
+
+    /// Standard deviation of each shared value in the order of [`Model::values`]; NaN where it was not free.
+    pub fn deviations(&self) -> Vec<f64> {
+        let covariance = self.covariance();
+        let mut next = 0;
+        let deviation = |value: &super::model::Value| {
+            if !value.free {
+                return f64::NAN;
+            }
+            let i = next;
+            next += 1;
+            covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)].max(0.0).sqrt() * value.slope())
+        };
+        self.model.values().map(deviation).collect()
+    }
+}
+
+/// A step of a coordinate. A logarithm grows as the value itself would under the same linear step, so that a size
+/// started near nothing arrives in one step, and shrinks by no more than a factor of four.
+fn bounded(positive: bool, change: f64) -> f64 {
+    match positive {
+        false => change,
+        true if change > 0.0 => change.min(60.0).ln_1p(),
+        true => change.max(-1.4),
+    }
+}
+
+/// The normal equations over all runs: shared parameters first, then each run's own.
+fn assemble(model: &Model, locals: &[Local], runs: &[Run]) -> Result<Normal, SimulateError> {
+    let shared = model.values().filter(|v| v.free).count();
+    let counts: Vec<usize> = locals.iter().map(|l| l.values().filter(|v| v.free).count()).collect();
+    let parts: Vec<_> = runs.par_iter().zip(locals).map(|(run, local)| normal(model, run, local)).collect();
+    let mut sum = Normal::zeros(shared + counts.iter().sum::<usize>());
+    let mut place = shared;
+    for (part, count) in parts.into_iter().zip(counts) {
+        sum.add(&part?, shared, place);
+        place += count;
+    }
+    // A model that runs away is as bad as can be, not an error.
+    if !sum.squares.is_finite() {
+        sum.squares = f64::INFINITY;
+    }
+    Ok(sum)
+}
+
+#[cfg(test)]
+mod tests;

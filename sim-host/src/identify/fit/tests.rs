@@ -1,0 +1,89 @@
+use super::*;
+use crate::identify::data::{Channel, Measured};
+use crate::identify::evaluate::predict;
+use crate::identify::model::{Placed, Value, Yardsticks};
+use crate::plant::effects::entry;
+use crate::plant::model::Kind;
+use crate::plant::simulate::Law;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+const DT: f64 = 0.005;
+const TRUTH: [f64; 4] = [0.69, 138.0, 57.65, 0.242];
+
+fn model(values: [f64; 4]) -> Model {
+    let free = [false, true, true, true];
+    let own = values.iter().zip(free).map(|(&value, free)| Value {
+        value,
+        low: 0.2 * value,
+        high: 5.0 * value,
+        positive: true,
+        free,
+    });
+    Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new() }
+}
+
+/// Twelve uniforms less six: near enough to a Gaussian of unit variance.
+fn gauss(random: &mut ChaCha8Rng) -> f64 {
+    (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
+}
+
+/// A run of the given model, with noise on its sensors.
+fn recorded(model: &Model, seed: u64) -> Run {
+    let n = 3000;
+    let tone = |k: usize, i: i32| {
+        let hz = 0.2 * 1.6_f64.powi(i);
+        0.05 / f64::from(i + 1) * (std::f64::consts::TAU * hz * k as f64 * DT + f64::from(i) + seed as f64).sin()
+    };
+    let input = (0..n).map(|k| (k as f64 * DT).min(1.0) * (0..8).map(|i| tone(k, i)).sum::<f64>());
+    let channel = |channel, noise| Measured { channel, values: vec![0.0; n], noise, judged: true };
+    let mut run = Run {
+        name: "made".into(),
+        dt: DT,
+        from: 0.0,
+        ticks: 1,
+        input: input.collect(),
+        added: Vec::new(),
+        law: Law::Pi { kp: 8.0, ki: 1.0 },
+        moving_start: false,
+        measured: vec![channel(Channel::Displacement, 2e-5), channel(Channel::Acceleration, 0.1)],
+        motion: None,
+        filter: None,
+    };
+    let local = Local::start(model, &run);
+    let predicted = predict(model, &run, &local).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    for (measured, clean) in run.measured.iter_mut().zip(predicted.channels) {
+        measured.values = clean.iter().map(|v| v + measured.noise * gauss(&mut random)).collect();
+    }
+    run
+}
+
+#[test]
+fn a_model_is_recovered_from_ten_per_cent_off() {
+    let runs = [recorded(&model(TRUTH), 1), recorded(&model(TRUTH), 2)];
+    let mut fit = Fit::begin(model([0.69, 152.0, 52.0, 0.26]), &runs).unwrap();
+    fit.improve(&runs, Effort::FULL).unwrap();
+    assert!((fit.chi2() - 1.0).abs() < 0.05, "chi2 {}", fit.chi2());
+    for ((value, deviation), truth) in fit.model.values().zip(fit.deviations()).zip(TRUTH).skip(1) {
+        assert!((value.value - truth).abs() < 4.5 * deviation, "{} +/- {deviation}, truth {truth}", value.value);
+        assert!(deviation < 0.01 * truth, "{deviation} of {truth}");
+    }
+}
+
+#[test]
+fn friction_is_found_in_one_model_and_missed_by_the_other() {
+    let yardsticks =
+        Yardsticks { command: 0.05, command_rate: 0.5, speed: 0.2, displacement: 0.1, force: 1.0, line: 50.0 };
+    let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 1, &yardsticks).unwrap();
+    friction.values[0].value = 0.3;
+    let runs = [recorded(&model(TRUTH).with(friction), 3)];
+    let mut without = Fit::begin(model(TRUTH), &runs).unwrap();
+    without.improve(&runs, Effort::FULL).unwrap();
+    assert!(without.chi2() > 2.0, "a model without friction must not fit: chi2 {}", without.chi2());
+    let start = Placed::start(entry("coulomb_friction").unwrap(), 0, &yardsticks).unwrap();
+    let mut with = Fit::resume(without.model.with(start), without.locals.clone(), &runs).unwrap();
+    with.improve(&runs, Effort::FULL).unwrap();
+    let force = with.model.effects[0].values[0].value;
+    assert!((force - 0.3).abs() < 0.01 && with.chi2() < 1.05, "force {force}, chi2 {}", with.chi2());
+}

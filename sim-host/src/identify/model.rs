@@ -1,0 +1,200 @@
+//! A model with the effects it has, and which of its parameters a fit may move.
+
+use super::data::{Channel, Run};
+use crate::plant::effects::{Entry, Role, Yardstick};
+use crate::plant::model::Kind;
+
+/// One parameter's value and how a fit treats it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Value {
+    /// The value.
+    pub value: f64,
+    /// Smallest value a fit may give it.
+    pub low: f64,
+    /// Largest value a fit may give it.
+    pub high: f64,
+    /// Fitted by its logarithm.
+    pub positive: bool,
+    /// A fit may move it.
+    pub free: bool,
+}
+
+impl Value {
+    /// A value that no fit moves.
+    pub fn fixed(value: f64) -> Self {
+        Self { value, low: value, high: value, positive: false, free: false }
+    }
+
+    /// The coordinate a fit works in.
+    pub fn coordinate(&self) -> f64 {
+        if self.positive { self.value.max(f64::MIN_POSITIVE).ln() } else { self.value }
+    }
+
+    /// Sets the value from its coordinate, within bounds.
+    pub fn set_coordinate(&mut self, coordinate: f64) {
+        let value = if self.positive { coordinate.exp() } else { coordinate };
+        self.value = value.clamp(self.low, self.high);
+    }
+
+    /// Derivative of the value by its coordinate.
+    pub fn slope(&self) -> f64 {
+        if self.positive { self.value } else { 1.0 }
+    }
+}
+
+/// An effect a model has.
+#[derive(Debug, Clone)]
+pub struct Placed {
+    /// What it is.
+    pub entry: &'static Entry,
+    /// Its parameters in the order of the entry; those of [`Role::PerRun`] live with the runs.
+    pub values: Vec<Value>,
+}
+
+/// A model with the effects it has.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Which equations.
+    pub kind: Kind,
+    /// The model's own parameters in the order of [`Kind::parameters`].
+    pub own: Vec<Value>,
+    /// Pressure per acceleration, where pressure is measured and the model does not state it.
+    pub scale: Option<Value>,
+    /// The effects, in the order of the registry.
+    pub effects: Vec<Placed>,
+}
+
+/// Sizes of the signals, in whose multiples effects state their bounds and starting values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Yardsticks {
+    /// RMS of the command.
+    pub command: f64,
+    /// RMS of the command's rate of change, per second.
+    pub command_rate: f64,
+    /// Largest speed, m/s.
+    pub speed: f64,
+    /// Largest displacement from the start, m.
+    pub displacement: f64,
+    /// 1, or the mass of a rigid mass, kg.
+    pub force: f64,
+    /// Strongest line of the accelerometer's residual, Hz.
+    pub line: f64,
+}
+
+impl Yardsticks {
+    /// The size that one yardstick stands for.
+    pub fn size(&self, yardstick: Yardstick) -> f64 {
+        match yardstick {
+            Yardstick::One => 1.0,
+            Yardstick::Command => self.command,
+            Yardstick::CommandRate => self.command_rate,
+            Yardstick::Speed => self.speed,
+            Yardstick::Displacement => self.displacement,
+            Yardstick::Force => self.force,
+            Yardstick::Line => self.line,
+        }
+    }
+
+    /// Measured on the runs a fit uses.
+    pub fn of(runs: &[Run], mass: f64) -> Self {
+        let mut it = Self { command: 0.0, command_rate: 0.0, speed: 0.0, displacement: 0.0, force: mass, line: 50.0 };
+        let (mut squares, mut rates, mut count) = (0.0, 0.0, 0.0);
+        for run in runs {
+            if let Some(command) = run.channel(Channel::Command) {
+                squares += command.values.iter().filter(|u| u.is_finite()).map(|u| u * u).sum::<f64>();
+                rates += command
+                    .values
+                    .windows(2)
+                    .map(|w| ((w[1] - w[0]) / run.dt).powi(2))
+                    .filter(|r| r.is_finite())
+                    .sum::<f64>();
+                count += run.len() as f64;
+            }
+            if let Some(x) = run.channel(Channel::Displacement) {
+                let span = (0.02 / run.dt).round().max(1.0) as usize;
+                let start = x.values.first().copied().unwrap_or(0.0);
+                for (i, value) in x.values.iter().enumerate() {
+                    it.displacement = it.displacement.max((value - start).abs());
+                    if let Some(later) = x.values.get(i + span) {
+                        it.speed = it.speed.max((later - value).abs() / (span as f64 * run.dt));
+                    }
+                }
+            }
+        }
+        if count > 0.0 {
+            it.command = (squares / count).sqrt();
+            it.command_rate = (rates / count).sqrt();
+        }
+        for size in [&mut it.command, &mut it.command_rate, &mut it.speed, &mut it.displacement] {
+            *size = size.max(1e-9);
+        }
+        it
+    }
+}
+
+impl Placed {
+    /// An effect at the `index`-th combination of its starting values; none past the last.
+    pub fn start(entry: &'static Entry, index: usize, yardsticks: &Yardsticks) -> Option<Self> {
+        let mut rest = index;
+        let mut values = Vec::with_capacity(entry.parameters.len());
+        for parameter in entry.parameters {
+            let start = parameter.starts.get(rest % parameter.starts.len())?;
+            rest /= parameter.starts.len();
+            let size = yardsticks.size(parameter.yardstick);
+            values.push(Value {
+                value: start * size,
+                low: parameter.low * size,
+                high: parameter.high * size,
+                positive: parameter.positive,
+                free: parameter.role == Role::Shared,
+            });
+        }
+        (rest == 0).then_some(Self { entry, values })
+    }
+}
+
+impl Model {
+    /// This model with one more effect, kept in the order of the registry.
+    pub fn with(&self, effect: Placed) -> Self {
+        let mut model = self.clone();
+        for (own, parameter) in model.own.iter_mut().zip(self.kind.parameters()) {
+            own.free |= effect.entry.frees.contains(&parameter.key);
+        }
+        model.effects.push(effect);
+        let place = |p: &Placed| crate::plant::effects::ENTRIES.iter().position(|e| e.id == p.entry.id);
+        model.effects.sort_by_key(place);
+        model
+    }
+
+    /// This model without one effect.
+    pub fn without(&self, id: &str) -> Self {
+        let mut model = self.clone();
+        model.effects.retain(|p| p.entry.id != id);
+        model
+    }
+
+    /// The identifiers of its effects.
+    pub fn ids(&self) -> Vec<&'static str> {
+        self.effects.iter().map(|p| p.entry.id).collect()
+    }
+
+    /// Every shared value, in a fixed order: own, scale, effects.
+    pub fn values(&self) -> impl Iterator<Item = &Value> {
+        self.own.iter().chain(&self.scale).chain(self.effects.iter().flat_map(|p| &p.values))
+    }
+
+    /// The same, to change.
+    pub fn values_mut(&mut self) -> impl Iterator<Item = &mut Value> {
+        self.own.iter_mut().chain(&mut self.scale).chain(self.effects.iter_mut().flat_map(|p| &mut p.values))
+    }
+
+    /// The names of the shared values, in the order of [`Model::values`]: `b0`, `scale`, `coulomb_friction.force`.
+    pub fn names(&self) -> Vec<String> {
+        let own = self.kind.parameters().iter().map(|p| p.key.to_owned());
+        let scale = self.scale.iter().map(|_| "pressure_scale".to_owned());
+        let effects = self.effects.iter().flat_map(|placed| {
+            placed.entry.parameters.iter().map(|parameter| format!("{}.{}", placed.entry.id, parameter.key))
+        });
+        own.chain(scale).chain(effects).collect()
+    }
+}

@@ -1,0 +1,264 @@
+//! From an experiment as it was read to the model and runs a fit works on.
+
+use super::data::{Channel, Measured, Run};
+use super::model::{Model, Placed, Value, Yardsticks};
+use crate::motion::filter::{Butterworth, Edge};
+use crate::plant::effects::{Entry, Role, entry};
+use crate::plant::model::Kind;
+use crate::plant::simulate::{Law, MeasuredMotion};
+use crate::recording::{self, Experiment, Use};
+
+/// Why an experiment cannot be fitted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PrepareError {
+    /// No run may be fitted.
+    #[error("{experiment}: no run has `use = \"fit\"`; give at least one")]
+    NothingToFit {
+        /// The experiment.
+        experiment: String,
+    },
+    /// A channel that is compared holds no number.
+    #[error("{run}: channel `{channel}` holds no finite sample; check its column")]
+    EmptyChannel {
+        /// The run.
+        run: String,
+        /// The channel.
+        channel: &'static str,
+    },
+    /// The low-pass before the comparison.
+    #[error("{run}: `bandwidth_hz`: {problem}")]
+    Bandwidth {
+        /// The run.
+        run: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The control core as a recording's controller.
+    #[error("{run}: `controller = {{ core = ... }}` cannot be differentiated; state its plain gains as {{ kp, ki }}")]
+    CoreController {
+        /// The run.
+        run: String,
+    },
+}
+
+/// An experiment ready to be fitted and judged.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    /// The model as stated.
+    pub model: Model,
+    /// Runs parameters are fitted to.
+    pub fit: Vec<Run>,
+    /// Runs that only judge.
+    pub holdout: Vec<Run>,
+    /// Sizes of the signals on the runs that are fitted.
+    pub yardsticks: Yardsticks,
+}
+
+/// Turns an experiment into what fits and diagnoses work on.
+pub fn prepare(experiment: &Experiment) -> Result<Prepared, PrepareError> {
+    let runs = |purpose| -> Result<Vec<Run>, PrepareError> {
+        experiment.runs_for(purpose).map(|run| of_recording(run, &experiment.model)).collect()
+    };
+    let (fit, holdout) = (runs(Use::Fit)?, runs(Use::HoldOut)?);
+    if fit.is_empty() {
+        return Err(PrepareError::NothingToFit { experiment: experiment.name.clone() });
+    }
+    let stated = &experiment.model;
+    let mass = match &stated.baseline {
+        recording::Baseline::RigidMass(rigid) => rigid.mass,
+        _ => 1.0,
+    };
+    let yardsticks = Yardsticks::of(&fit, mass);
+    Ok(Prepared { model: of_statement(stated, &fit, &yardsticks), fit, holdout, yardsticks })
+}
+
+fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks) -> Model {
+    let kind = match stated.baseline {
+        recording::Baseline::Servo(_) => Kind::Servo,
+        recording::Baseline::RigidMass(_) => Kind::RigidMass,
+        recording::Baseline::ForceBalance(_) => Kind::ForceBalance,
+    };
+    let known = stated.baseline.parameters();
+    let has_pressure = runs.iter().any(|run| run.channel(Channel::PressureDifference).is_some());
+    let own = kind.parameters().iter().map(|parameter| {
+        let given = known.iter().find(|(name, _)| *name == parameter.key).map(|&(_, value)| value);
+        let free = stated.fits(parameter.key) || parameter.key == "scale";
+        own_value(given, parameter.positive, free, yardsticks)
+    });
+    let effects = stated.effects.iter().filter_map(|effect| {
+        let entry = entry(&effect.id)?;
+        let mut placed = Placed::start(entry, 0, yardsticks)?;
+        for (parameter, value) in entry.parameters.iter().zip(&mut placed.values) {
+            let given = effect.parameters.get(parameter.key);
+            let free = stated.fits(&format!("{}.{}", effect.id, parameter.key)) && parameter.role == Role::Shared;
+            value.free = free;
+            if let Some(&given) = given {
+                value.value = given;
+                value.low = value.low.min(given);
+                value.high = value.high.max(given);
+            }
+        }
+        Some(placed)
+    });
+    let scale = (has_pressure && kind != Kind::ForceBalance).then(|| pressure_scale(stated));
+    let model = Model { kind, own: own.collect(), scale, effects: Vec::new() };
+    effects.fold(model, |model, effect| model.with(effect))
+}
+
+/// Pressure per acceleration: stated by mass and piston area, or free.
+fn pressure_scale(stated: &recording::Model) -> Value {
+    if let recording::Baseline::Servo(servo) = &stated.baseline
+        && let (Some(mass), Some(area)) = (servo.mass, servo.piston_area)
+    {
+        return Value::fixed(mass / area);
+    }
+    Value { value: 1.0, low: f64::NEG_INFINITY, high: f64::INFINITY, positive: false, free: true }
+}
+
+/// One of a model's own parameters; a velocity limit that is not given lies far above what the runs reach.
+fn own_value(given: Option<f64>, positive: bool, free: bool, yardsticks: &Yardsticks) -> Value {
+    let value = given.unwrap_or(if positive { 1e3 * yardsticks.speed } else { 1.0 });
+    if positive {
+        Value { value, low: value * 0.1, high: value * 10.0, positive, free }
+    } else {
+        Value { value, low: f64::NEG_INFINITY, high: f64::INFINITY, positive, free }
+    }
+}
+
+fn of_recording(run: &recording::Run, model: &recording::Model) -> Result<Run, PrepareError> {
+    use recording::{Channel as C, Law as L};
+    let law = match run.law {
+        L::Open => Law::Recorded,
+        L::ProportionalIntegral { kp, ki } => Law::Pi { kp, ki },
+        L::Cascade { kp, kv } => Law::Cascade { kp, kv },
+        L::Core { .. } => return Err(PrepareError::CoreController { run: run.name.clone() }),
+    };
+    let driver = if law.simulates_reference() { C::Reference } else { C::Command };
+    let driver = if matches!(model.baseline, recording::Baseline::ForceBalance(_)) { C::Time } else { driver };
+    let input = run.channel(driver).unwrap_or(&run.time).to_vec();
+    let input =
+        filled(&input).ok_or_else(|| PrepareError::EmptyChannel { run: run.name.clone(), channel: driver.name() })?;
+    let mut measured = measured(run, law, &model.baseline)?;
+    let filter = model.bandwidth_hz.map(|corner| Butterworth::low_pass(4, corner).design(run.dt)).transpose();
+    let filter = filter.map_err(|e| PrepareError::Bandwidth { run: run.name.clone(), problem: e.to_string() })?;
+    let balance = matches!(model.baseline, recording::Baseline::ForceBalance(_));
+    let motion = balance.then(|| motion_of(run)).transpose()?;
+    if let Some(filter) = &filter {
+        for channel in &mut measured {
+            let smooth = filter.zero_phase(&filled(&channel.values).unwrap_or_default(), Edge::Hold);
+            let kept = |(value, smooth): (&f64, f64)| if value.is_finite() { smooth } else { f64::NAN };
+            channel.values = channel.values.iter().zip(smooth).map(kept).collect();
+        }
+    }
+    let ticks = run.controller_rate_hz.map_or(1.0, |rate| (rate * run.dt).round()).max(1.0) as usize;
+    let added = run.channel(C::Disturbance).and_then(filled).unwrap_or_default();
+    Ok(Run {
+        name: run.name.clone(),
+        dt: run.dt,
+        from: run.time.first().copied().unwrap_or(0.0),
+        ticks,
+        input,
+        added,
+        law,
+        moving_start: run.cut,
+        measured,
+        motion,
+        filter,
+    })
+}
+
+/// The measured motion that drives a force balance: what is not measured follows from what is.
+fn motion_of(run: &recording::Run) -> Result<MeasuredMotion, PrepareError> {
+    use recording::Channel as C;
+    let of = |channel| run.channel(channel).and_then(filled);
+    let missing = || PrepareError::EmptyChannel { run: run.name.clone(), channel: "displacement" };
+    let slope = |series: &[f64]| -> Vec<f64> {
+        let n = series.len();
+        let at = |k: usize| (series[(k + 1).min(n - 1)] - series[k.saturating_sub(1)]) / (2.0 * run.dt);
+        (0..n).map(at).collect()
+    };
+    let displacement = of(C::Displacement).ok_or_else(missing)?;
+    let velocity = of(C::Velocity).unwrap_or_else(|| slope(&displacement));
+    let acceleration = of(C::Acceleration).unwrap_or_else(|| slope(&velocity));
+    Ok(MeasuredMotion { displacement, velocity, acceleration })
+}
+
+/// The channels a run is compared with. A channel is judged where its noise is known; where neither displacement nor
+/// acceleration states it, the controller's effort is judged instead, for feedback hides a mismatch in position.
+fn measured(run: &recording::Run, law: Law, baseline: &recording::Baseline) -> Result<Vec<Measured>, PrepareError> {
+    use recording::Channel as C;
+    const COMPARED: [(C, Channel); 6] = [
+        (C::Displacement, Channel::Displacement),
+        (C::Acceleration, Channel::Acceleration),
+        (C::Velocity, Channel::Velocity),
+        (C::Command, Channel::Command),
+        (C::PressureDifference, Channel::PressureDifference),
+        (C::SupplyPressure, Channel::SupplyPressure),
+    ];
+    let stated = |channel| run.noise.get(channel).is_some();
+    let motion_known = stated(C::Displacement) || stated(C::Acceleration);
+    let balance = matches!(baseline, recording::Baseline::ForceBalance(_));
+    let effort = !motion_known && law.simulates_reference() && run.channel(C::Command).is_some();
+    let mut all = Vec::new();
+    for (source, channel) in COMPARED {
+        let Some(values) = run.channel(source) else { continue };
+        if !values.iter().any(|v| v.is_finite()) {
+            return Err(PrepareError::EmptyChannel { run: run.name.clone(), channel: source.name() });
+        }
+        let start = if channel == Channel::SupplyPressure { mean_of_start(values) } else { 1.0 };
+        let values: Vec<f64> = values.iter().map(|v| v / start).collect();
+        let noise = run.noise.get(source).map(|n| n / start.abs()).filter(|n| *n > 0.0);
+        let judged = match channel {
+            _ if balance => channel == Channel::PressureDifference,
+            Channel::Command => effort,
+            Channel::Displacement | Channel::Acceleration => !effort && (noise.is_some() || !motion_known),
+            Channel::Velocity => !effort && noise.is_some(),
+            Channel::PressureDifference | Channel::SupplyPressure => !effort,
+        };
+        let noise = noise.unwrap_or_else(|| fast_noise(&values));
+        all.push(Measured { channel, values, noise, judged });
+    }
+    Ok(all)
+}
+
+/// Noise from third differences, which a smooth signal hardly has: a floor where none is stated.
+fn fast_noise(values: &[f64]) -> f64 {
+    let mut differences: Vec<f64> =
+        values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).filter(|d| d.is_finite()).collect();
+    if differences.is_empty() {
+        return 1.0;
+    }
+    let middle = differences.len() / 2;
+    let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
+    let scale = values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+    (*median / (0.6745 * 20.0_f64.sqrt())).max(1e-6 * scale).max(1e-12)
+}
+
+/// Mean of the first samples, taken at rest.
+fn mean_of_start(values: &[f64]) -> f64 {
+    let first: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).take(16).collect();
+    first.iter().sum::<f64>() / first.len().max(1) as f64
+}
+
+/// Missing samples of an input filled by straight lines; none where every sample is missing.
+fn filled(values: &[f64]) -> Option<Vec<f64>> {
+    let known: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_finite()).collect();
+    let (&first, &last) = (known.first()?, known.last()?);
+    let mut full = values.to_vec();
+    full[..first].fill(values[first]);
+    full[last..].fill(values[last]);
+    for pair in known.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        for i in a + 1..b {
+            full[i] = values[a] + (values[b] - values[a]) * (i - a) as f64 / (b - a) as f64;
+        }
+    }
+    Some(full)
+}
+
+/// The library's effects that a model of this kind may be missing.
+pub fn candidates(model: &Model) -> Vec<&'static Entry> {
+    let present = model.ids();
+    let fits = |e: &&Entry| e.kinds.contains(&model.kind) && !present.contains(&e.id);
+    crate::plant::effects::ENTRIES.iter().copied().filter(fits).collect()
+}

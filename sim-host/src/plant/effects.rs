@@ -1,0 +1,305 @@
+//! The library of effects: physics a table model may be missing.
+//!
+//! An effect is one file below and one line in the registry at the end of this file. The file holds what the effect
+//! *is* (an [`Entry`]: identifier, equation, stage, parameters, signature) and what it *does* (an implementation of
+//! [`Effect`]: hooks into the plant's signal path). Simulation, fitting, diagnosis, reports and the docs' table read
+//! nothing else.
+//!
+//! The signal path, and the hook that each arrow is:
+//!
+//! ```text
+//! command --command--> spool --valve--> flow --flow--> q --actuator--> v, p <--force-- table, payload
+//!                                                                       |
+//!                    displacement <--displacement-- x   v --velocity--> d/dt --acceleration--> accelerometer
+//! ```
+
+use super::model::Kind;
+use crate::scalar::Scalar;
+use std::fmt::Debug;
+
+/// Where in the signal path an effect sits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// Between controller and valve.
+    Command,
+    /// The valve's spool.
+    Valve,
+    /// Flow through the valve and its supply.
+    Flow,
+    /// Oil column and piston.
+    Actuator,
+    /// The table, its bearings and its base.
+    Table,
+    /// The structure on the table.
+    Payload,
+    /// A sensor or its line.
+    Sensor,
+}
+
+impl Stage {
+    /// The name used in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Command => "command",
+            Self::Valve => "valve",
+            Self::Flow => "flow",
+            Self::Actuator => "actuator",
+            Self::Table => "table",
+            Self::Payload => "payload",
+            Self::Sensor => "sensor",
+        }
+    }
+}
+
+/// What a parameter's starting values are multiples of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Yardstick {
+    /// Nothing: the values are absolute.
+    One,
+    /// RMS of the command, in its unit.
+    Command,
+    /// RMS of the rate of change of the command, unit of u per second.
+    CommandRate,
+    /// Largest speed the runs reach, m/s.
+    Speed,
+    /// Largest displacement from the start, m.
+    Displacement,
+    /// Force per table mass, m/s2: 1, or the mass in kilograms for a rigid mass, whose forces are in newtons.
+    Force,
+    /// The strongest line in the spectrum of what the accelerometer shows beyond the model, Hz.
+    Line,
+}
+
+/// One parameter of an effect.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Key in files and results.
+    pub key: &'static str,
+    /// Unit for a servo model.
+    pub unit: &'static str,
+    /// Unit for a rigid mass, where it differs.
+    pub rigid_unit: &'static str,
+    /// Meaning.
+    pub meaning: &'static str,
+    /// What `low`, `high` and `starts` are multiples of.
+    pub yardstick: Yardstick,
+    /// Smallest value that makes sense.
+    pub low: f64,
+    /// Largest value that makes sense.
+    pub high: f64,
+    /// Values a fit starts from.
+    pub starts: &'static [f64],
+    /// Positive and fitted by its logarithm.
+    pub positive: bool,
+    /// Whether all runs share it.
+    pub role: Role,
+}
+
+/// Whether all runs share a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// One value for all runs, fitted and reported.
+    Shared,
+    /// A value for each run, fitted beside the initial states and not reported.
+    PerRun,
+    /// Not fitted: reported as the root mean square over the runs of the per-run parameters' common size.
+    Size,
+}
+
+/// What an effect is: everything a reader, a fit or a table of the docs needs to know.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry {
+    /// Identifier in files and results.
+    pub id: &'static str,
+    /// The equation, as printed.
+    pub equation: &'static str,
+    /// Where it sits.
+    pub stage: Stage,
+    /// Its parameters, in the order its constructor takes them.
+    pub parameters: &'static [Parameter],
+    /// Models it makes sense for.
+    pub kinds: &'static [Kind],
+    /// The model's own parameters that mean something else with this effect and are fitted beside it.
+    pub frees: &'static [&'static str],
+    /// What it looks like in recordings.
+    pub signature: &'static str,
+    /// Effects it is mistaken for.
+    pub mistaken_for: &'static [&'static str],
+    /// The test that tells them apart.
+    pub test: &'static str,
+}
+
+/// What the plant looks like at one instant, as effects see it.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant<S> {
+    /// Time from the start of the run, s.
+    pub time: f64,
+    /// Displacement of the table relative to its base, m.
+    pub displacement: S,
+    /// Velocity, m/s.
+    pub velocity: S,
+    /// The velocity that sensors earlier in the signal path pass on, m/s.
+    pub sensed_velocity: S,
+    /// The velocity limit the model states, m/s.
+    pub velocity_limit: S,
+}
+
+/// Flow through the valve, as velocity of the piston, while effects shape it.
+#[derive(Debug, Clone, Copy)]
+pub struct Flow<S> {
+    /// Factor on the flow gain, 1.
+    pub gain: S,
+    /// Factor on both velocity limits, 1.
+    pub limit: S,
+    /// Velocity limit for positive motion, m/s.
+    pub positive: S,
+    /// Velocity limit for negative motion, m/s.
+    pub negative: S,
+    /// Sharpness of the limit; none is a hard limit.
+    pub sharpness: Option<S>,
+}
+
+/// How the actuator yields to load.
+#[derive(Debug, Clone, Copy)]
+pub struct Compliance<S> {
+    /// Square of the oil column's natural frequency, 1/s2, and its damping term, 1/s; none is stiff oil.
+    pub oil: Option<(S, S)>,
+    /// Velocity lost per load acceleration, s.
+    pub leakage: Option<S>,
+    /// Load acceleration at which the flow stalls, m/s2.
+    pub stall_acceleration: Option<S>,
+}
+
+/// Which hooks an effect uses, so that a simulation calls no other.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Hooks {
+    /// [`Effect::command`].
+    pub command: bool,
+    /// [`Effect::valve`].
+    pub valve: bool,
+    /// [`Effect::flow`].
+    pub flow: bool,
+    /// [`Effect::force`].
+    pub force: bool,
+    /// [`Effect::follow`].
+    pub follow: bool,
+    /// [`Effect::after`].
+    pub after: bool,
+    /// [`Effect::sense_displacement`].
+    pub displacement: bool,
+    /// [`Effect::sense_velocity`].
+    pub velocity: bool,
+    /// [`Effect::sense_acceleration`].
+    pub acceleration: bool,
+}
+
+/// What an effect does. Every hook has a neutral default; an effect overrides those it names in [`Effect::hooks`].
+///
+/// Continuous states are handed in as a slice of [`Effect::states`] values, their derivatives as another; both are
+/// exactly that long.
+pub trait Effect<S: Scalar>: Debug + Send {
+    /// The hooks this effect uses.
+    fn hooks(&self) -> Hooks;
+    /// How many continuous states it adds.
+    fn states(&self) -> usize {
+        0
+    }
+    /// The fastest rate of its equations, 1/s.
+    fn fastest(&self) -> f64 {
+        0.0
+    }
+    /// Its states with the table at rest at this displacement (m).
+    fn rest(&self, _displacement: S, _y: &mut [S]) {}
+    /// The command's mean over one integration step of `h` seconds (unit of u).
+    fn command(&mut self, u: S, _h: f64) -> S {
+        u
+    }
+    /// The spool's position for a command (unit of u).
+    fn valve(&self, u: S, _y: &[S], _dy: &mut [S]) -> S {
+        u
+    }
+    /// Shapes gain and limits of the flow.
+    fn flow(&self, _at: &Instant<S>, _y: &[S], _flow: &mut Flow<S>) {}
+    /// Says how the actuator yields; read once, before a run.
+    fn yields(&self, _compliance: &mut Compliance<S>) {}
+    /// Force that opposes positive motion, per table mass, m/s2.
+    fn force(&self, _at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
+        S::from(0.0)
+    }
+    /// Derivatives of states that only follow the motion.
+    fn follow(&self, _at: &Instant<S>, _y: &[S], _dy: &mut [S]) {}
+    /// Called after each integration step of `h` seconds.
+    fn after(&mut self, _at: &Instant<S>, _h: f64) {}
+    /// What the displacement sensor shows, m.
+    fn sense_displacement(&self, displacement: S, _y: &[S]) -> S {
+        displacement
+    }
+    /// The velocity whose rate of change the accelerometer feels, m/s.
+    fn sense_velocity(&self, velocity: S, _y: &[S]) -> S {
+        velocity
+    }
+    /// What the accelerometer shows, m/s2.
+    fn sense_acceleration(&self, acceleration: S, _at: &Instant<S>) -> S {
+        acceleration
+    }
+    /// Supply pressure relative to its start, where the effect governs it.
+    fn supply_pressure(&self, _y: &[S]) -> Option<S> {
+        None
+    }
+}
+
+/// The effect with this identifier.
+pub fn entry(id: &str) -> Option<&'static Entry> {
+    ENTRIES.iter().copied().find(|entry| entry.id == id)
+}
+
+/// Every identifier, in signal-path order.
+pub fn identifiers() -> Vec<&'static str> {
+    ENTRIES.iter().map(|entry| entry.id).collect()
+}
+
+macro_rules! registry {
+    ($($module:ident :: $kind:ident),+ $(,)?) => {
+        $(pub mod $module;)+
+
+        /// Every effect, in signal-path order.
+        pub const ENTRIES: &[&Entry] = &[$(&$module::ENTRY),+];
+
+        /// An effect with its parameters, in the order of its entry; none where the identifier is unknown.
+        pub fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
+            match id {
+                $(id if id == $module::ENTRY.id => Some(Box::new($module::$kind::<S>::new(parameters)?)),)+
+                _ => None,
+            }
+        }
+    };
+}
+
+registry! {
+    null_bias::NullBias,
+    command_delay::CommandDelay,
+    valve_rate_limit::ValveRateLimit,
+    valve_lag::ValveLag,
+    valve_deadband::ValveDeadband,
+    flow_softening::FlowSoftening,
+    asymmetric_limit::AsymmetricLimit,
+    supply_droop::SupplyDroop,
+    gain_drift::GainDrift,
+    load_dependent_flow::LoadDependentFlow,
+    oil_compliance::OilCompliance,
+    leakage::Leakage,
+    viscous_friction::ViscousFriction,
+    coulomb_friction::CoulombFriction,
+    stribeck_friction::StribeckFriction,
+    end_stop::EndStop,
+    payload_resonance::PayloadResonance,
+    backlash::Backlash,
+    base_compliance::BaseCompliance,
+    displacement_lag::DisplacementLag,
+    displacement_nonlinearity::DisplacementNonlinearity,
+    acceleration_lag::AccelerationLag,
+    tilt_coupling::TiltCoupling,
+    acceleration_gain::AccelerationGain,
+    acceleration_bias::AccelerationBias,
+    mains_hum::MainsHum,
+}

@@ -1,0 +1,41 @@
+//! The accelerometer's zero is off.
+
+use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use crate::plant::model::Kind;
+use crate::scalar::Scalar;
+
+/// What it is.
+pub const ENTRY: Entry = Entry {
+    id: "acceleration_bias",
+    equation: "a + b",
+    stage: Stage::Sensor,
+    parameters: &[Parameter { key: "offset", unit: "m/s2", rigid_unit: "m/s2", meaning: "constant added to the acceleration", yardstick: Yardstick::One, low: -20.0, high: 20.0, starts: &[0.0], positive: false, role: Role::Shared }],
+    kinds: &[Kind::Servo, Kind::RigidMass],
+    frees: &[],
+    signature: "a constant in the accelerometer",
+    mistaken_for: &["tilt_coupling"],
+    test: "the table at rest",
+};
+
+/// An accelerometer's zero offset.
+#[derive(Debug, Clone)]
+pub struct AccelerationBias<S> {
+    offset: S,
+}
+
+impl<S: Scalar> AccelerationBias<S> {
+    /// Takes the parameters in the order of [`ENTRY`].
+    pub fn new(parameters: &[S]) -> Option<Self> {
+        let &[offset] = parameters else { return None };
+        Some(Self { offset })
+    }
+}
+
+impl<S: Scalar> Effect<S> for AccelerationBias<S> {
+    fn hooks(&self) -> Hooks {
+        Hooks { acceleration: true, ..Hooks::default() }
+    }
+    fn sense_acceleration(&self, acceleration: S, _at: &Instant<S>) -> S {
+        acceleration + self.offset
+    }
+}

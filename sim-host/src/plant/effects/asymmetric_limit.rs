@@ -1,0 +1,44 @@
+//! The two directions saturate at different speeds, for piston areas or valve lands differ.
+
+use super::{Effect, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use crate::plant::model::Kind;
+use crate::scalar::Scalar;
+
+/// What it is.
+pub const ENTRY: Entry = Entry {
+    id: "asymmetric_limit",
+    equation: "clamp(w, -v_neg, v_pos)",
+    stage: Stage::Flow,
+    parameters: &[Parameter { key: "positive", unit: "m/s", rigid_unit: "m/s", meaning: "velocity limit for positive motion", yardstick: Yardstick::Speed, low: 0.2, high: 3.0, starts: &[0.9], positive: true, role: Role::Shared },
+        Parameter { key: "negative", unit: "m/s", rigid_unit: "m/s", meaning: "velocity limit for negative motion", yardstick: Yardstick::Speed, low: 0.2, high: 3.0, starts: &[0.9], positive: true, role: Role::Shared }],
+    kinds: &[Kind::Servo],
+    frees: &[],
+    signature: "one direction saturates earlier; even harmonics, drift under large motion",
+    mistaken_for: &["null_bias", "flow_softening"],
+    test: "ramps both ways; zero-command drift at two amplitudes",
+};
+
+/// A velocity limit for each direction.
+#[derive(Debug, Clone)]
+pub struct AsymmetricLimit<S> {
+    positive: S,
+    negative: S,
+}
+
+impl<S: Scalar> AsymmetricLimit<S> {
+    /// Takes the parameters in the order of [`ENTRY`].
+    pub fn new(parameters: &[S]) -> Option<Self> {
+        let &[positive, negative] = parameters else { return None };
+        Some(Self { positive, negative })
+    }
+}
+
+impl<S: Scalar> Effect<S> for AsymmetricLimit<S> {
+    fn hooks(&self) -> Hooks {
+        Hooks { flow: true, ..Hooks::default() }
+    }
+    fn flow(&self, _at: &Instant<S>, _y: &[S], flow: &mut Flow<S>) {
+        flow.positive = self.positive;
+        flow.negative = self.negative;
+    }
+}

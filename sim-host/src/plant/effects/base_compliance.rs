@@ -1,0 +1,65 @@
+//! The reaction mass moves on its springs: the accelerometer shows absolute motion, the LVDT motion relative to it.
+
+use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use crate::plant::model::Kind;
+use crate::scalar::Scalar;
+
+/// What it is.
+pub const ENTRY: Entry = Entry {
+    id: "base_compliance",
+    equation: "(1 + mu) x_b'' = -w_b^2 x_b - 2 zeta_b w_b x_b' - mu x''",
+    stage: Stage::Table,
+    parameters: &[Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the base", yardstick: Yardstick::One, low: 1.0, high: 60.0, starts: &[3.0, 6.0, 12.0, 20.0], positive: true, role: Role::Shared },
+        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of the base", yardstick: Yardstick::One, low: 1e-3, high: 1.0, starts: &[0.05], positive: true, role: Role::Shared },
+        Parameter { key: "mass_ratio", unit: "1", rigid_unit: "1", meaning: "table mass over base mass", yardstick: Yardstick::One, low: 1e-4, high: 2.0, starts: &[0.02], positive: true, role: Role::Shared }],
+    kinds: &[Kind::Servo, Kind::RigidMass],
+    frees: &[],
+    signature: "a resonance in the accelerometer that the LVDT does not show",
+    mistaken_for: &["payload_resonance", "oil_compliance"],
+    test: "a floor accelerometer",
+};
+
+/// A base on springs.
+#[derive(Debug, Clone)]
+pub struct BaseCompliance<S> {
+    frequency: S,
+    damping: S,
+    mass_ratio: S,
+}
+
+impl<S: Scalar> BaseCompliance<S> {
+    /// Takes the parameters in the order of [`ENTRY`].
+    pub fn new(parameters: &[S]) -> Option<Self> {
+        let &[hertz, damping, mass_ratio] = parameters else { return None };
+        Some(Self { frequency: hertz * std::f64::consts::TAU, damping, mass_ratio })
+    }
+
+    /// The base's velocity from its momentum-like state: the table's velocity jumps with the command, and this form
+    /// needs no derivative of it.
+    fn base_velocity(&self, momentum: S, table: S) -> S {
+        momentum - table * self.mass_ratio / (self.mass_ratio + 1.0)
+    }
+}
+
+impl<S: Scalar> Effect<S> for BaseCompliance<S> {
+    fn hooks(&self) -> Hooks {
+        Hooks { follow: true, velocity: true, ..Hooks::default() }
+    }
+    fn fastest(&self) -> f64 {
+        self.frequency.value()
+    }
+    fn states(&self) -> usize {
+        2
+    }
+    fn follow(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) {
+        if let (&[place, momentum], [place_rate, momentum_rate]) = (y, dy) {
+            let speed = self.base_velocity(momentum, at.velocity);
+            *place_rate = speed;
+            let spring = place * self.frequency * self.frequency;
+            *momentum_rate = -(spring + speed * self.damping * self.frequency * 2.0) / (self.mass_ratio + 1.0);
+        }
+    }
+    fn sense_velocity(&self, velocity: S, y: &[S]) -> S {
+        y.get(1).map_or(velocity, |&momentum| velocity + self.base_velocity(momentum, velocity))
+    }
+}

@@ -1,0 +1,41 @@
+//! Load pressure takes its share of the supply: less is left to drive flow through the valve.
+
+use super::{Compliance, Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use crate::plant::model::Kind;
+use crate::scalar::Scalar;
+
+/// What it is.
+pub const ENTRY: Entry = Entry {
+    id: "load_dependent_flow",
+    equation: "w sqrt(1 - sgn(w) p_L/p_s), A p_L = m a + F",
+    stage: Stage::Flow,
+    parameters: &[Parameter { key: "stall_acceleration", unit: "m/s2", rigid_unit: "m/s2", meaning: "load acceleration A p_s / m at which the flow stalls", yardstick: Yardstick::One, low: 1.0, high: 500.0, starts: &[10.0, 60.0], positive: true, role: Role::Shared }],
+    kinds: &[Kind::Servo],
+    frees: &[],
+    signature: "less speed while accelerating, more while braking",
+    mistaken_for: &["flow_softening", "oil_compliance", "leakage"],
+    test: "the same motion with mass added; pressure difference",
+};
+
+/// Flow that falls with load.
+#[derive(Debug, Clone)]
+pub struct LoadDependentFlow<S> {
+    stall_acceleration: S,
+}
+
+impl<S: Scalar> LoadDependentFlow<S> {
+    /// Takes the parameters in the order of [`ENTRY`].
+    pub fn new(parameters: &[S]) -> Option<Self> {
+        let &[stall_acceleration] = parameters else { return None };
+        Some(Self { stall_acceleration })
+    }
+}
+
+impl<S: Scalar> Effect<S> for LoadDependentFlow<S> {
+    fn hooks(&self) -> Hooks {
+        Hooks::default()
+    }
+    fn yields(&self, compliance: &mut Compliance<S>) {
+        compliance.stall_acceleration = Some(self.stall_acceleration);
+    }
+}

@@ -1,0 +1,43 @@
+//! The oil column is a spring between piston flow and table mass.
+
+use super::{Compliance, Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use crate::plant::model::Kind;
+use crate::scalar::Scalar;
+
+/// What it is.
+pub const ENTRY: Entry = Entry {
+    id: "oil_compliance",
+    equation: "A p_L/m = p; p' = w_h^2 (q/A - v) - 2 zeta_h w_h p; v' = p - f",
+    stage: Stage::Actuator,
+    parameters: &[Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the table on the oil column", yardstick: Yardstick::One, low: 3.0, high: 150.0, starts: &[12.0, 30.0], positive: true, role: Role::Shared },
+        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of that resonance", yardstick: Yardstick::One, low: 0.005, high: 0.4, starts: &[0.1], positive: true, role: Role::Shared }],
+    kinds: &[Kind::Servo],
+    frees: &[],
+    signature: "a resonance between command and table, ringing after every sharp change",
+    mistaken_for: &["payload_resonance", "base_compliance", "valve_lag"],
+    test: "bare and loaded table, three stroke offsets; a floor accelerometer",
+};
+
+/// A compressible oil column.
+#[derive(Debug, Clone)]
+pub struct OilCompliance<S> {
+    frequency: S,
+    damping: S,
+}
+
+impl<S: Scalar> OilCompliance<S> {
+    /// Takes the parameters in the order of [`ENTRY`].
+    pub fn new(parameters: &[S]) -> Option<Self> {
+        let &[hertz, damping] = parameters else { return None };
+        Some(Self { frequency: hertz * std::f64::consts::TAU, damping })
+    }
+}
+
+impl<S: Scalar> Effect<S> for OilCompliance<S> {
+    fn hooks(&self) -> Hooks {
+        Hooks::default()
+    }
+    fn yields(&self, compliance: &mut Compliance<S>) {
+        compliance.oil = Some((self.frequency * self.frequency, self.frequency * self.damping * 2.0));
+    }
+}

@@ -1,0 +1,61 @@
+//! A one-storey structure on the table, reacting on it.
+
+use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use crate::plant::model::Kind;
+use crate::scalar::Scalar;
+
+/// What it is.
+pub const ENTRY: Entry = Entry {
+    id: "payload_resonance",
+    equation: "f = mu (w_s^2 (x - x_s) + 2 zeta_s w_s (v - v_s)); x_s'' = f/mu",
+    stage: Stage::Payload,
+    parameters: &[Parameter { key: "mass_ratio", unit: "1", rigid_unit: "1", meaning: "payload mass over table mass", yardstick: Yardstick::One, low: 1e-3, high: 5.0, starts: &[0.05], positive: true, role: Role::Shared },
+        Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the payload on a still table", yardstick: Yardstick::One, low: 0.3, high: 40.0, starts: &[0.8, 1.5, 2.5, 4.0, 6.0, 7.8, 10.0, 14.0], positive: true, role: Role::Shared },
+        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of the payload", yardstick: Yardstick::One, low: 1e-3, high: 0.7, starts: &[0.05], positive: true, role: Role::Shared }],
+    kinds: &[Kind::Servo, Kind::RigidMass, Kind::ForceBalance],
+    frees: &[],
+    signature: "a notch and a peak in the response, ringing after the motion ends",
+    mistaken_for: &["oil_compliance", "base_compliance"],
+    test: "bare and loaded table; an accelerometer on the payload",
+};
+
+/// A one-storey structure.
+#[derive(Debug, Clone)]
+pub struct PayloadResonance<S> {
+    mass_ratio: S,
+    frequency: S,
+    damping: S,
+}
+
+impl<S: Scalar> PayloadResonance<S> {
+    /// Takes the parameters in the order of [`ENTRY`].
+    pub fn new(parameters: &[S]) -> Option<Self> {
+        let &[mass_ratio, hertz, damping] = parameters else { return None };
+        Some(Self { mass_ratio, frequency: hertz * std::f64::consts::TAU, damping })
+    }
+}
+
+impl<S: Scalar> Effect<S> for PayloadResonance<S> {
+    fn hooks(&self) -> Hooks {
+        Hooks { force: true, ..Hooks::default() }
+    }
+    fn fastest(&self) -> f64 {
+        self.frequency.value()
+    }
+    fn states(&self) -> usize {
+        2
+    }
+    fn rest(&self, displacement: S, y: &mut [S]) {
+        if let Some(first) = y.first_mut() {
+            *first = displacement;
+        }
+    }
+    fn force(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) -> S {
+        let (&[place, speed], [place_rate, speed_rate]) = (y, dy) else { return S::from(0.0) };
+        let spring = (at.displacement - place) * self.frequency * self.frequency;
+        let dashpot = (at.velocity - speed) * self.damping * self.frequency * 2.0;
+        *place_rate = speed;
+        *speed_rate = spring + dashpot;
+        (spring + dashpot) * self.mass_ratio
+    }
+}

@@ -1,0 +1,41 @@
+//! The table tilts as it travels, and gravity shows in the accelerometer.
+
+use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use crate::plant::model::{GRAVITY, Kind};
+use crate::scalar::Scalar;
+
+/// What it is.
+pub const ENTRY: Entry = Entry {
+    id: "tilt_coupling",
+    equation: "a + g k x",
+    stage: Stage::Sensor,
+    parameters: &[Parameter { key: "angle_per_displacement", unit: "rad/m", rigid_unit: "rad/m", meaning: "tilt per displacement", yardstick: Yardstick::One, low: -2.0, high: 2.0, starts: &[0.0], positive: false, role: Role::Shared }],
+    kinds: &[Kind::Servo, Kind::RigidMass],
+    frees: &[],
+    signature: "a copy of the displacement in the accelerometer",
+    mistaken_for: &["acceleration_bias", "acceleration_gain"],
+    test: "slow large motion: the accelerometer follows the displacement",
+};
+
+/// Gravity through tilt.
+#[derive(Debug, Clone)]
+pub struct TiltCoupling<S> {
+    angle: S,
+}
+
+impl<S: Scalar> TiltCoupling<S> {
+    /// Takes the parameters in the order of [`ENTRY`].
+    pub fn new(parameters: &[S]) -> Option<Self> {
+        let &[angle] = parameters else { return None };
+        Some(Self { angle })
+    }
+}
+
+impl<S: Scalar> Effect<S> for TiltCoupling<S> {
+    fn hooks(&self) -> Hooks {
+        Hooks { acceleration: true, ..Hooks::default() }
+    }
+    fn sense_acceleration(&self, acceleration: S, at: &Instant<S>) -> S {
+        acceleration + self.angle * at.displacement * GRAVITY
+    }
+}

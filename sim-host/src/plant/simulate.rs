@@ -1,0 +1,194 @@
+//! Runs a model with any effects through an experiment, in closed loop from the reference.
+//!
+//! The conventions are those of recordings: displacement and reference are sampled at t_k, the controller runs then,
+//! its command acts from t_k to t_k+1; `acceleration[k]` is the mean over the sample around t_k; `velocity[k]` is taken
+//! after the command's update. Between samples a fourth-order Runge-Kutta rule takes steps of at most [`LONGEST_STEP`];
+//! what has memory and corners (delay, rate limit, play) advances once a step, exactly for a held command.
+
+mod balance;
+mod dynamics;
+mod law;
+
+use super::effects::{Instant, build, entry};
+use super::model::Baseline;
+use crate::scalar::Scalar;
+pub use balance::{MeasuredMotion, balance};
+use dynamics::{Dynamics, STATES};
+pub use law::Law;
+
+/// Longest integration step, s.
+pub const LONGEST_STEP: f64 = 2.6e-3;
+
+/// Largest product of a step and the fastest rate: the rule is stable up to 2.8 and accurate well below.
+const RESOLVED: f64 = 1.2;
+
+/// Most integration steps in a controller tick.
+const MOST_STEPS: f64 = 12.0;
+
+/// What drives a simulated run.
+#[derive(Debug, Clone, Copy)]
+pub struct Drive<'a> {
+    /// Sampling period, s.
+    pub dt: f64,
+    /// Controller ticks in one sample.
+    pub ticks: usize,
+    /// Reference displacement at each sample, m; the command itself where the law is [`Law::Recorded`].
+    pub input: &'a [f64],
+    /// Measured command increments added to what the controller sends, one for each sample; empty for none.
+    pub added: &'a [f64],
+    /// The controller that ran.
+    pub law: Law,
+}
+
+/// How a run starts.
+#[derive(Debug, Clone)]
+pub struct Start<S> {
+    /// Displacement of the table, m.
+    pub displacement: S,
+    /// Velocity, m/s: the state z of a servo, which is at rest with it at zero.
+    pub velocity: S,
+    /// By how much the effects' continuous states differ from rest, in the order of the effects; empty for rest.
+    pub states: Vec<S>,
+}
+
+/// Continuous states of these effects together.
+pub fn effect_states<'a>(effects: impl Iterator<Item = (&'a str, Vec<f64>)>) -> usize {
+    effects.map(|(id, parameters)| build(id, &parameters).map_or(0, |effect| effect.states())).sum()
+}
+
+/// What a simulated run shows, one value a sample.
+#[derive(Debug, Clone, Default)]
+pub struct Trace<S> {
+    /// Displacement sensor, m.
+    pub displacement: Vec<S>,
+    /// Velocity, m/s.
+    pub velocity: Vec<S>,
+    /// Accelerometer, m/s2.
+    pub acceleration: Vec<S>,
+    /// Command, in its unit.
+    pub command: Vec<S>,
+    /// Load pressure over piston area and table mass: `x'' + f`, m/s2.
+    pub load: Vec<S>,
+    /// Supply pressure relative to its start, 1; empty where no effect governs it.
+    pub supply: Vec<S>,
+}
+
+/// An effect of a model, with its parameters.
+#[derive(Debug, Clone)]
+pub struct Placed<S> {
+    /// Its identifier.
+    pub id: &'static str,
+    /// Parameters in the order of its entry.
+    pub parameters: Vec<S>,
+}
+
+/// Why a model cannot be simulated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// No such effect, or not this many parameters.
+    #[error("effect `{id}` with {count} parameters is not in the library")]
+    UnknownEffect {
+        /// The identifier given.
+        id: String,
+        /// How many parameters were given.
+        count: usize,
+    },
+    /// More continuous states than are provided for.
+    #[error("the effects of this model have {states} states, more than {STATES}")]
+    TooManyStates {
+        /// How many there are.
+        states: usize,
+    },
+    /// A force balance is driven by measured motion, not simulated in closed loop.
+    #[error("a force balance has no closed loop to simulate")]
+    NoLoop,
+}
+
+/// Simulates one run.
+pub fn simulate<S: Scalar>(
+    baseline: &Baseline<S>,
+    effects: &[Placed<S>],
+    drive: &Drive,
+    start: &Start<S>,
+) -> Result<Trace<S>, SimulateError> {
+    match dynamics::states_of(effects) {
+        0..=4 => run(Dynamics::<S, 4>::new(baseline, effects)?, drive, start),
+        5..=8 => run(Dynamics::<S, 8>::new(baseline, effects)?, drive, start),
+        _ => run(Dynamics::<S, STATES>::new(baseline, effects)?, drive, start),
+    }
+}
+
+fn run<S: Scalar, const M: usize>(
+    mut dynamics: Dynamics<S, M>,
+    drive: &Drive,
+    start: &Start<S>,
+) -> Result<Trace<S>, SimulateError> {
+    let mut state = dynamics.rest(start);
+    let n = drive.input.len();
+    let mut trace = Trace::with_capacity(n);
+    let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64);
+    let steps = substeps(drive, dynamics.fastest(), dynamics.whole_steps());
+    let total = drive.ticks * steps;
+    let h = drive.dt / total as f64;
+    let mut before = dynamics.velocities(&state, h);
+    for k in 0..n {
+        let mut first = None;
+        let mut middle = before;
+        for step in 0..total {
+            if step % steps == 0 {
+                let share = (step / steps) as f64 / drive.ticks as f64 * drive.law.between_samples();
+                let (now, next) = (drive.input[k], drive.input.get(k + 1).copied().unwrap_or(drive.input[k]));
+                let measured = dynamics.sense_displacement(&state);
+                let command = law.step(now + (next - now) * share, measured);
+                state.command = command + drive.added.get(k).copied().unwrap_or(0.0);
+                if step == 0 {
+                    trace.displacement.push(measured);
+                    trace.command.push(command);
+                }
+            }
+            dynamics.begin_step(&mut state, h);
+            let passage = dynamics.advance(&mut state, h, 2 * step + 1 == total);
+            if let Some(velocities) = passage.middle {
+                middle = velocities;
+            } else if 2 * (step + 1) == total {
+                middle = dynamics.velocities(&state, h);
+            }
+            first.get_or_insert((passage.start, passage.force));
+        }
+        let Some((motion, force)) = first else { break };
+        trace.velocity.push(motion.velocity);
+        trace.acceleration.push(dynamics.sense_acceleration((middle.0 - before.0) / drive.dt, &motion));
+        trace.load.push((middle.1 - before.1) / drive.dt + force);
+        if let Some(pressure) = dynamics.supply_pressure(&state) {
+            trace.supply.push(pressure);
+        }
+        before = middle;
+    }
+    Ok(trace)
+}
+
+/// Integration steps in one controller tick: no longer than [`LONGEST_STEP`], short enough for the fastest equation,
+/// and even in number where an effect advances with whole steps.
+fn substeps(drive: &Drive, fastest: f64, whole: bool) -> usize {
+    let tick = drive.dt / drive.ticks as f64;
+    let longest = LONGEST_STEP.min(RESOLVED / fastest.max(1e-9));
+    let steps = ((tick / longest) - 1e-9).ceil().clamp(1.0, MOST_STEPS) as usize;
+    if whole && drive.ticks % 2 == 1 { steps.next_multiple_of(2) } else { steps }
+}
+
+impl<S> Trace<S> {
+    fn with_capacity(n: usize) -> Self {
+        let empty = || Vec::with_capacity(n);
+        Self {
+            displacement: empty(),
+            velocity: empty(),
+            acceleration: empty(),
+            command: empty(),
+            load: empty(),
+            supply: Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,81 @@
+//! A force balance: what load the measured motion asks for, with any effects that act as forces.
+
+use super::dynamics::Mounted;
+use super::{Placed, SimulateError, Trace};
+use crate::plant::effects::Instant;
+use crate::scalar::Scalar;
+
+/// Measured motion of the table, one value a sample.
+#[derive(Debug, Clone, Default)]
+pub struct MeasuredMotion {
+    /// Displacement, m.
+    pub displacement: Vec<f64>,
+    /// Velocity, m/s.
+    pub velocity: Vec<f64>,
+    /// Acceleration, m/s2.
+    pub acceleration: Vec<f64>,
+}
+
+/// Integration steps in a sample.
+const STEPS: usize = 4;
+/// Continuous states provided for.
+const MOST: usize = 12;
+
+/// The load per table mass, `x'' + c x' + f`, that the motion asks for; `states` says by how much the effects' states
+/// differ from rest at its start.
+pub fn balance<S: Scalar>(
+    viscous: S,
+    effects: &[Placed<S>],
+    motion: &MeasuredMotion,
+    dt: f64,
+    states: &[S],
+) -> Result<Trace<S>, SimulateError> {
+    let (mounted, used, _) = Mounted::all(effects.iter().map(|p| (p.id, p.parameters.clone())), 0, MOST)?;
+    let n = motion.acceleration.len();
+    let at = |k: usize, share: f64| {
+        let next = (k + 1).min(n - 1);
+        let between = |series: &[f64]| series[k] + (series[next] - series[k]) * share;
+        Instant {
+            time: (k as f64 + share) * dt,
+            displacement: S::from(between(&motion.displacement)),
+            velocity: S::from(between(&motion.velocity)),
+            sensed_velocity: S::from(0.0),
+            velocity_limit: S::from(1.0),
+        }
+    };
+    let rates = |at: &Instant<S>, y: &[S; MOST]| {
+        let mut dy = [S::from(0.0); MOST];
+        let mut force = S::from(0.0);
+        for m in &mounted {
+            force += m.effect.force(at, &y[m.first..m.last], &mut dy[m.first..m.last]);
+        }
+        (dy, force)
+    };
+    let mut y = [S::from(0.0); MOST];
+    for m in mounted.iter().filter(|_| n > 0) {
+        m.effect.rest(S::from(motion.displacement[0]), &mut y[m.first..m.last]);
+    }
+    y.iter_mut().zip(states).for_each(|(y, &away)| *y += away);
+    let mut trace = Trace::with_capacity(n);
+    let h = dt / STEPS as f64;
+    for k in 0..n {
+        let now = at(k, 0.0);
+        trace.load.push(rates(&now, &y).1 + viscous * now.velocity + motion.acceleration[k]);
+        for step in 0..STEPS {
+            let share = |part: f64| at(k, (step as f64 + part) / STEPS as f64);
+            let moved = |scale: f64, k: &[S; MOST]| {
+                let mut moved = y;
+                moved.iter_mut().zip(k).take(used).for_each(|(y, rate)| *y += *rate * scale);
+                moved
+            };
+            let k1 = rates(&share(0.0), &y).0;
+            let k2 = rates(&share(0.5), &moved(0.5 * h, &k1)).0;
+            let k3 = rates(&share(0.5), &moved(0.5 * h, &k2)).0;
+            let k4 = rates(&share(1.0), &moved(h, &k3)).0;
+            for i in 0..used {
+                y[i] += (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0);
+            }
+        }
+    }
+    Ok(trace)
+}

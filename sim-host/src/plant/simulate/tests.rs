@@ -1,0 +1,86 @@
+use super::*;
+use crate::identify::model::{Placed as Start0, Yardsticks};
+use crate::plant::effects::ENTRIES;
+use crate::plant::model::Kind;
+use crate::scalar::{Dual, Scalar};
+
+const DT: f64 = 0.004;
+const YARDSTICKS: Yardsticks =
+    Yardsticks { command: 0.05, command_rate: 0.5, speed: 0.2, displacement: 0.05, force: 1.0, line: 50.0 };
+
+fn reference(n: usize) -> Vec<f64> {
+    let sine = |t: f64, hz: f64, size: f64| size * (std::f64::consts::TAU * hz * t).sin();
+    (0..n).map(|k| k as f64 * DT).map(|t| t.min(1.0) * (sine(t, 0.7, 0.04) + sine(t, 3.1, 0.006))).collect()
+}
+
+fn paper<S: Scalar>() -> Baseline<S> {
+    Baseline::Servo { b1: 0.69.into(), b0: 138.0.into(), a1: 57.65.into(), velocity_limit: 0.242.into() }
+}
+
+fn run<S: Scalar>(effects: &[Placed<S>]) -> Trace<S> {
+    let input = reference(1200);
+    let drive = Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Pi { kp: 6.0, ki: 1.0 } };
+    let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
+    simulate(&paper(), effects, &drive, &start).unwrap()
+}
+
+/// Every effect's derivative by every parameter against central differences of the simulation, on displacement and
+/// velocity-like sums that corners do not upset.
+#[test]
+fn sensitivities_are_those_of_the_simulation() {
+    let mut worst: Vec<String> = Vec::new();
+    for entry in ENTRIES.iter().filter(|e| e.kinds.contains(&Kind::Servo)) {
+        let last = (0..).map_while(|i| Start0::start(entry, i, &YARDSTICKS)).last().unwrap();
+        // Off the round values, where steps and delays are whole and a difference would straddle a corner.
+        let at: Vec<f64> = last.values.iter().map(|v| 1.037 * v.value).collect();
+        for i in 0..at.len() {
+            let with = |value: f64| {
+                let mut parameters = at.clone();
+                parameters[i] = value;
+                run::<f64>(&[Placed { id: entry.id, parameters }])
+            };
+            let h = 1e-5 * at[i].abs().max(1e-3);
+            let (up, down) = (with(at[i] + h), with(at[i] - h));
+            let parameters =
+                at.iter().enumerate().map(|(j, &v)| if i == j { Dual::<1>::variable(v, 0) } else { Dual::from(v) });
+            let dual = run(&[Placed { id: entry.id, parameters: parameters.collect() }]);
+            let (mut error, mut size) = (0.0, 1e-12);
+            for k in 0..dual.displacement.len() {
+                let difference = (up.displacement[k] - down.displacement[k]) / (2.0 * h);
+                error += (dual.displacement[k].tangent[0] - difference).powi(2);
+                size += difference.powi(2);
+            }
+            let key = entry.parameters[i].key;
+            worst.extend(
+                (error > 0.02_f64.powi(2) * size + 1e-9).then(|| format!("{}.{key}: {error} of {size}", entry.id)),
+            );
+        }
+    }
+    assert!(worst.is_empty(), "{worst:#?}");
+}
+
+#[test]
+fn without_effects_it_is_the_papers_plant() {
+    // The exact solution of one step: z settles as one exponential, x is its integral.
+    let (b1, b0, a1, u) = (0.69, 138.0, 57.65, 0.05);
+    let input = vec![u; 200];
+    let drive = Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Recorded };
+    let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
+    let trace = simulate::<f64>(&paper(), &[], &drive, &start).unwrap();
+    let settled = (b0 - b1 * a1) * u / a1;
+    for (k, x) in trace.displacement.iter().enumerate() {
+        let t = k as f64 * DT;
+        let exact = settled * (t - (1.0 - (-a1 * t).exp()) / a1) + b1 * u * t;
+        // A ten-thousandth of the LVDT's step of 0.04 mm.
+        assert!((x - exact).abs() < 4e-9, "{k}: {x} {exact}");
+    }
+}
+
+#[test]
+fn an_unknown_effect_is_refused_by_name() {
+    let effects = [Placed { id: "phlogiston", parameters: vec![1.0] }];
+    let drive = Drive { dt: DT, ticks: 1, input: &[0.0], added: &[], law: Law::Recorded };
+    let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
+    let refused = simulate::<f64>(&paper(), &effects, &drive, &start);
+    assert!(matches!(refused, Err(SimulateError::UnknownEffect { id, count: 1 }) if id == "phlogiston"));
+}
