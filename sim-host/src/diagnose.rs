@@ -19,11 +19,14 @@ use crate::recording::{self, Experiment, RecordingError};
 pub use result::Diagnosis;
 use std::path::Path;
 
+/// Is told what is being done, with a share of the whole between 0 and 1.
+pub type Progress<'a> = &'a (dyn Fn(&str, f64) + Sync);
+
 /// What a diagnosis may be told.
 #[derive(Clone, Copy, Default)]
 pub struct Options<'a> {
     /// Told what is being done, with a share of the whole between 0 and 1.
-    pub progress: Option<&'a (dyn Fn(&str, f64) + Sync)>,
+    pub progress: Option<Progress<'a>>,
 }
 
 impl std::fmt::Debug for Options<'_> {

@@ -202,7 +202,7 @@ impl Drive {
             // The answer to an earlier asking was lost on the way.
             (Step::ClearTrip, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Vitals),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::State(State::Ready))) => {
-                self.go(Step::Fill)
+                self.go(Step::Fill);
             }
             (Step::Start, Report::Refused(RefusedBecause::State(State::Running))) => self.go(Step::Stream),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Challenge)) => self.go(Step::Challenge),

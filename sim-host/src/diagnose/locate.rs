@@ -165,7 +165,9 @@ fn spectrum(series: &[f64], size: usize) -> Vec<f64> {
         }
         start += size / 2;
     }
-    power.iter_mut().for_each(|p| *p /= f64::max(segments, 1.0));
+    for p in &mut power {
+        *p /= f64::max(segments, 1.0);
+    }
     power
 }
 

@@ -249,8 +249,8 @@ fn filled(values: &[f64]) -> Option<Vec<f64>> {
     full[last..].fill(values[last]);
     for pair in known.windows(2) {
         let (a, b) = (pair[0], pair[1]);
-        for i in a + 1..b {
-            full[i] = values[a] + (values[b] - values[a]) * (i - a) as f64 / (b - a) as f64;
+        for (i, value) in full.iter_mut().enumerate().take(b).skip(a + 1) {
+            *value = values[a] + (values[b] - values[a]) * (i - a) as f64 / (b - a) as f64;
         }
     }
     Some(full)

@@ -84,7 +84,7 @@ impl Limits {
         let stroke = self.stroke.unwrap_or(f64::INFINITY);
         for (place, value) in [("start", Some(reference.start)), ("end", self.end)] {
             if let Some(value) = value
-                && !(value.abs() <= stroke)
+                && (value.is_nan() || value.abs() > stroke)
             {
                 return Err(FitError::OutsideStroke { place, value, stroke });
             }

@@ -112,17 +112,13 @@ pub fn simulate<S: Scalar>(
     start: &Start<S>,
 ) -> Result<Trace<S>, SimulateError> {
     match dynamics::states_of(effects) {
-        0..=4 => run(Dynamics::<S, 4>::new(baseline, effects)?, drive, start),
-        5..=8 => run(Dynamics::<S, 8>::new(baseline, effects)?, drive, start),
-        _ => run(Dynamics::<S, STATES>::new(baseline, effects)?, drive, start),
+        0..=4 => Ok(run(Dynamics::<S, 4>::new(baseline, effects)?, drive, start)),
+        5..=8 => Ok(run(Dynamics::<S, 8>::new(baseline, effects)?, drive, start)),
+        _ => Ok(run(Dynamics::<S, STATES>::new(baseline, effects)?, drive, start)),
     }
 }
 
-fn run<S: Scalar, const M: usize>(
-    mut dynamics: Dynamics<S, M>,
-    drive: &Drive,
-    start: &Start<S>,
-) -> Result<Trace<S>, SimulateError> {
+fn run<S: Scalar, const M: usize>(mut dynamics: Dynamics<S, M>, drive: &Drive, start: &Start<S>) -> Trace<S> {
     let mut state = dynamics.rest(start);
     let n = drive.input.len();
     let mut trace = Trace::with_capacity(n);
@@ -164,7 +160,7 @@ fn run<S: Scalar, const M: usize>(
         }
         before = middle;
     }
-    Ok(trace)
+    trace
 }
 
 /// Integration steps in one controller tick: no longer than [`LONGEST_STEP`], short enough for the fastest equation,

@@ -33,7 +33,9 @@ pub(super) fn shares(runs: &[Run], predicted: &[Predicted]) -> Vec<StateShare> {
             let Some(series) = telling(run).and_then(|channel| residual(run, predicted, channel)) else { continue };
             let Some(coordinate) = coordinate(variable, run, predicted) else { continue };
             let block = ((BLOCK / run.dt).round() as usize).max(1);
-            rows.extend(coordinate.iter().zip(&series).enumerate().map(|(k, (&x, &r))| (x, r, (k / block) % 2 == 0)));
+            rows.extend(
+                coordinate.iter().zip(&series).enumerate().map(|(k, (&x, &r))| (x, r, (k / block).is_multiple_of(2))),
+            );
         }
         rows.retain(|(x, r, _)| x.is_finite() && r.is_finite());
         if let Some(share) = explained(variable, &rows) {

@@ -99,7 +99,7 @@ impl fmt::Display for TransferFunction {
         if self.integrators > 0 {
             f.write_str(")")?;
         }
-        if self.delay != 0.0 { write!(f, " exp(-{:.5} s)", self.delay) } else { Ok(()) }
+        if self.delay == 0.0 { Ok(()) } else { write!(f, " exp(-{:.5} s)", self.delay) }
     }
 }
 

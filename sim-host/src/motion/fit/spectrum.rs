@@ -118,7 +118,7 @@ pub fn fit(
     limits.check(reference)?;
     band.check(reference.dt)?;
     let targets = targets(reference, band);
-    let mut cuts: Vec<Cut> = targets.iter().map(|t| Cut::reach(t)).collect();
+    let mut cuts: Vec<Cut> = targets.iter().map(Cut::reach).collect();
     let mut best: Option<SpectrumFit> = None;
     for round in 1..=ROUNDS {
         let (fitted, excess) = solve(reference, limits, band, &targets, &cuts)?;
