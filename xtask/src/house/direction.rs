@@ -12,6 +12,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay"]),
     ("shakedown-replay", &["shakedown-core", "shakedown", "shakedown-firmware"]),
     ("shakedown-tests", &["shakedown-core", "shakedown", "shakedown-truth"]),
+    ("shakedown-no-panic", &["shakedown-core"]),
     ("xtask", &[]),
 ];
 
