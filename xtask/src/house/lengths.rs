@@ -12,6 +12,11 @@ const LONGER: &[(&str, &str)] = &[
         "arguments, figures and page of one command; its page is the next thing to move out",
     ),
     ("sim-host/src/motion/condition.rs", "the steps of one recipe in their order, each short"),
+    ("sim-host/src/plant/effects.rs", "the shape of an effect and the registry that names them all"),
+    (
+        "sim-host/src/plant/simulate/dynamics.rs",
+        "the equations of all effects at their stages, in one place to be read together",
+    ),
     ("sim-host/src/recording/check/consistency.rs", "one check after another over the same channels"),
     ("tests/truth/src/case.rs", "one dealing of a case from its seed, read top to bottom"),
 ];
