@@ -3,7 +3,6 @@
 mod deny;
 mod figures;
 mod firmware;
-mod firmware;
 mod fuzz;
 mod house;
 mod output;

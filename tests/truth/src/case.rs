@@ -122,7 +122,11 @@ fn wish(what: Stratum, unlisted: Option<Unlisted>, rng: &mut Stream) -> (Wish, O
         Stratum::Unlisted => {
             let flaw = unlisted.unwrap_or(Unlisted::QuadraticDrag);
             let rigid = matches!(flaw, Unlisted::RoughPatch | Unlisted::RipplePerDistance | Unlisted::QuadraticDrag);
-            let wish = Wish { size: size(flaw.needs_saturation()), ..Wish::plain(kind(rigid, false, 0.2, rng)) };
+            let wish = Wish {
+                size: size(flaw.needs_saturation()),
+                quiet: flaw.needs_accelerometer(),
+                ..Wish::plain(kind(rigid, false, 0.2, rng))
+            };
             (wish, None)
         }
         Stratum::Confounded => (Wish { size: Size::Slow, ..Wish::plain(Kind::Servo) }, None),

@@ -93,6 +93,11 @@ impl Unlisted {
         self == U::LimitFade
     }
 
+    /// Seen by the accelerometer only.
+    pub fn needs_accelerometer(self) -> bool {
+        matches!(self, U::RingingBracket | U::LooseConnection)
+    }
+
     /// Puts it into `physics` at `strength` in (0, 1].
     pub fn apply(self, s: f64, draw: &Draw, scales: &Scales, physics: &mut Physics) {
         match self {

@@ -5,12 +5,14 @@ use shakedown_truth::answer::SealError;
 use shakedown_truth::baseline::predict;
 use shakedown_truth::case;
 use shakedown_truth::closed_loop::simulate;
+use shakedown_truth::corrupt::Corruption;
 use shakedown_truth::effect::{Draw, Effect};
 use shakedown_truth::plan::{Stratum, stratum};
 use shakedown_truth::plant::Physics;
 use shakedown_truth::rng::Stream;
 use shakedown_truth::scene::{Kind, Scene, Size, Wish};
-use shakedown_truth::strength::measure;
+use shakedown_truth::strength::{measure, seek};
+use shakedown_truth::unlisted::Unlisted;
 
 fn scene(kind: Kind, size: Size, number: u64) -> Scene {
     let wish = Wish { size, ..Wish::plain(kind) };
@@ -68,6 +70,36 @@ fn every_effect_moves_the_recordings_and_more_of_it_moves_them_more() {
         };
         let (little, much) = (excess(0.03), excess(0.09));
         assert!(much > 1e-3 && much > 1.5 * little, "{effect:?}: {little} at 0.03, {much} at 0.09");
+    }
+}
+
+#[test]
+fn every_unlisted_flaw_can_be_made_clear() {
+    for flaw in Unlisted::ALL {
+        let size = if flaw.needs_saturation() { Size::Saturating } else { Size::Any };
+        let wish = Wish { size, quiet: flaw.needs_accelerometer(), ..Wish::plain(Kind::Servo) };
+        let scene = Scene::draw(wish, 6, &mut Stream::new(99, 6, 1));
+        let draw = Draw::new(&mut Stream::new(1, 2, 3));
+        let apply = |s: f64, physics: &mut Physics| flaw.apply(s, &draw, &scene.scales, physics);
+        let (strength, sized) = seek(&scene, 15.0, &apply).unwrap_or_else(|| panic!("{flaw:?} ran away"));
+        assert!(sized.excess > 5.0, "{flaw:?}: {} at {strength}", sized.excess);
+    }
+}
+
+#[test]
+fn every_fault_spoils_the_files_and_says_where() {
+    let null = (0..140).find(|n| stratum(3, *n) == Stratum::Null).unwrap();
+    let sound = case(3, null).experiment;
+    for kind in Corruption::ALL {
+        let mut spoilt = sound.clone();
+        let fault = kind.spoil(&mut spoilt, &mut Stream::new(1, 2, 3));
+        assert_ne!(spoilt, sound, "{kind:?}");
+        let changed = |i: usize| spoilt.sheets[i] != sound.sheets[i];
+        if let Some(file) = &fault.run {
+            for (i, sheet) in sound.sheets.iter().enumerate() {
+                assert_eq!(changed(i), sheet.file == *file, "{kind:?} says {file}, and {} changed", sheet.file);
+            }
+        }
     }
 }
 

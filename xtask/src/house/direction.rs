@@ -12,6 +12,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay"]),
     ("shakedown-replay", &["shakedown-core", "shakedown", "shakedown-firmware"]),
     ("shakedown-tests", &["shakedown-core", "shakedown", "shakedown-truth"]),
+    ("shakedown-no-panic", &["shakedown-core"]),
     ("xtask", &[]),
 ];
 
@@ -53,7 +54,9 @@ pub(super) fn modules(files: &[File]) -> Vec<String> {
     let floor = |room: &str| ROOMS.iter().position(|rooms| rooms.contains(&room));
     let mut breaches = Vec::new();
     for file in files {
-        let Some(rest) = file.path.strip_prefix("sim-host/src/") else { continue };
+        let Some(rest) = file.path.strip_prefix("sim-host/src/").filter(|rest| !rest.ends_with("tests.rs")) else {
+            continue; // a test may look wherever it likes
+        };
         let room = rest.split(['/', '.']).next().unwrap_or_default();
         let used =
             file.text.split("crate::").skip(1).map(|rest| rest.split(|c: char| !is_name(c)).next().unwrap_or(""));

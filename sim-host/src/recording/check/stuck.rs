@@ -42,10 +42,7 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
     let equal: Vec<bool> = samples.windows(2).map(|w| w[0] == w[1]).collect();
     let mut long: Vec<(usize, usize)> = stretches(&equal).into_iter().filter(|s| s.1 + 1 >= SHORTEST).collect();
     long.sort_by_key(|s| std::cmp::Reverse(s.1));
-    // Noise that seldom repeats a value does not do so for a whole stretch.
-    let held: usize = long.iter().map(|s| s.1).sum();
-    let noisy = (equal.iter().filter(|e| **e).count() - held) * 5 < equal.len() - held;
-    let (from, length) = long.into_iter().find(|&stretch| is_stuck(run, channel, stretch, noisy))?;
+    let (from, length) = long.into_iter().find(|&stretch| is_stuck(run, channel, stretch, &equal))?;
     let seconds = length as f64 * run.dt;
     Some(Finding::whole(run, channel, Fault::Stuck, Severity::BadData).between(run, from, from + length).saying(
         format!(
@@ -57,15 +54,25 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
     ))
 }
 
-fn is_stuck(run: &Run, channel: Channel, (from, length): (usize, usize), noisy: bool) -> bool {
+fn is_stuck(run: &Run, channel: Channel, (from, length): (usize, usize), equal: &[bool]) -> bool {
     let Some(samples) = run.channel(channel) else { return false };
     let to = from + length;
     let moving = movement(run, channel, from, to);
     let long = length as f64 * run.dt > LONG;
     let to_the_end = to + 1 >= samples.len();
     (jumps(samples, to) && moving > 0.03)
-        || (noisy && moving > 0.1)
+        || (moving > 0.1 && noisy_around(equal, from, length))
         || (long && moving > if to_the_end { 0.5 } else { 0.8 })
+}
+
+/// True where the values beside the stretch hardly ever repeat, so that noise would not have let this one do so. Beside
+/// a turning point they do: a coarse converter steps the slower the nearer it is.
+fn noisy_around(equal: &[bool], from: usize, length: usize) -> bool {
+    let before = &equal[from.saturating_sub(length)..from];
+    let after = &equal[(from + length).min(equal.len())..(from + 2 * length).min(equal.len())];
+    let repeats = before.iter().chain(after).filter(|e| **e).count();
+    let count = before.len() + after.len();
+    count > 0 && repeats * 5 < count
 }
 
 /// True where the first sample after the stretch is further away than the table goes in one step.

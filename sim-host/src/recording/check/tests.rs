@@ -361,3 +361,46 @@ fn the_real_tables_are_sound_and_their_late_accelerometers_are_found() {
         assert!(findings.iter().any(|f| f.fault == Fault::Skew), "{name}");
     }
 }
+
+/// An experiment over one of the EMPS files, whatever stands in `more` added to its channels.
+fn emps(file: &str, more: &str) -> Option<Experiment> {
+    let path = data().join("recordings/emps").join(file);
+    if !path.exists() {
+        eprintln!("skipped: no {}", path.display());
+        return None;
+    }
+    let folder = tempfile::TempDir::new().unwrap();
+    let text = format!(
+        r#"
+        [model]
+        kind = "rigid-mass"
+        mass = 95.1
+        viscous = 203.5
+        gain = 35.15
+        [channels]
+        time = {{ column = "t", unit = "s" }}
+        reference = {{ column = "qg", unit = "m" }}
+        displacement = {{ column = "qm", unit = "m" }}
+        command = {{ column = "vir", unit = "V" }}
+        {more}
+        [[runs]]
+        file = {:?}
+        controller = {{ kind = "cascade", kp = 160.18, kv = 243.45 }}
+        "#,
+        path.canonicalize().unwrap()
+    );
+    let experiment = folder.path().join("e.toml");
+    std::fs::write(&experiment, text).unwrap();
+    Some(Experiment::load(&experiment).unwrap())
+}
+
+#[test]
+fn a_real_servo_axis_is_sound_and_its_undeclared_pulses_are_noticed() {
+    let Some(clean) = emps("DATA_EMPS.mat", "") else { return };
+    assert!(!is_bad_data(&check(&clean)), "{:#?}", check(&clean));
+    let undeclared = check(&emps("DATA_EMPS_PULSES.mat", "").unwrap());
+    assert!(undeclared.iter().any(|f| f.fault == Fault::MissingInput), "{undeclared:#?}");
+    let pulses = "disturbance = { column = \"pulses_N\", unit = \"V\" }";
+    let declared = check(&emps("DATA_EMPS_PULSES.mat", pulses).unwrap());
+    assert!(!is_bad_data(&declared), "{declared:#?}");
+}
