@@ -3,6 +3,13 @@
 //!
 //! `cargo bench -p shakedown --bench closed_loop`
 
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a bench prints its figures and stops where it cannot"
+)]
+
 use criterion::Criterion;
 use shakedown::closed_loop::{Clock, Law, PlainPi, Trace, run};
 use shakedown::plant::paper::{FixedStep, Paper};

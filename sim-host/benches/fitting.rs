@@ -1,5 +1,12 @@
 //! Fitting 60 s at 1 kHz, and one tick of each online modifier: `cargo bench -p shakedown --bench fitting`.
 
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a bench prints its figures and stops where it cannot"
+)]
+
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use shakedown::motion::condition::{Recipe, Step};
 use shakedown::motion::fit::{Limits, Norm, Reference, convex, taut};

@@ -1,6 +1,13 @@
 //! Bad input on the command line: exit status 2, one message that names the file, the place and the remedy, and nothing
 //! written, half or whole.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "the lint knows test functions, not helpers"
+)]
+
 use shakedown_tests::binary::shakedown;
 use std::fs;
 use std::path::Path;

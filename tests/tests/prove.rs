@@ -1,5 +1,12 @@
 //! A campaign stops and goes on, comes in pieces and joins to the result of one run, and opens no answer early.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "the lint knows test functions, not helpers"
+)]
+
 use serde_json::{Value, json};
 use shakedown::prove::Examinee;
 use shakedown::prove::campaign::{CampaignError, Plan, join, run};

@@ -1,5 +1,12 @@
 //! The report's text, to the letter, less the library and the data blocks' bulk.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "the lint knows test functions, not helpers"
+)]
+
 use shakedown::report::{Axis, Band, Item, Matrix, Page, Plot, Section, Series, Style, Table};
 use std::path::Path;
 

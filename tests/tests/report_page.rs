@@ -1,6 +1,13 @@
 //! The report as a reader sees it: headless Chromium opens the page, zooms, hides a curve, turns the light off.
 //! Without Chromium these tests say so and end; `cargo xtask test` installs it.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "the lint knows test functions, not helpers"
+)]
+
 use serde_json::Value;
 use shakedown::report::Page;
 use shakedown_tests::browser::{Browser, chromium};

@@ -1,5 +1,12 @@
 //! Table 1 on the measured records: the rows that the paper determines come out within their bounds.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "the lint knows test functions, not helpers"
+)]
+
 use shakedown::closed_loop::published::{Event, Named};
 use shakedown::closed_loop::table1::{Case, Reading, checks, rows};
 use shakedown::motion::read;

@@ -1,5 +1,12 @@
 //! The examiner shares nothing with the examined: no crate of this workspace may appear below it.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "the lint knows test functions, not helpers"
+)]
+
 use std::process::Command;
 
 #[test]

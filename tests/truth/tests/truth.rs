@@ -1,6 +1,13 @@
 //! What the examiner promises: a null is one, strengths are what they say, the same seed deals the same cases, answers
 //! stay sealed until the examinee has written its own.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "the lint knows test functions, not helpers"
+)]
+
 use shakedown_truth::answer::SealError;
 use shakedown_truth::baseline::predict;
 use shakedown_truth::case;
