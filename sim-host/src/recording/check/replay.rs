@@ -124,7 +124,7 @@ fn core(
     signals: &PerChannel<Cow<'_, [f64]>>,
 ) -> Option<Vec<f64>> {
     // The guard holds the law until it is armed; the recording was made with it armed.
-    let mut controller = Controller::new(&Settings { guard: None, ..settings.clone() }).ok()?;
+    let mut controller = Controller::new(&Settings { guard: None, ..*settings }).ok()?;
     let acceleration = signals.get(Channel::Acceleration).map(|s| filled(s));
     let step = |k: usize| {
         let sample = Sample {

@@ -106,5 +106,5 @@ fn numbers(rest: &mut &[u8], order: Order, dimensions: &[usize], count: usize, n
         return Err(format!("gives `{name}` {count} values by its dimensions but holds {}", data.len()));
     }
     let rows = dimensions.first().copied().unwrap_or(0);
-    Ok(Node::Numbers(Values { rows, columns: if rows == 0 { 0 } else { count / rows }, data }))
+    Ok(Node::Numbers(Values { rows, columns: count.checked_div(rows).unwrap_or(0), data }))
 }
