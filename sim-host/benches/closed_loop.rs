@@ -11,6 +11,7 @@
 )]
 
 use criterion::Criterion;
+use shakedown::closed_loop::published::Named;
 use shakedown::closed_loop::{Clock, Law, PlainPi, Trace, run};
 use shakedown::plant::paper::{FixedStep, Paper};
 use shakedown::plant::sensors::{SensorModel, Sensors};
@@ -91,7 +92,7 @@ fn against_c(reference: &[f64]) -> Result<(), Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     let reference = reference();
     let core = || -> Result<Trace, Box<dyn Error>> {
-        let mut controller = Controller::new(&core_settings()).map_err(|e| format!("{e:?}"))?;
+        let mut controller = Controller::new(&Named::Current.settings(RATE))?;
         simulate(&mut controller, &reference)
     };
     let mut criterion = Criterion::default().configure_from_args();
@@ -103,15 +104,4 @@ fn main() -> Result<(), Box<dyn Error>> {
     let seconds = best(50, || simulate(&mut plain(), &reference))?;
     println!("plain PI: {:.2} ms, {:.0} times real time", seconds * 1e3, SECONDS / seconds);
     against_c(&reference)
-}
-
-/// The paper's current gains in the core.
-fn core_settings() -> shakedown_core::Settings {
-    use shakedown_core::settings::Gains;
-    shakedown_core::Settings {
-        rate: RATE as f32,
-        displacement: Gains::new(3.70205, 0.61701),
-        stroke: 0.15,
-        ..shakedown_core::Settings::default()
-    }
 }

@@ -1,11 +1,11 @@
-//! Recordings as MATLAB v5 files (`save` up to `-v7`), the form of the EMPS data and of dSPACE recorders.
+//! Recordings as MATLAB v5 files (`save` up to `-v7`), the form of the EMPS data and of `dSPACE` recorders.
 //!
 //! Every numeric variable becomes a column: a vector under its name, a matrix as `name(:,2)`, a field of a structure as
-//! `rec.Y(3).Data`, which may also be called by the `Name` that stands beside it, as dSPACE writes it. Own code, because
+//! `rec.Y(3).Data`, which may also be called by the `Name` that stands beside it, as `dSPACE` writes it. Own code, because
 //! the crates at hand read no structures and set no limit on what a compressed variable may unfold to; memory is
 //! bounded here by [`MAX_VALUES`] values and [`MAX_ELEMENT`] bytes for one variable.
 //!
-//! Source: MathWorks, "MAT-File Format", the Level 5 chapters.
+//! Source: The `MathWorks`, "MAT-File Format", the Level 5 chapters.
 
 use super::error::{Place, Problem, RecordingError};
 use super::table::{Heading, MAX_BYTES, MAX_VALUES, Table, locate};

@@ -60,7 +60,7 @@ pub enum ProposeError {
 }
 
 fn reasons(left_out: &[(String, String)]) -> String {
-    left_out.iter().map(|(_, reason)| format!("\n  {reason}")).collect()
+    left_out.iter().flat_map(|(_, reason)| ["\n  ", reason]).collect()
 }
 
 /// The columns of one file that are numbers throughout.

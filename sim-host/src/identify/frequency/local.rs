@@ -37,7 +37,7 @@ fn point(u: &[Complex64], y: &[Complex64], bin: usize, half: usize, width: f64) 
         return None;
     }
     let matrix = DMatrix::from_fn(rows, 2 * ORDER, |row, column| {
-        let power = distance(row).powi((column % ORDER) as i32);
+        let power = distance(row).powf((column % ORDER) as f64);
         if column < ORDER { u[at(row)] / size * power } else { Complex64::new(power, 0.0) }
     });
     let right = DVector::from_fn(rows, |row, _| y[at(row)]);

@@ -38,7 +38,7 @@ fn lagged(input: &[f64], dt: f64, delay: usize) -> Vec<f64> {
 fn lag_response(frequency: f64, dt: f64, delay: usize) -> Complex64 {
     let z = (laplace(frequency) * dt).exp();
     let keep = (-dt / LAG).exp();
-    (1.0 - keep) / (z - keep) * z.powi(-(delay as i32))
+    (1.0 - keep) / (z - keep) * z.powu(delay as u32).inv()
 }
 
 fn measured(function: &TransferFunction, relative: f64, seed: u64) -> Response {

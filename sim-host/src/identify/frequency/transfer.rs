@@ -56,8 +56,8 @@ impl TransferFunction {
     pub fn at(&self, frequency: f64) -> Complex64 {
         let s = laplace(frequency);
         let numerator = horner(&self.numerator, s);
-        let denominator = horner(&self.denominator, s) + s.powi(self.denominator.len() as i32);
-        (-s * self.delay).exp() * numerator / (denominator * s.powi(self.integrators as i32))
+        let denominator = horner(&self.denominator, s) + power(s, self.denominator.len());
+        (-s * self.delay).exp() * numerator / (denominator * power(s, self.integrators))
     }
 
     /// The poles beside the integrators, 1/s.
@@ -157,6 +157,16 @@ fn weights(response: &Response) -> Vec<f64> {
     response.points.iter().map(|p| 1.0 / p.std.max(1e-6 * p.value.norm()).max(f64::MIN_POSITIVE)).collect()
 }
 
+/// A whole power.
+fn power(s: Complex64, n: usize) -> Complex64 {
+    s.powu(n as u32)
+}
+
+/// `scale^(up - down)`.
+fn raise(scale: f64, up: usize, down: usize) -> f64 {
+    scale.powf(up as f64 - down as f64)
+}
+
 /// A polynomial by rising power.
 fn horner(coefficients: &[f64], s: Complex64) -> Complex64 {
     coefficients.iter().rev().fold(Complex64::new(0.0, 0.0), |sum, c| sum * s + c)
@@ -167,12 +177,12 @@ fn roots(coefficients: &[f64]) -> Vec<Complex64> {
     let n = coefficients.len();
     // Scaled so that the product of the roots has size one.
     let scale = coefficients.first().map_or(1.0, |a| a.abs().powf(1.0 / n.max(1) as f64)).max(f64::MIN_POSITIVE);
-    let scaled: Vec<f64> = coefficients.iter().enumerate().map(|(i, a)| a / scale.powi((n - i) as i32)).collect();
-    let mut roots: Vec<Complex64> = (0..n).map(|k| Complex64::new(0.4, 0.9).powi(k as i32)).collect();
+    let scaled: Vec<f64> = coefficients.iter().enumerate().map(|(i, a)| a / raise(scale, n, i)).collect();
+    let mut roots: Vec<Complex64> = (0..n).map(|k| power(Complex64::new(0.4, 0.9), k)).collect();
     for _ in 0..200 {
         for k in 0..n {
             let here = roots[k];
-            let value = horner(&scaled, here) + here.powi(n as i32);
+            let value = horner(&scaled, here) + power(here, n);
             let others: Complex64 = (0..n).filter(|j| *j != k).map(|j| here - roots[j]).product();
             if others.norm() > 0.0 {
                 roots[k] = here - value / others;

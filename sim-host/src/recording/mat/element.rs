@@ -65,11 +65,11 @@ impl Element<'_> {
             self.bytes.chunks_exact(width).map(|b| number(order.unsigned(b))).collect()
         };
         Ok(match self.kind {
-            1 => all(1, &|b| f64::from(b as u8 as i8)),
+            1 => all(1, &|b| f64::from((b as u8).cast_signed())),
             2 | 16 => all(1, &|b| b as f64),
-            3 => all(2, &|b| f64::from(b as u16 as i16)),
+            3 => all(2, &|b| f64::from((b as u16).cast_signed())),
             4 | 17 => all(2, &|b| b as f64),
-            5 => all(4, &|b| f64::from(b as u32 as i32)),
+            5 => all(4, &|b| f64::from((b as u32).cast_signed())),
             6 => all(4, &|b| b as f64),
             7 => all(4, &|b| f64::from(f32::from_bits(b as u32))),
             9 => all(8, &f64::from_bits),

@@ -23,7 +23,7 @@ fn doubles(name: &str, dimensions: [i32; 2], values: &[f64]) -> Vec<u8> {
 }
 
 fn text(name: &str, text: &str) -> Vec<u8> {
-    matrix(4, [1, text.len() as i32], name, &element(16, text.as_bytes()))
+    matrix(4, [1, i32::try_from(text.len()).unwrap()], name, &element(16, text.as_bytes()))
 }
 
 fn structure(name: &str, dimensions: [i32; 2], fields: &[&str], contents: &[Vec<u8>]) -> Vec<u8> {
@@ -76,7 +76,7 @@ fn vectors_plain_and_compressed_and_columns_of_a_matrix() {
 #[test]
 fn a_recorder_s_structure_is_called_by_the_names_in_it() {
     let signal = |name: &str, values: &[f64]| {
-        vec![text("", name), text("", "mm"), doubles("", [1, values.len() as i32], values)]
+        vec![text("", name), text("", "mm"), doubles("", [1, i32::try_from(values.len()).unwrap()], values)]
     };
     let y = structure(
         "",

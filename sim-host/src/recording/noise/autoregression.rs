@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 /// An autoregression; without coefficients it is white noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Autoregression {
-    /// The coefficients a_1, a_2, ...
+    /// The coefficients `a_1, a_2, ...`
     pub coefficients: Vec<f64>,
     /// Standard deviation of the innovation e, the samples' unit.
     pub innovation: f64,

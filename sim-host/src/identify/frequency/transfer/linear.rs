@@ -1,7 +1,7 @@
 //! Levy's linear fit with Sanathanan and Koerner's reweighting, over a grid of delays.
 
 use super::super::{Complex64, Response, ResponseError, laplace};
-use super::{Order, TransferFunction};
+use super::{Order, TransferFunction, power, raise};
 use nalgebra::{DMatrix, DVector};
 
 /// Reweighted solutions of one delay.
@@ -55,8 +55,8 @@ fn reweighted(response: &Response, weights: &[f64], order: Order, delay: f64) ->
 }
 
 fn denominator(solution: &DVector<f64>, order: Order, s: Complex64) -> Complex64 {
-    let a = (0..order.denominator).map(|i| solution[order.numerator + 1 + i] * s.powi(i as i32));
-    a.sum::<Complex64>() + s.powi(order.denominator as i32)
+    let a = (0..order.denominator).map(|i| solution[order.numerator + 1 + i] * power(s, i));
+    a.sum::<Complex64>() + power(s, order.denominator)
 }
 
 /// Least squares of `b(s) - y a(s) = y s^n`, y being the response without delay and integrators, in scaled s.
@@ -74,7 +74,7 @@ fn solve(
     let mut right = DVector::zeros(2 * rows);
     for (r, p) in response.points.iter().enumerate() {
         let s = laplace(p.frequency);
-        let lift = (s * delay).exp() * s.powi(order.integrators as i32);
+        let lift = (s * delay).exp() * power(s, order.integrators);
         let y = p.value * lift;
         let weight = weights[r] * reweight[r] / lift.norm();
         let s = s / scale;
@@ -83,12 +83,12 @@ fn solve(
             matrix[(2 * r + 1, column)] = weight * value.im;
         };
         for i in 0..=order.numerator {
-            put(i, s.powi(i as i32));
+            put(i, power(s, i));
         }
         for i in 0..order.denominator {
-            put(order.numerator + 1 + i, -y * s.powi(i as i32));
+            put(order.numerator + 1 + i, -y * power(s, i));
         }
-        let value = weight * y * s.powi(order.denominator as i32);
+        let value = weight * y * power(s, order.denominator);
         (right[2 * r], right[2 * r + 1]) = (value.re, value.im);
     }
     // Columns of one size, so that the tolerance below means the same for all.
@@ -101,8 +101,7 @@ fn solve(
 }
 
 fn unscaled(solution: &DVector<f64>, order: Order, delay: f64, scale: f64) -> TransferFunction {
-    let n = order.denominator as i32;
-    let lift = |value: f64, power: usize| value * scale.powi(n - power as i32);
+    let lift = |value: f64, degree: usize| value * raise(scale, order.denominator, degree);
     TransferFunction {
         numerator: (0..=order.numerator).map(|i| lift(solution[i], i)).collect(),
         denominator: (0..order.denominator).map(|i| lift(solution[order.numerator + 1 + i], i)).collect(),

@@ -2,7 +2,7 @@
 
 use super::super::{Complex64, Response, ResponseError, laplace};
 use super::linear::scale;
-use super::{Order, TransferFit, TransferFunction, horner};
+use super::{Order, TransferFit, TransferFunction, horner, power, raise};
 use nalgebra::{DMatrix, DVector};
 
 /// Most steps taken.
@@ -49,11 +49,11 @@ pub(super) fn polish(
 
 /// What one unit of the i-th scaled coefficient is in its own unit.
 fn unit(function: &TransferFunction, i: usize, scale: f64) -> f64 {
-    let n = function.denominator.len() as i32;
+    let n = function.denominator.len();
     let numerators = function.numerator.len();
     match i.checked_sub(numerators) {
-        None => scale.powi(n - i as i32),
-        Some(j) if j < function.denominator.len() => scale.powi(n - j as i32),
+        None => raise(scale, n, i),
+        Some(j) if j < function.denominator.len() => raise(scale, n, j),
         Some(_) => 1.0 / scale,
     }
 }
@@ -73,12 +73,12 @@ fn linearised(
     for (r, (p, &weight)) in response.points.iter().zip(weights).enumerate() {
         let s = laplace(p.frequency);
         let value = at.at(p.frequency);
-        let denominator = horner(&at.denominator, s) + s.powi(n as i32);
-        let unit_numerator = (-s * at.delay).exp() / (denominator * s.powi(at.integrators as i32));
+        let denominator = horner(&at.denominator, s) + power(s, n);
+        let unit_numerator = (-s * at.delay).exp() / (denominator * power(s, at.integrators));
         let derivative = |i: usize| -> Complex64 {
             match i.checked_sub(m) {
-                None => unit_numerator * s.powi(i as i32),
-                Some(j) if j < n => -value * s.powi(j as i32) / denominator,
+                None => unit_numerator * power(s, i),
+                Some(j) if j < n => -value * power(s, j) / denominator,
                 Some(_) => -s * value,
             }
         };
