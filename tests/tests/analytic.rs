@@ -9,6 +9,13 @@
 //! The closed loop H = N / Q has three poles p; a reference `q^k` gives `x_k = H(q) q^k + sum N(p) p^k / (Q'(p) (p - q))`:
 //! q = 1 is the step, the imaginary part of `q = exp(i w T)` the sine. Nothing of it is shared with the simulation.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::large_stack_arrays,
+    clippy::useless_vec,
+    reason = "the lint knows test functions, not helpers; signals stand where they are used"
+)]
+
 use nalgebra::Complex;
 use shakedown::closed_loop::named::settings;
 use shakedown::closed_loop::published::Gains;
