@@ -5,6 +5,7 @@ mod diagnose;
 mod effects;
 mod failure;
 mod histories;
+mod identify;
 mod init;
 mod modify;
 mod output;
@@ -32,6 +33,7 @@ struct Arguments {
 /// What can be asked for; nothing given is `demo`.
 #[derive(Debug, Subcommand)]
 enum Command {
+    Identify(identify::Args),
     Init(init::Args),
     Demo(demo::Args),
     Modify(Box<modify::Args>),
@@ -49,6 +51,7 @@ pub(crate) fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match arguments.command {
         None => demo::run(&demo::Args::default()),
         Some(command) => match command {
+            Command::Identify(args) => identify::run(&args),
             Command::Init(args) => init::run(&args),
             Command::Demo(args) => demo::run(&args),
             Command::Modify(args) => modify::run(&args),

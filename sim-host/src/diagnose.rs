@@ -1,11 +1,10 @@
 //! Where a model and recordings part, and what physics was left out.
 //!
 //! What flows: an experiment comes in; [`search`] fits the stated model and grows it by effects of the library;
-//! [`judge`] scores every survivor on the runs held back; [`decide`] names what stands, says what it is mistaken for and
+//! [`crate::identify::judge`] scores every survivor on the runs held back; [`decide`] names what stands, says what it is mistaken for and
 //! what no effect explains; [`locate`] looks at the residual without the library. Out comes a [`Diagnosis`].
 
 pub mod decide;
-pub mod judge;
 pub mod locate;
 pub mod result;
 pub mod search;
@@ -13,6 +12,7 @@ pub mod search;
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::prepare::{PrepareError, Prepared, prepare};
+use crate::identify::quantity::stated_with;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError};
@@ -76,7 +76,7 @@ impl Examined {
 
     /// The stated model with its refitted values and the effects that were found.
     pub fn augmented(&self, stated: &recording::Model) -> recording::Model {
-        result::augmented(stated, &self.decision.after)
+        stated_with(stated, &self.decision.after.fit)
     }
 }
 

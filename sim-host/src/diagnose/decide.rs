@@ -1,9 +1,9 @@
 //! Names what stands: significance on the runs fitted, gain on the runs held back, and at least nine tenths of the
 //! excess explained. What falls short is said to be outside the library.
 
-use super::judge::{Score, gains, score};
 use super::search::{CHANCE, Search};
 use crate::identify::fit::Fit;
+use crate::identify::judge::{Score, gains, score};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;

@@ -1,10 +1,10 @@
 //! Where in time, frequency and state a residual lies, found without the library.
 
 use super::decide::Decision;
-use super::judge::score;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::{Predicted, predict};
 use crate::identify::fit::Fit;
+use crate::identify::judge::score;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 use realfft::RealFftPlanner;

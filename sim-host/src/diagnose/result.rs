@@ -1,18 +1,15 @@
 //! The diagnosis as other tools read it: schema `shakedown.diagnosis/1`.
 
 use super::decide::{Decision, Judged};
-use super::judge::Score;
 use super::locate::Location;
 use crate::identify::data::Channel;
+use crate::identify::judge::Score;
 use crate::identify::prepare::Prepared;
+use crate::identify::quantity::{Quantity, quantities};
 use crate::plant::effects::Role;
-use crate::plant::model::Kind;
 use crate::recording::check::Finding;
 use serde::Serialize;
 use std::collections::BTreeMap;
-
-/// Half width of a 90 % interval in standard deviations.
-const NINETY: f64 = 1.645;
 
 /// What came out.
 #[derive(Debug, Clone, Serialize)]
@@ -68,21 +65,6 @@ pub struct NamedEffect {
     pub equation: &'static str,
     /// Its parameters.
     pub parameters: BTreeMap<String, Quantity>,
-}
-
-/// A number with its uncertainty and unit.
-#[derive(Debug, Clone, Serialize)]
-pub struct Quantity {
-    /// The value.
-    pub value: f64,
-    /// Standard deviation; none where it was not estimated.
-    pub std: Option<f64>,
-    /// Lower end of the 90 % interval.
-    pub low: Option<f64>,
-    /// Upper end of the 90 % interval.
-    pub high: Option<f64>,
-    /// Unit.
-    pub unit: &'static str,
 }
 
 /// A set of effects in the running.
@@ -151,7 +133,7 @@ pub(super) fn assemble(
     seconds: f64,
 ) -> Diagnosis {
     let verdict = if decision.consistent() { Verdict::Consistent } else { Verdict::Mismatch };
-    let quantities = quantities(&decision.after);
+    let quantities = quantities(&decision.after.fit);
     let own = prepared.model.kind.parameters();
     let model = own.iter().filter_map(|p| Some((p.key.to_owned(), quantities.get(p.key)?.clone()))).collect();
     let share = |part: &Judged| 1.0 - (part.hold.chi2 - 1.0) / (decision.before.hold.chi2 - 1.0).max(1e-9);
@@ -205,63 +187,4 @@ fn candidates(decision: &Decision) -> Vec<Candidate> {
     all.push(Candidate { ids: vec!["unlisted"], probability: decision.unlisted_probability, holdout_chi2: None });
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     all
-}
-
-/// Every shared value of a fitted model by name, with intervals.
-fn quantities(judged: &Judged) -> BTreeMap<String, Quantity> {
-    let model = &judged.fit.model;
-    let rigid = model.kind == Kind::RigidMass;
-    let own = model.kind.parameters().iter().map(|p| p.unit);
-    let scale = model.scale.iter().map(|_| "unit of pressure per m/s2");
-    let effects = model.effects.iter().flat_map(|placed| placed.entry.parameters);
-    let units = own.chain(scale).chain(effects.map(|p| if rigid { p.rigid_unit } else { p.unit }));
-    let rows = model.names().into_iter().zip(model.values()).zip(judged.fit.deviations()).zip(units);
-    rows.map(|(((name, value), deviation), unit)| {
-        let std = deviation.is_finite().then_some(deviation);
-        let edge = |sign: f64| {
-            std.map(|s| {
-                if value.positive {
-                    value.value * (sign * NINETY * s / value.value).exp()
-                } else {
-                    value.value + sign * NINETY * s
-                }
-            })
-        };
-        (name, Quantity { value: value.value, std, low: edge(-1.0), high: edge(1.0), unit })
-    })
-    .collect()
-}
-
-/// The stated model with its fitted values and the effects that were added.
-pub(super) fn augmented(stated: &crate::recording::Model, judged: &Judged) -> crate::recording::Model {
-    use crate::recording::{Accuracy, Place, StatedEffect};
-    let mut model = stated.clone();
-    let quantities = quantities(judged);
-    let accuracy = |q: &Quantity| Accuracy { std: q.std, low: q.low, high: q.high };
-    for parameter in judged.fit.model.kind.parameters() {
-        let Some(quantity) = quantities.get(parameter.key).filter(|q| q.std.is_some()) else { continue };
-        if model.baseline.set(parameter.key, quantity.value) {
-            model.accuracy.insert(parameter.key.to_owned(), accuracy(quantity));
-        }
-    }
-    for placed in &judged.fit.model.effects {
-        let id = placed.entry.id;
-        let shared = || placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun);
-        let values =
-            shared().filter_map(|p| Some((p.key.to_owned(), quantities.get(&format!("{id}.{}", p.key))?.value)));
-        let effect = StatedEffect {
-            id: id.to_owned(),
-            parameters: values.collect(),
-            place: Place::file(std::path::Path::new("diagnosis")),
-        };
-        model.effects.retain(|e| e.id != id);
-        model.effects.push(effect);
-        for parameter in shared() {
-            let name = format!("{id}.{}", parameter.key);
-            if let Some(quantity) = quantities.get(&name) {
-                model.accuracy.insert(name, accuracy(quantity));
-            }
-        }
-    }
-    model
 }

@@ -1,9 +1,9 @@
 //! How well a model foresees runs it was not fitted to: only where they start is estimated again.
 
-use crate::identify::data::{Channel, Measured, Run};
-use crate::identify::evaluate::{BLOCK, Predicted, predict};
-use crate::identify::fit::{Effort, Fit};
-use crate::identify::model::Model;
+use super::data::{Channel, Measured, Run};
+use super::evaluate::{BLOCK, Predicted, predict};
+use super::fit::{Effort, Fit};
+use super::model::Model;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 

@@ -1,0 +1,85 @@
+//! Fitted values with their uncertainty, by name, and the model file that holds them.
+
+use super::fit::Fit;
+use crate::plant::effects::Role;
+use crate::plant::model::Kind;
+use crate::recording;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Half width of a 90 % interval in standard deviations.
+const NINETY: f64 = 1.645;
+
+/// A number with its uncertainty and unit.
+#[derive(Debug, Clone, Serialize)]
+pub struct Quantity {
+    /// The value.
+    pub value: f64,
+    /// Standard deviation; none where it was not estimated.
+    pub std: Option<f64>,
+    /// Lower end of the 90 % interval.
+    pub low: Option<f64>,
+    /// Upper end of the 90 % interval.
+    pub high: Option<f64>,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// Every shared value of a fitted model by name, with intervals.
+pub fn quantities(fit: &Fit) -> BTreeMap<String, Quantity> {
+    let model = &fit.model;
+    let rigid = model.kind == Kind::RigidMass;
+    let own = model.kind.parameters().iter().map(|p| p.unit);
+    let scale = model.scale.iter().map(|_| "unit of pressure per m/s2");
+    let effects = model.effects.iter().flat_map(|placed| placed.entry.parameters);
+    let units = own.chain(scale).chain(effects.map(|p| if rigid { p.rigid_unit } else { p.unit }));
+    let rows = model.names().into_iter().zip(model.values()).zip(fit.deviations()).zip(units);
+    rows.map(|(((name, value), deviation), unit)| {
+        let std = deviation.is_finite().then_some(deviation);
+        let edge = |sign: f64| {
+            std.map(|s| {
+                if value.positive {
+                    value.value * (sign * NINETY * s / value.value).exp()
+                } else {
+                    value.value + sign * NINETY * s
+                }
+            })
+        };
+        (name, Quantity { value: value.value, std, low: edge(-1.0), high: edge(1.0), unit })
+    })
+    .collect()
+}
+
+/// The stated model with its fitted values and the effects that were added.
+pub fn stated_with(stated: &recording::Model, fit: &Fit) -> recording::Model {
+    use recording::{Accuracy, Place, StatedEffect};
+    let mut model = stated.clone();
+    let quantities = quantities(fit);
+    let accuracy = |q: &Quantity| Accuracy { std: q.std, low: q.low, high: q.high };
+    for parameter in fit.model.kind.parameters() {
+        let Some(quantity) = quantities.get(parameter.key).filter(|q| q.std.is_some()) else { continue };
+        if model.baseline.set(parameter.key, quantity.value) {
+            model.accuracy.insert(parameter.key.to_owned(), accuracy(quantity));
+        }
+    }
+    for placed in &fit.model.effects {
+        let id = placed.entry.id;
+        let shared = || placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun);
+        let values =
+            shared().filter_map(|p| Some((p.key.to_owned(), quantities.get(&format!("{id}.{}", p.key))?.value)));
+        let effect = StatedEffect {
+            id: id.to_owned(),
+            parameters: values.collect(),
+            place: Place::file(std::path::Path::new("diagnosis")),
+        };
+        model.effects.retain(|e| e.id != id);
+        model.effects.push(effect);
+        for parameter in shared() {
+            let name = format!("{id}.{}", parameter.key);
+            if let Some(quantity) = quantities.get(&name) {
+                model.accuracy.insert(name, accuracy(quantity));
+            }
+        }
+    }
+    model
+}
