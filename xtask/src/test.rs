@@ -32,7 +32,7 @@ const STEPS: &[Step] = &[
     Step { name: "format", run: || cargo(&["fmt", "--all", "--check"]) },
     Step { name: "lints", run: || cargo(&["clippy", "--all-targets", "--locked", "--", "-D", "warnings"]) },
     Step { name: "house", run: || house::run(&[]).into() },
-    Step { name: "tests", run: || cargo(&["test", "--locked"]) },
+    Step { name: "tests", run: || cargo(&["test", "--locked", "--no-fail-fast"]) },
     Step { name: "docs", run: docs },
     Step { name: "core on the target", run: core_on_target },
     Step { name: "firmware", run: || on_target(|_| firmware::build(&[])) },

@@ -81,8 +81,8 @@ fn a_stuck_converter_trips() {
 
 #[test]
 fn an_accelerometer_that_contradicts_the_lvdt_trips() {
-    let gravity = |scale: &Scale| (9.81 / scale.per_code) as u16;
-    let tilt = gravity(&setup(Mode::Controller).wiring.acceleration);
+    let half_gravity = |scale: &Scale| (0.5 * 9.81 / scale.per_code) as u16;
+    let tilt = half_gravity(&setup(Mode::Controller).wiring.acceleration);
     let expected = [Cause::Guard(Trip::SensorsDisagree)];
     trips(inputs(move |codes| codes[2] = codes[2].saturating_add(tilt).min(4094)), &expected, 1500);
 }

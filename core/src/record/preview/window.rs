@@ -194,18 +194,21 @@ mod tests {
                 runs += 1;
             }
             prop_assert_eq!(reached, seen.len());
-            prop_assert!(runs <= 5 * N.ilog2() - 8);
+            prop_assert!(runs <= 6 * N.ilog2() - 13);
         }
     }
 
+    /// Every reach at every phase of the pyramid: the whole window takes 37 runs at most, a reach that ends off the
+    /// pyramid's joints four more.
     #[test]
     fn the_work_of_a_tick_is_bounded() {
         let mut window = Window::<512>::filled(Point { displacement: 0.0, step: 0.0 });
-        let mut most = 0;
+        let (mut whole, mut any) = (0, 0);
         for _ in 0..512 {
             window.push(Point { displacement: 0.0, step: 0.0 });
-            most = most.max(window.runs(511).count());
+            whole = whole.max(window.runs(511).count());
+            any = (0..512).map(|ahead| window.runs(ahead).count()).fold(any, usize::max);
         }
-        assert_eq!(most, 37);
+        assert_eq!((whole, any), (37, 41));
     }
 }
