@@ -89,7 +89,8 @@ pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
         }
     }
     score.chi2 /= score.samples.max(1) as f64;
-    score.nrmse = sums.into_iter().map(|(channel, sums)| (channel, sums.nrmse())).collect();
+    score.nrmse =
+        sums.into_iter().filter(|(_, sums)| sums.count > 0.0).map(|(channel, sums)| (channel, sums.nrmse())).collect();
     score.predicted = predicted;
     score
 }
