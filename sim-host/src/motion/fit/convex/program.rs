@@ -4,9 +4,6 @@ use super::super::FitError;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-/// Accuracy to which the solver refines each of its linear systems.
-const REFINED: f64 = 1e-8;
-
 /// A linear expression: coefficients by variable.
 pub(crate) type Terms<'a> = &'a [(usize, f64)];
 
@@ -125,9 +122,6 @@ impl Program {
             tol_gap_abs: tolerance,
             tol_gap_rel: tolerance,
             tol_feas: tolerance,
-            // The solver's own 1e-13 takes a third longer; what it reaches is judged by the bound, which trusts no step.
-            iterative_refinement_reltol: REFINED,
-            iterative_refinement_abstol: REFINED,
             ..DefaultSettings::default()
         };
         let mut solver = DefaultSolver::new(&p, &self.linear, &a, &b, &cones, settings)
