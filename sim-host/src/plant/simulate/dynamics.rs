@@ -6,7 +6,7 @@ use crate::plant::model::Baseline;
 use crate::scalar::Scalar;
 
 /// Continuous states provided for: four of the plant, the rest of its effects.
-pub(super) const STATES: usize = 16;
+pub(in crate::plant) const STATES: usize = 16;
 
 const DISPLACEMENT: usize = 0;
 /// The servo's state z, or a rigid mass's velocity.
@@ -19,17 +19,17 @@ const FIRST_OF_EFFECTS: usize = 4;
 
 /// Everything that changes during a run.
 #[derive(Debug, Clone)]
-pub(super) struct State<S, const M: usize> {
+pub(in crate::plant) struct State<S, const M: usize> {
     /// The controller's command, in its unit.
-    pub(super) command: S,
+    pub(in crate::plant) command: S,
     /// The command as the valve sees it during this step.
-    spool: S,
+    pub(in crate::plant) spool: S,
     time: f64,
     y: [S; M],
 }
 
 /// What an integration step passes through.
-pub(super) struct Passage<S> {
+pub(in crate::plant) struct Passage<S> {
     /// Motion at its start, after the command's update.
     pub(super) start: Instant<S>,
     /// Force per table mass at its start, m/s2.
@@ -75,7 +75,7 @@ impl<S: Scalar> Mounted<S> {
 
 /// A plant ready to run, with `M` continuous states.
 #[derive(Debug)]
-pub(super) struct Dynamics<S, const M: usize> {
+pub(in crate::plant) struct Dynamics<S, const M: usize> {
     baseline: Baseline<S>,
     mounted: Vec<Mounted<S>>,
     compliance: Compliance<S>,
@@ -89,6 +89,7 @@ struct Rates<S, const M: usize> {
     dy: [S; M],
     motion: Instant<S>,
     force: S,
+    flow: S,
 }
 
 /// Continuous states of a plant with these effects.
@@ -98,7 +99,7 @@ pub(super) fn states_of<S: Scalar>(effects: &[Placed<S>]) -> usize {
 }
 
 impl<S: Scalar, const M: usize> Dynamics<S, M> {
-    pub(super) fn new(baseline: &Baseline<S>, effects: &[Placed<S>]) -> Result<Self, SimulateError> {
+    pub(in crate::plant) fn new(baseline: &Baseline<S>, effects: &[Placed<S>]) -> Result<Self, SimulateError> {
         let placed = effects.iter().map(|placed| (placed.id, per_mass(baseline, placed)));
         let (mounted, first, compliance) = Mounted::all(placed, FIRST_OF_EFFECTS, M)?;
         let velocity_limit = match *baseline {
@@ -112,7 +113,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     /// The state a run starts from.
-    pub(super) fn rest(&self, start: &Start<S>) -> State<S, M> {
+    pub(in crate::plant) fn rest(&self, start: &Start<S>) -> State<S, M> {
         let mut y = [S::from(0.0); M];
         y[DISPLACEMENT] = start.displacement;
         y[SPEED] = start.velocity;
@@ -137,7 +138,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     /// Takes the command through what has memory, for a step of `h` seconds.
-    pub(super) fn begin_step(&mut self, state: &mut State<S, M>, h: f64) {
+    pub(in crate::plant) fn begin_step(&mut self, state: &mut State<S, M>, h: f64) {
         state.spool = state.command;
         for m in self.mounted.iter_mut().filter(|m| m.hooks.command) {
             state.spool = m.effect.command(state.spool, h);
@@ -145,7 +146,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     /// Advances the state by `h` seconds with the classical fourth-order rule; half way by its dense output.
-    pub(super) fn advance(&mut self, state: &mut State<S, M>, h: f64, middle: bool) -> Passage<S> {
+    pub(in crate::plant) fn advance(&mut self, state: &mut State<S, M>, h: f64, middle: bool) -> Passage<S> {
         let y = state.y;
         let n = self.used;
         let at = |scale: f64, k: &[S; M]| {
@@ -195,7 +196,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         (sensed, motion.velocity)
     }
 
-    pub(super) fn sense_displacement(&self, state: &State<S, M>) -> S {
+    pub(in crate::plant) fn sense_displacement(&self, state: &State<S, M>) -> S {
         self.mounted
             .iter()
             .filter(|m| m.hooks.displacement)
@@ -206,8 +207,36 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         self.mounted.iter().filter(|m| m.hooks.acceleration).fold(mean, |a, m| m.effect.sense_acceleration(a, at))
     }
 
-    pub(super) fn supply_pressure(&self, state: &State<S, M>) -> Option<S> {
+    pub(in crate::plant) fn supply_pressure(&self, state: &State<S, M>) -> Option<S> {
         self.mounted.iter().find_map(|m| m.effect.supply_pressure(&state.y[m.first..m.last]))
+    }
+
+    /// Puts an effect in place that is not in the library.
+    pub(in crate::plant) fn mount(&mut self, effect: Box<dyn Effect<S>>) -> Result<(), SimulateError> {
+        let (first, last) = (self.used, self.used + effect.states());
+        if last > M {
+            return Err(SimulateError::TooManyStates { states: last });
+        }
+        self.mounted.push(Mounted { hooks: effect.hooks(), effect, first, last });
+        self.used = last;
+        Ok(())
+    }
+
+    /// Whether no effect stands between command and valve.
+    pub(in crate::plant) fn passes_commands(&self) -> bool {
+        !self.mounted.iter().any(|m| m.hooks.command)
+    }
+
+    /// The table's velocity with this at the valve, and the velocity that the flow alone would give, m/s.
+    pub(in crate::plant) fn motion(&self, state: &State<S, M>, spool: S, h: f64) -> (S, S) {
+        let rates = self.rates(state.time, spool, &state.y, h);
+        (rates.motion.velocity, rates.flow)
+    }
+
+    /// Load pressure over area and table mass, m/s2, where the actuator yields.
+    pub(in crate::plant) fn load(&self, state: &State<S, M>, spool: S, h: f64) -> Option<S> {
+        let rates = self.yields.then(|| self.rates(state.time, spool, &state.y, h))?;
+        Some(rates.dy[TABLE] + rates.force)
     }
 
     /// Derivatives of every state, with the motion and the force they imply.
@@ -249,7 +278,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
             }
             Baseline::ForceBalance { .. } => {}
         }
-        Rates { dy, motion: at, force }
+        Rates { dy, motion: at, force, flow }
     }
 
     /// The flow the valve lets through, as piston velocity, for the demand `w`.
