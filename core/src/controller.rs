@@ -12,10 +12,12 @@
 
 mod config;
 mod law;
+mod track;
 mod watch;
 
 pub(crate) use config::Config;
 use law::Law;
+pub(crate) use track::Tracker;
 use watch::{Drive, Watch};
 
 use crate::guard::{Refused, Request, State, Supervisor, Trip};
@@ -51,6 +53,7 @@ pub struct Controller {
     blending: bool,
     /// Whether every needed channel has been read at least once.
     begun: bool,
+    tracker: Tracker,
     modifier: ModifierState,
 }
 
@@ -81,6 +84,7 @@ impl Controller {
             limited: false,
             blending: false,
             begun: false,
+            tracker: Tracker::new(settings)?,
             modifier: config.modifier.start(0.0),
             config,
         })
@@ -91,6 +95,7 @@ impl Controller {
     /// Settings with a guard put a controller that had none off; the guard is not taken away from a test that is not off.
     pub fn retune(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let config = Config::new(settings)?;
+        let tracker = Tracker::new(settings)?;
         match (&self.config.guard, &config.guard) {
             (Some(_), None) if self.supervisor.state() != State::Off => {
                 return Err(SettingsError::Contradiction { field: "guard", with: "a test that is not off" });
@@ -100,6 +105,7 @@ impl Controller {
             _ => {}
         }
         self.watch.retune(&config, &self.config);
+        self.tracker.retune(tracker, self.readings.displacement);
         if !config.modifier.owns(&self.modifier) {
             config.modifier.restart(&mut self.modifier, self.reference);
         }
@@ -133,6 +139,7 @@ impl Controller {
         self.target = displacement;
         self.reference = displacement;
         self.law = Law::at(displacement);
+        self.tracker.start_at(displacement);
         self.config.modifier.restart(&mut self.modifier, displacement);
         self.blend = Blend::default();
         self.blending = false;
@@ -215,8 +222,10 @@ impl Controller {
             }
             Mode::Controller => {
                 let reference = self.fit_reference();
-                let blocked = self.watch.blocked(&self.config, self.limited, self.excess);
-                let asked = self.law.step(&self.config, reference, &self.readings, self.watch.velocity(), blocked);
+                let asked = self.tracker.step(reference, &self.readings).unwrap_or_else(|| {
+                    let blocked = self.watch.blocked(&self.config, self.limited, self.excess);
+                    self.law.step(&self.config, reference, &self.readings, self.watch.velocity(), blocked)
+                });
                 (asked, zero + asked)
             }
         };

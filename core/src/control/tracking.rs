@@ -163,9 +163,8 @@ impl Tracking {
         let (open, made) = self.flow.advance(&mut state.flow, forward + back, load, now.velocity);
         let (command, passed) = self.valve.advance(&mut state.valve, open, force);
         state.tick = state.tick.wrapping_add(1);
-        // A command at its limit makes less flow than was asked for, in the same proportion.
-        let made = if passed == open { made } else { made * (passed / open) };
-        state.made[(state.tick & MASK) as usize] = made;
+        // A command at its limit makes less flow than was asked for.
+        state.made[(state.tick & MASK) as usize] = made + (passed - open);
         self.friction.open(command)
     }
 }

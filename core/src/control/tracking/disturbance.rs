@@ -35,7 +35,11 @@ impl Disturbance {
     /// which the estimate stays within, at ticks of `dt` (s).
     pub fn new(frequency: f32, limit: f32, dt: f32) -> Result<Self, BlockError> {
         let frequency = require("tracking.disturbance", frequency, 0.0, 0.2 / dt)?;
-        Ok(Self { alpha: -math::exp_m1(-core::f32::consts::TAU * frequency * dt), limit: 2.0 * limit, near: NEAR * limit })
+        Ok(Self {
+            alpha: -math::exp_m1(-core::f32::consts::TAU * frequency * dt),
+            limit: 2.0 * limit,
+            near: NEAR * limit,
+        })
     }
 
     /// One tick: mean velocity measured and flow made, both over the last tick, m/s.

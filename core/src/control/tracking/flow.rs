@@ -99,7 +99,7 @@ impl FlowMap {
             soft,
             per_stall: if stall > 0.0 { 1.0 / stall } else { 0.0 },
             droop: require("tracking.flow.droop", s.droop, 0.0, 0.95)? / limit,
-            recovery_step: dt / require("tracking.flow.recovery", s.recovery, 10.0 * dt, 1000.0)?,
+            recovery_step: dt / require("tracking.flow.recovery", s.recovery, 100.0 * dt, 1000.0)?,
             table,
         })
     }
@@ -121,11 +121,8 @@ impl FlowMap {
             (self.positive * self.asymmetry, self.per_positive * self.per_asymmetry)
         };
         let share = stretched.abs() * per_limit * state.per_root;
-        let (share, made) = if share <= self.overdrive {
-            (share, flow)
-        } else {
-            (self.overdrive, flow * (self.overdrive / share))
-        };
+        let (share, made) =
+            if share <= self.overdrive { (share, flow) } else { (self.overdrive, flow * (self.overdrive / share)) };
         let open = limit * if self.soft { self.soften(share) } else { share };
         (if flow > 0.0 { open } else { -open }, made)
     }

@@ -54,7 +54,12 @@ pub struct OilState {
 impl OilColumn {
     /// For feedback of `bandwidth` (Hz) and a disturbance observer up to `observer` (Hz), each up to a fifth of the rate,
     /// at ticks of `dt` (s); the disturbance stays within what a flow of `limit` (m/s) could undo.
-    pub fn new(settings: &OilSettings, [bandwidth, observer]: [f32; 2], limit: f32, dt: f32) -> Result<Self, BlockError> {
+    pub fn new(
+        settings: &OilSettings,
+        [bandwidth, observer]: [f32; 2],
+        limit: f32,
+        dt: f32,
+    ) -> Result<Self, BlockError> {
         use core::f32::consts::TAU;
         let w = TAU * require("tracking.oil.frequency", settings.frequency, 0.5, 0.2 / dt)?;
         let damping = require("tracking.oil.damping", settings.damping, 0.0, 2.0)?;

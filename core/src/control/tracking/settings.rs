@@ -73,8 +73,8 @@ impl Default for TrackingSettings {
     /// For the paper's table.
     fn default() -> Self {
         Self {
-            bandwidth: 8.0,
-            disturbance: 30.0,
+            bandwidth: 10.0,
+            disturbance: 50.0,
             delay: 0.0,
             lead: 0.69 / 138.0,
             spacing: 0.002,
@@ -119,7 +119,6 @@ impl TrackingSettings {
             },
         };
         let [gain, lag] = around.valve;
-        let notch = |n: &NotchSettings| SecondOrder::notch(n.frequency, n.damping, dt);
         Ok(Tracking {
             stencil,
             back,
@@ -131,7 +130,17 @@ impl TrackingSettings {
             valve: Valve::new([gain, lag, s.lead], around.command_limit, dt)?,
             friction: Friction::new(&s.friction)?,
             pressure: s.pressure.map(|p| PressureDamping::new(&p, dt)).transpose()?,
-            notch: s.notch.as_ref().map(notch).transpose().map_err(|error| error.named("tracking.notch"))?,
+            notch: s.notch.map(|n| n.filter(dt)).transpose()?,
         })
+    }
+}
+
+impl NotchSettings {
+    fn filter(self, dt: f32) -> Result<SecondOrder, BlockError> {
+        let named = |error: BlockError| match error.field {
+            "frequency" => error.named("tracking.notch.frequency"),
+            _ => error.named("tracking.notch.damping"),
+        };
+        SecondOrder::notch(self.frequency, self.damping, dt).map_err(named)
     }
 }
