@@ -2,10 +2,10 @@
 //!
 //! ```toml
 //! name = "Kobe at the strong gains"
-//! controller = "strong"           # a name of Table 1; or settings = "core.toml", the control core's own settings
-//! conditioning = "table1"         # or "plain", or a list of steps: [{ do = "scale", factor = 0.5 }]
+//! controller = "strong"           # a name of Table 1, or "tracking"; or settings = "core.toml", the control core's own settings
+//! conditioning = "table1"         # or "plain", "fitting", or a list of steps: [{ do = "scale", factor = 0.5 }]
 //! scale_to = "0.74g"              # peak acceleration, after conditioning
-//! fit = "peak-kept"               # Fig. 13: "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"
+//! fit = "peak-kept"               # Fig. 13: "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"; or "nearest"
 //! modification = "causal"         # online, in the core: "off", "clip" (Eq. 10) or "causal"
 //! rate_hz = 1000.0                # control rate
 //! steps = 10                      # plant steps in a tick
@@ -23,10 +23,12 @@
 //! ```
 
 use super::named;
-use super::published::Named;
 use super::trial::Setup;
+use crate::motion::Motion;
 use crate::motion::condition::Recipe;
-use crate::motion::fit_area::Choice;
+use crate::motion::fit::method::{Method, modify};
+use crate::motion::fit::{Limits, Norm};
+use crate::motion::fit_area::{self, Choice};
 use crate::plant::paper::Paper;
 use crate::plant::sensors::SensorModel;
 use serde::Deserialize;
@@ -49,7 +51,7 @@ pub struct Scenario {
     /// Peak acceleration with its unit, after conditioning.
     pub scale_to: Option<String>,
     /// How the motion is brought within the velocity limit beforehand.
-    pub fit: Option<Choice>,
+    pub fit: Option<Fit>,
     /// How the core modifies the reference; without it, as the controller says.
     pub modification: Option<Modification>,
     /// Control rate, Hz; without it 1 kHz, or the settings' rate.
@@ -79,6 +81,38 @@ impl Default for Scenario {
             record: RecordSource::default(),
             plant: Paper::default(),
             sensors: SensorModel::laboratory(1),
+        }
+    }
+}
+
+/// How a motion is brought within the velocity limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub enum Fit {
+    /// As the paper does.
+    Area(Choice),
+    /// The nearest waveform within speed and stroke.
+    Nearest(Nearest),
+}
+
+/// The name of [`Fit::Nearest`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Nearest {
+    /// That name.
+    Nearest,
+}
+
+impl Fit {
+    /// Fits `motion` to a table of this velocity limit, m/s. The nearest leaves the loop a fortieth of it to work with.
+    pub fn apply(self, motion: &Motion, velocity_limit: f64) -> Result<Motion, String> {
+        match self {
+            Self::Area(choice) => fit_area::fit(motion, velocity_limit, choice).map_err(|e| e.to_string()),
+            Self::Nearest(_) => {
+                let limits = Limits::table(super::bench::tables::ASKED * velocity_limit, super::showcase::STROKE);
+                let fitted = modify(motion, &limits, Method::Convex(Norm::Two), |_| ());
+                fitted.map(|f| f.motion).map_err(|e| e.to_string())
+            }
         }
     }
 }
@@ -121,6 +155,8 @@ pub enum NamedRecipe {
     Table1,
     /// [`Recipe::table1`] without its low-pass: all that the record holds.
     Plain,
+    /// [`Recipe::fitting`]: as fits are measured.
+    Fitting,
 }
 
 /// Why a scenario was refused; the message names the file, the place and the remedy.
@@ -174,11 +210,11 @@ impl Scenario {
             (Some(path), _) => read_toml::<Settings>(path)?,
             (None, name) => {
                 let name = name.as_deref().unwrap_or("current");
-                let Some(named) = Named::parse(name) else {
-                    let known = Named::ALL.map(Named::name).join(" ");
+                let Some(settings) = named::by_name(name, self.rate_hz.unwrap_or(named::RATE)) else {
+                    let known = named::names().join(" ");
                     return refuse("controller", format!("`{name}`: expected one of {known}"));
                 };
-                named.settings(self.rate_hz.unwrap_or(named::RATE))
+                settings
             }
         };
         if let Some(rate) = self.rate_hz {
@@ -207,6 +243,7 @@ impl Scenario {
                 recipe.steps.retain(|step| !matches!(step, Step::Filter { .. }));
                 recipe
             }
+            Conditioning::Named(NamedRecipe::Fitting) => Recipe::fitting(None),
             Conditioning::Named(NamedRecipe::Table1) | Conditioning::Table1 => Recipe::table1(rate),
         }
     }
