@@ -29,6 +29,7 @@ use crate::block::Block;
 use crate::filter::SecondOrder;
 use crate::filter::second_order::SecondOrderState;
 use crate::filter::washout::WashoutState;
+use crate::scalar::Scalar;
 use disturbance::{Disturbance, DisturbanceState};
 use flow::{FlowMap, FlowState};
 use friction::Friction;
@@ -37,6 +38,11 @@ use oil::{OilColumn, OilState};
 use pressure::PressureDamping;
 use trajectory::{History, Stencil};
 use valve::{Valve, ValveState};
+
+/// Time in which a displacement error left alone at a change of settings is taken up, s.
+const RELIEF: f32 = 0.3;
+/// Largest such error, m.
+const MOST_RELIEF: f32 = 0.05;
 
 /// Ticks of delay of the command that can be allowed for.
 pub const LONGEST_DELAY: u32 = 15;
@@ -82,6 +88,12 @@ pub struct TrackingState {
     /// Flows made in the last ticks, m/s.
     made: [f32; LONGEST_DELAY as usize + 1],
     tick: u32,
+    /// What the feedback last saw (m, m/s, m/s2) and said (m/s).
+    errors: [f32; 3],
+    back: f32,
+    /// Displacement error that a change of settings left to be taken up, m, and what is taken up in a tick.
+    relief: f32,
+    relief_step: f32,
 }
 
 impl Default for TrackingState {
@@ -104,6 +116,10 @@ impl TrackingState {
             notch: SecondOrderState::default(),
             made: [0.0; LONGEST_DELAY as usize + 1],
             tick: 0,
+            errors: [0.0; 3],
+            back: 0.0,
+            relief: 0.0,
+            relief_step: 0.0,
         }
     }
 }
@@ -127,6 +143,20 @@ impl Tracking {
         self.back
     }
 
+    /// Takes over `state` from another configuration: as much of the displacement error is left alone that the feedback
+    /// says now what it last said, and taken up within [`RELIEF`].
+    pub fn meet(&self, state: &mut TrackingState) {
+        let (stiffness, says) = match &self.actuator {
+            Actuator::Stiff { bandwidth, .. } => (*bandwidth, bandwidth * state.errors[0] - state.disturbance.flow),
+            Actuator::Compliant(oil) => (oil.stiffness(), oil.feedback(&state.oil, state.errors)),
+        };
+        if stiffness > 0.0 {
+            state.relief += (says - state.back) / stiffness;
+            state.relief = state.relief.bounded(MOST_RELIEF);
+            state.relief_step = state.relief.abs() * (2.0 * self.half_dt / RELIEF);
+        }
+    }
+
     /// One tick, all inputs finite and within range: command out, m.
     #[inline]
     pub fn advance(&self, state: &mut TrackingState, seen: &Seen) -> f32 {
@@ -137,21 +167,25 @@ impl Tracking {
         let now = state.kalman;
         // The table is where the trajectory was half a tick ago: the flow of a tick is meant for its middle.
         let half = self.half_dt;
-        let x = wanted.displacement - half * wanted.velocity - now.displacement;
+        let x = wanted.displacement - half * wanted.velocity - now.displacement - state.relief;
+        state.relief -= state.relief.bounded(state.relief_step);
         let v = wanted.velocity - half * wanted.acceleration - now.velocity;
         let last = state.made[(state.tick.wrapping_sub(self.delay) & MASK) as usize];
         let mean = now.velocity - half * now.acceleration;
         let (forward, mut back) = match &self.actuator {
             Actuator::Stiff { bandwidth, disturbance } => {
                 let lost = disturbance.advance(&mut state.disturbance, mean, last);
+                state.errors = [x, v, 0.0];
                 (ahead.velocity, bandwidth * x - lost)
             }
             Actuator::Compliant(oil) => {
                 oil.observe(&mut state.oil, last, mean, now.acceleration);
                 let a = wanted.acceleration - half * wanted.jerk - state.oil.load;
+                state.errors = [x, v, a];
                 (oil.forward(&ahead), oil.feedback(&state.oil, [x, v, a]))
             }
         };
+        state.back = back;
         if let Some(pressure) = &self.pressure {
             back += pressure.advance(&mut state.pressure, seen.pressure_difference, wanted.acceleration);
         }

@@ -28,8 +28,9 @@ impl Tracker {
 
     /// Takes over `next`'s law; the state goes on, or begins at rest at `displacement` (m) where there was no law.
     pub(super) fn retune(&mut self, next: Self, displacement: f32) {
-        if self.law.is_none() {
-            self.state = TrackingState::at(displacement);
+        match (&self.law, &next.law) {
+            (Some(_), Some(law)) => law.meet(&mut self.state),
+            _ => self.state = TrackingState::at(displacement),
         }
         self.law = next.law;
     }

@@ -3,10 +3,12 @@
 //!
 //! ```text
 //! T(f) = <X conj R> / <R conj R>                         response over drive, smoothed over neighbouring frequencies
-//! R' = R + gain W(f) (D - X) / T,    |1 / T| <= 4        W a low-pass; D the motion wanted, as late as the table is
+//! R' = R + g W(f) c(f) (D - X) / T,   |1 / T| <= 4        W a low-pass; D the motion wanted, as late as the table is
+//! c = |<X conj R>|^2 / (<R conj R> <X conj X>)            coherence: what is noise is not learned
 //! X' = X + T (R' - R)                                    what the next run is predicted to do
 //! ```
-//! Nothing of a model is used but that the next run will answer as the last did; saturation breaks that, which is why
+//! The share g falls from run to run, g = gain / run, so that noise, which differs from run to run, averages out instead of
+//! gathering in the drive. Nothing of a model is used but that the next run will answer as the last did; saturation breaks that, which is why
 //! peaks are predicted and held against what the table can do before anything moves.
 
 mod spectrum;
@@ -45,7 +47,7 @@ pub struct Peaks {
 /// How learning goes about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Learning {
-    /// Share of the error that is corrected at once, 1.
+    /// Share of the error that is corrected after the first run, 1; after the n-th an n-th of it.
     pub gain: f64,
     /// Frequency up to which is learned, Hz.
     pub band: f64,
@@ -55,7 +57,7 @@ pub struct Learning {
 
 impl Default for Learning {
     fn default() -> Self {
-        Self { gain: 0.7, band: 12.0, runs: 6 }
+        Self { gain: 1.0, band: 12.0, runs: 6 }
     }
 }
 
@@ -136,7 +138,8 @@ pub fn learn(setup: &Setup, wanted: &Motion, limits: &Limits, how: &Learning) ->
         let peaks = Peaks::of(&x.low_passed(how.band, wanted.dt), wanted.dt);
         learned.rounds.push(Round { drive: drive.clone(), score, predicted: forecast, peaks });
         let d = Spectrum::of(&wanted.displacement).delayed(delay, wanted.dt);
-        let next = correction(&r, &x, &d, how, wanted.dt);
+        let now = Learning { gain: how.gain / run as f64, ..*how };
+        let next = correction(&r, &x, &d, &now, wanted.dt);
         let expected = Peaks::of(&predicted(&r, &x, &next, how.band, wanted.dt), wanted.dt);
         learned.refused = expected.beyond(limits, run + 1);
         if learned.refused.is_some() {

@@ -87,6 +87,11 @@ impl OilColumn {
         ahead.velocity + self.per_square * (ahead.jerk + self.leak * ahead.acceleration)
     }
 
+    /// Flow per displacement error, 1/s.
+    pub fn stiffness(&self) -> f32 {
+        self.per_square * self.gains[0]
+    }
+
     /// The flow that undoes the errors of displacement (m), velocity (m/s) and acceleration (m/s2) and the disturbance,
     /// m/s.
     #[inline]

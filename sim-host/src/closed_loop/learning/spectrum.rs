@@ -77,20 +77,25 @@ fn passes(frequency: f64, band: f64) -> f64 {
     1.0 / (1.0 + (frequency / band).powi(ORDER))
 }
 
-/// Response over drive, smoothed.
-fn response(drive: &Spectrum, seen: &Spectrum, dt: f64) -> Vec<Complex<f64>> {
+/// Response over drive, smoothed, and how coherent the two are.
+fn response(drive: &Spectrum, seen: &Spectrum, dt: f64) -> Vec<(Complex<f64>, f64)> {
     let half = (SMOOTHED * drive.size as f64 * dt).ceil() as usize;
     let n = drive.bins.len();
     let mut cross = vec![Complex::new(0.0, 0.0); n + 1];
-    let mut power = vec![0.0; n + 1];
+    let (mut power, mut answer) = (vec![0.0; n + 1], vec![0.0; n + 1]);
     for i in 0..n {
         cross[i + 1] = cross[i] + seen.bins[i] * drive.bins[i].conj();
         power[i + 1] = power[i] + drive.bins[i].norm_sqr();
+        answer[i + 1] = answer[i] + seen.bins[i].norm_sqr();
     }
     let at = |i: usize| {
         let (from, to) = (i.saturating_sub(half), (i + half + 1).min(n));
-        let power = power[to] - power[from];
-        if power > 0.0 { (cross[to] - cross[from]) / power } else { Complex::new(0.0, 0.0) }
+        let (cross, power, answer) = (cross[to] - cross[from], power[to] - power[from], answer[to] - answer[from]);
+        if power > 0.0 && answer > 0.0 {
+            (cross / power, cross.norm_sqr() / (power * answer))
+        } else {
+            (Complex::new(0.0, 0.0), 0.0)
+        }
     };
     (0..n).map(at).collect()
 }
@@ -99,8 +104,8 @@ fn response(drive: &Spectrum, seen: &Spectrum, dt: f64) -> Vec<Complex<f64>> {
 pub(super) fn correction(r: &Spectrum, x: &Spectrum, wanted: &Spectrum, how: &Learning, dt: f64) -> Vec<f64> {
     let gain = |t: &Complex<f64>| t.conj() / t.norm_sqr().max(1.0 / (MOST * MOST));
     let response = response(r, x, dt);
-    let next = response.iter().enumerate().map(|(i, t)| {
-        let share = how.gain * passes(r.frequency(i, dt), how.band);
+    let next = response.iter().enumerate().map(|(i, (t, coherence))| {
+        let share = how.gain * coherence * passes(r.frequency(i, dt), how.band);
         r.bins[i] + gain(t) * (wanted.bins[i] - x.bins[i]) * share
     });
     r.with(next.collect()).values()
@@ -110,7 +115,7 @@ pub(super) fn correction(r: &Spectrum, x: &Spectrum, wanted: &Spectrum, how: &Le
 pub(super) fn predicted(r: &Spectrum, x: &Spectrum, next: &[f64], band: f64, dt: f64) -> Vec<f64> {
     let next = Spectrum::of(next);
     let response = response(r, x, dt);
-    let bins = response.iter().enumerate().map(|(i, t)| x.bins[i] + t * (next.bins[i] - r.bins[i]));
+    let bins = response.iter().enumerate().map(|(i, (t, _))| x.bins[i] + t * (next.bins[i] - r.bins[i]));
     r.with(bins.collect()).low_passed(band, dt)
 }
 
