@@ -20,7 +20,8 @@ pub(crate) fn count(words: &[String]) -> Result<(), Problem> {
     let mut cargo = found.cargo(&words)?;
     cargo.env("RUSTFLAGS", "-C link-arg=-Tlink.x").current_dir(top());
     run(&mut cargo)?;
-    let board = ["qemu-system-arm", "-M", "netduinoplus2", "-nographic", "-semihosting", "-icount", "shift=0", "-kernel"];
+    let board =
+        ["qemu-system-arm", "-M", "netduinoplus2", "-nographic", "-semihosting", "-icount", "shift=0", "-kernel"];
     let said = read(command(&[&board[..], &[IMAGE]].concat()).current_dir(top()))?;
     say(&format!("instructions a tick ({TARGET}, QEMU):\n{}", said.trim_end()));
     let whole = said.lines().find_map(|line| line.strip_prefix("law, every part "));

@@ -108,8 +108,8 @@ fn sensed(paper: &(Tuned, Bench), original: &Motion, fitted: &Motion) -> Result<
     let noisy = play(&paper.1, &corner, &mut paper.0.start()?, fitted, paper.1.sensors.clone())?;
     let score = Score::new(original, &ideal, &noisy)?;
     Ok(format!(
-        "low-passed at 15 Hz {:.4}, and with sensors on {:.4}",
-        score.ideal_low_passed.e_a.ratio, score.sensed.e_a.ratio
+        "low-passed at 15 Hz {:.4}, and with sensors on {:.4} (unfiltered {:.2})",
+        score.ideal_low_passed.e_a.ratio, score.sensed.e_a.ratio, score.sensed_whole.e_a.ratio
     ))
 }
 

@@ -33,8 +33,15 @@ impl Eyes {
     }
 }
 
-fn send(valve: f64, measured: &Measured) -> Actuation {
-    Actuation { valve: valve.clamp(-10.0, 10.0), reference: measured.reference, saturated: false, held: false }
+/// Largest command, as a multiple of the one whose flow is the velocity limit: the same for all.
+const OVERDRIVE: f64 = 2.5;
+
+fn most(table: &Table) -> f64 {
+    OVERDRIVE * table.velocity_limit * table.a1 / table.b0
+}
+
+fn send(valve: f64, most: f64, measured: &Measured) -> Actuation {
+    Actuation { valve: valve.clamp(-most, most), reference: measured.reference, saturated: false, held: false }
 }
 
 /// Three-variable control with feedforward, as sold today:
@@ -53,6 +60,7 @@ pub struct ThreeVariable {
     rate: f64,
     eyes: Eyes,
     before: f64,
+    most: f64,
 }
 
 impl ThreeVariable {
@@ -67,7 +75,7 @@ impl ThreeVariable {
             }
         };
         let (per_gain, eyes) = (table.a1 / table.b0, Eyes::new(rate));
-        Self { per_gain, bandwidth: TAU * hz, forward, damping, rate, eyes, before: 0.0 }
+        Self { per_gain, bandwidth: TAU * hz, forward, damping, rate, eyes, before: 0.0, most: most(table) }
     }
 }
 
@@ -80,7 +88,7 @@ impl Law for ThreeVariable {
         let back = self.bandwidth * (m.reference - x)
             + self.damping * (m.reference_acceleration - a)
             + if self.damping > 0.0 { 0.0 } else { VELOCITY_GAIN * (m.reference_velocity - v) };
-        send(self.per_gain * (forward + back), m)
+        send(self.per_gain * (forward + back), self.most, m)
     }
 }
 
@@ -103,6 +111,7 @@ pub struct Lqi {
     sum: f64,
     dt: f64,
     oil: bool,
+    most: f64,
 }
 
 impl Lqi {
@@ -123,7 +132,16 @@ impl Lqi {
         let r = (table.b0 / table.a1 / w).powi(2);
         let gain = regulator(&a, &b, &q, r);
         let valve = ((-table.a1 * dt).exp(), table.b0 / table.a1);
-        Self { gain, eyes: Eyes::new(rate), flow: 0.0, valve, sum: 0.0, dt, oil: table.oil.is_some() }
+        Self {
+            gain,
+            eyes: Eyes::new(rate),
+            flow: 0.0,
+            valve,
+            sum: 0.0,
+            dt,
+            oil: table.oil.is_some(),
+            most: most(table),
+        }
     }
 }
 
@@ -185,9 +203,14 @@ impl Law for Lqi {
         if self.oil {
             u += self.gain[3] * (m.reference_acceleration - a) + self.gain[4] * (m.reference_velocity - self.flow);
         }
+        let out = send(u, self.most, m);
+        if out.valve != u {
+            // Nothing is summed up that cannot be asked for.
+            self.sum -= self.dt * error;
+        }
         let (kept, settled) = self.valve;
-        self.flow = kept * self.flow + (1.0 - kept) * settled * u;
-        send(u, m)
+        self.flow = kept * self.flow + (1.0 - kept) * settled * out.valve;
+        out
     }
 }
 
@@ -205,6 +228,7 @@ pub struct Adrc {
     dt: f64,
     state: [f64; 3],
     command: f64,
+    most: f64,
 }
 
 impl Adrc {
@@ -213,7 +237,7 @@ impl Adrc {
         let wc = TAU * hz;
         // No faster than the sampled observer is stable.
         let observer = (6.0 * wc).min(0.3 * rate);
-        Self { b0: table.b0, loop_: wc, observer, dt: 1.0 / rate, state: [0.0; 3], command: 0.0 }
+        Self { b0: table.b0, loop_: wc, observer, dt: 1.0 / rate, state: [0.0; 3], command: 0.0, most: most(table) }
     }
 }
 
@@ -230,7 +254,7 @@ impl Law for Adrc {
         let [z1, z2, z3] = self.state;
         let wc = self.loop_;
         let wanted = wc * wc * (m.reference - z1) + 2.0 * wc * (m.reference_velocity - z2);
-        let out = send((wanted + m.reference_acceleration - z3) / self.b0, m);
+        let out = send((wanted + m.reference_acceleration - z3) / self.b0, self.most, m);
         self.command = out.valve;
         out
     }

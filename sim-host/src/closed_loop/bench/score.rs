@@ -14,6 +14,8 @@ pub struct Score {
     pub ideal_low_passed: Comparison,
     /// True motion, the table's sensors, both sides low-passed at 15 Hz.
     pub sensed: Comparison,
+    /// True motion, the table's sensors, nothing filtered: what noise shakes the table with at any frequency.
+    pub sensed_whole: Comparison,
 }
 
 impl Score {
@@ -24,6 +26,7 @@ impl Score {
             ideal: compare(wanted, &truth(ideal), None)?,
             ideal_low_passed: compare(&low, &low_passed(&truth(ideal))?, None)?,
             sensed: compare(&low, &low_passed(&truth(sensed))?, None)?,
+            sensed_whole: compare(wanted, &truth(sensed), None)?,
         })
     }
 }
