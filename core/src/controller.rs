@@ -10,11 +10,13 @@
 //! A needed input that is not a believable number holds the last output for this tick and says so in the status; the
 //! guard, if there is one, goes on with the sensors that remain, and trips when it lasts.
 
+mod blend;
 mod config;
 mod law;
 mod track;
 mod watch;
 
+use blend::Blend;
 pub(crate) use config::Config;
 use law::Law;
 pub(crate) use track::Tracker;
@@ -55,14 +57,6 @@ pub struct Controller {
     begun: bool,
     tracker: Tracker,
     modifier: ModifierState,
-}
-
-/// What is left of the output before a change of settings.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Blend {
-    offset: f32,
-    weight: f32,
-    pending: bool,
 }
 
 impl Controller {

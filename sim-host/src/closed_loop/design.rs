@@ -159,6 +159,7 @@ pub fn design(table: &Table, demand: &Demand, mut tried: impl FnMut(f64, f64)) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shakedown_core::control::tracking::pressure::PressureSettings;
 
     fn oil() -> Table {
         Table { oil: Some((12.0, 0.05)), ..Table::default() }
@@ -173,6 +174,20 @@ mod tests {
         // Judged again, it is the same.
         let again = judge(&oil(), &found.settings, &demand).unwrap().unwrap();
         assert_eq!(again, [found.nominal, found.worst]);
+    }
+
+    /// A law that takes the oil for stiff swings up on a column of 12 Hz; damped by the pressure difference it has margins.
+    #[test]
+    fn pressure_difference_damps_what_the_law_does_not_know() {
+        let with = |gain: f32| {
+            let mut settings = settings(&Table::default(), 1000.0, (4.0, 0.0));
+            let area_per_mass = crate::closed_loop::AREA_PER_MASS as f32;
+            let pressure = PressureSettings { area_per_mass, gain, corner: 0.5 };
+            settings.tracking = settings.tracking.map(|t| TrackingSettings { pressure: Some(pressure), ..t });
+            at_corner(&oil(), &settings, &Corner::default()).unwrap()
+        };
+        assert_eq!(with(0.0), None);
+        assert!(with(0.015).unwrap().reach((6.0, 30.0)), "{:?}", with(0.015));
     }
 
     fn found_of(design: &Design) -> (f64, f64) {

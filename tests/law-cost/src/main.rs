@@ -1,23 +1,24 @@
 //! The tracking law on an emulated Cortex-M4, and how many instructions a tick of it retires.
 //!
 //! `cargo xtask law-cost` runs this under QEMU, on an STM32F405, with `-icount shift=0`: one instruction is one
-//! nanosecond, and the board's timer runs at 168 MHz, 168 counts to a thousand of them.
+//! nanosecond, and the board's timer runs at 168 MHz, 168 counts to a thousand of them. It also says a hash over the bits
+//! of every command of a run; on the host this program says the same hash, or the two do not compute alike.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+
+mod drive;
 
 #[cfg(target_os = "none")]
 #[allow(unsafe_code, reason = "the emulator's door to its host, and the only owner of the peripherals")]
 mod target {
     use core::hint::black_box;
 
+    use crate::drive::{full, hash};
+
     use cortex_m::Peripherals;
     use cortex_m::peripheral::SYST;
     use cortex_m::peripheral::syst::SystClkSource;
     use shakedown_core::control::TrackingSettings;
-    use shakedown_core::control::tracking::flow::FlowSettings;
-    use shakedown_core::control::tracking::friction::FrictionSettings;
-    use shakedown_core::control::tracking::oil::OilSettings;
-    use shakedown_core::control::tracking::pressure::PressureSettings;
-    use shakedown_core::control::tracking::{NotchSettings, Seen, Surroundings, Tracking, TrackingState};
+    use shakedown_core::control::tracking::{Seen, Surroundings, Tracking, TrackingState};
     use shakedown_core::{Controller, Sample, Settings};
 
     const TICKS: u32 = 2000;
@@ -58,19 +59,6 @@ mod target {
             counts += before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff;
         }
         counts * (1_000_000 / COUNTS_A_THOUSAND) / TICKS / 1000
-    }
-
-    /// Every part in use.
-    fn full() -> TrackingSettings {
-        TrackingSettings {
-            delay: 0.003,
-            flow: FlowSettings { sharpness: 3.0, droop: 0.3, recovery: 2.0, stall: 30.0, ..FlowSettings::default() },
-            friction: FrictionSettings { coulomb: 0.05, viscous: 0.1, deadband: 1e-4, ..FrictionSettings::default() },
-            oil: Some(OilSettings { frequency: 12.0, damping: 0.05 }),
-            pressure: Some(PressureSettings { area_per_mass: 5e-6, gain: 0.005, corner: 0.5 }),
-            notch: Some(NotchSettings { frequency: 30.0, damping: 0.2 }),
-            ..TrackingSettings::default()
-        }
     }
 
     #[inline(never)]
@@ -119,6 +107,8 @@ mod target {
         of_controller(c"controller, bare, paper's loops ", None);
         of_controller(c"controller, bare, law for the paper's table ", Some(TrackingSettings::default()));
         of_controller(c"controller, bare, law with every part ", Some(full()));
+        say(c"hash, paper's table ", hash(TrackingSettings::default()));
+        say(c"hash, every part ", hash(full()));
         host(0x18, 0x2_0026);
         loop {
             cortex_m::asm::nop();
@@ -127,4 +117,8 @@ mod target {
 }
 
 #[cfg(not(target_os = "none"))]
-fn main() {}
+#[allow(clippy::print_stdout, reason = "its two lines are all it is for")]
+fn main() {
+    println!("hash, paper's table {:>10}", drive::hash(shakedown_core::control::TrackingSettings::default()));
+    println!("hash, every part {:>10}", drive::hash(drive::full()));
+}
