@@ -15,12 +15,11 @@ mod config;
 mod law;
 mod track;
 mod watch;
-
 use blend::Blend;
-pub(crate) use config::Config;
 use law::Law;
-pub(crate) use track::Tracker;
+use track::Tracker;
 use watch::{Drive, Watch};
+pub(crate) use {config::Config, track::tracking};
 
 use crate::guard::{Refused, Request, State, Supervisor, Trip};
 use crate::modifier::ModifierState;
@@ -78,7 +77,7 @@ impl Controller {
             limited: false,
             blending: false,
             begun: false,
-            tracker: Tracker::new(settings)?,
+            tracker: Tracker::new(tracking(settings)?),
             modifier: config.modifier.start(0.0),
             config,
         })
@@ -89,7 +88,7 @@ impl Controller {
     /// Settings with a guard put a controller that had none off; the guard is not taken away from a test that is not off.
     pub fn retune(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let config = Config::new(settings)?;
-        let tracker = Tracker::new(settings)?;
+        let law = tracking(settings)?;
         match (&self.config.guard, &config.guard) {
             (Some(_), None) if self.supervisor.state() != State::Off => {
                 return Err(SettingsError::Contradiction { field: "guard", with: "a test that is not off" });
@@ -99,7 +98,7 @@ impl Controller {
             _ => {}
         }
         self.watch.retune(&config, &self.config);
-        self.tracker.retune(tracker, self.readings.displacement);
+        self.tracker.retune(law, self.readings.displacement);
         if !config.modifier.owns(&self.modifier) {
             config.modifier.restart(&mut self.modifier, self.reference);
         }

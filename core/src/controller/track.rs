@@ -7,32 +7,37 @@ use crate::settings::{Settings, SettingsError};
 
 /// The law, where the settings have one, and what it remembers.
 #[derive(Debug, Clone)]
-pub(crate) struct Tracker {
+pub(super) struct Tracker {
     law: Option<Tracking>,
     state: TrackingState,
 }
 
+/// Works the law out of `settings`, where they have one, or says which field does not hold.
+#[inline(never)]
+pub(crate) fn tracking(settings: &Settings) -> Result<Option<Tracking>, SettingsError> {
+    let s = settings;
+    let around = Surroundings {
+        dt: 1.0 / s.rate,
+        valve: [s.valve.gain, s.valve.lag],
+        command_limit: s.valve.command_limit,
+        velocity_limit: s.velocity_limit,
+    };
+    s.tracking.as_ref().map(|tracking| tracking.law(&around)).transpose().map_err(SettingsError::from)
+}
+
 impl Tracker {
-    /// Works the law out of `settings`, or says which field does not hold.
-    pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        let s = settings;
-        let around = Surroundings {
-            dt: 1.0 / s.rate,
-            valve: [s.valve.gain, s.valve.lag],
-            command_limit: s.valve.command_limit,
-            velocity_limit: s.velocity_limit,
-        };
-        let law = s.tracking.map(|tracking| tracking.law(&around)).transpose()?;
-        Ok(Self { law, state: TrackingState::default() })
+    /// At rest at zero.
+    pub(super) fn new(law: Option<Tracking>) -> Self {
+        Self { law, state: TrackingState::default() }
     }
 
-    /// Takes over `next`'s law; the state goes on, or begins at rest at `displacement` (m) where there was no law.
-    pub(super) fn retune(&mut self, next: Self, displacement: f32) {
-        match (&self.law, &next.law) {
+    /// Takes over another law; the state goes on, or begins at rest at `displacement` (m) where there was no law.
+    pub(super) fn retune(&mut self, law: Option<Tracking>, displacement: f32) {
+        match (&self.law, &law) {
             (Some(_), Some(law)) => law.meet(&mut self.state),
             _ => self.state = TrackingState::at(displacement),
         }
-        self.law = next.law;
+        self.law = law;
     }
 
     /// Puts the law at rest with the reference standing at `displacement` (m).

@@ -23,6 +23,7 @@ pub(crate) fn full() -> TrackingSettings {
 }
 
 /// FNV-1a over the bits of the commands of twenty seconds; the table is an integrator of what it is told.
+#[inline(never)]
 pub(crate) fn hash(tracking: TrackingSettings) -> u32 {
     let settings = Settings { tracking: Some(tracking), ..Settings::default() };
     let Ok(mut controller) = Controller::new(&settings) else { return 0 };
