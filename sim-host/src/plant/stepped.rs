@@ -76,16 +76,16 @@ impl Plant for Stepped {
     }
 
     fn velocity(&self, command: f64) -> f64 {
-        self.dynamics.motion(&self.state, self.seen(command), self.dt).0
+        self.dynamics.velocity_now(&self.state, self.seen(command))
     }
 
     fn load(&self, command: f64) -> Option<f64> {
-        self.dynamics.load(&self.state, self.seen(command), self.dt)
+        self.dynamics.load_now(&self.state, self.seen(command), self.dt)
     }
 
     fn saturated(&self, command: f64) -> bool {
         let supply = self.dynamics.supply_pressure(&self.state).unwrap_or(1.0).max(0.0).sqrt();
-        let (_, flow) = self.dynamics.motion(&self.state, self.seen(command), self.dt);
+        let flow = self.dynamics.flow_now(&self.state, self.seen(command));
         flow.abs() >= self.limit * supply * (1.0 - 1e-9)
     }
 }
