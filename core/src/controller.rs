@@ -77,7 +77,7 @@ impl Controller {
             limited: false,
             blending: false,
             begun: false,
-            tracker: Tracker::new(tracking(settings)?),
+            tracker: Tracker::new(tracking(settings)?.as_ref()),
             modifier: config.modifier.start(0.0),
             config,
         })
@@ -98,7 +98,7 @@ impl Controller {
             _ => {}
         }
         self.watch.retune(&config, &self.config);
-        self.tracker.retune(law, self.readings.displacement);
+        self.tracker.retune(law.as_ref(), self.readings.displacement);
         if !config.modifier.owns(&self.modifier) {
             config.modifier.restart(&mut self.modifier, self.reference);
         }

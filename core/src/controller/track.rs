@@ -27,17 +27,17 @@ pub(crate) fn tracking(settings: &Settings) -> Result<Option<Tracking>, Settings
 
 impl Tracker {
     /// At rest at zero.
-    pub(super) fn new(law: Option<Tracking>) -> Self {
-        Self { law, state: TrackingState::default() }
+    pub(super) fn new(law: Option<&Tracking>) -> Self {
+        Self { law: law.copied(), state: TrackingState::default() }
     }
 
     /// Takes over another law; the state goes on, or begins at rest at `displacement` (m) where there was no law.
-    pub(super) fn retune(&mut self, law: Option<Tracking>, displacement: f32) {
-        match (&self.law, &law) {
+    pub(super) fn retune(&mut self, law: Option<&Tracking>, displacement: f32) {
+        match (&self.law, law) {
             (Some(_), Some(law)) => law.meet(&mut self.state),
             _ => self.state = TrackingState::at(displacement),
         }
-        self.law = law;
+        self.law = law.copied();
     }
 
     /// Puts the law at rest with the reference standing at `displacement` (m).
