@@ -6,6 +6,25 @@ use crate::toolchain::{self, TARGET};
 
 /// Most instructions that a tick of the whole law may retire.
 const MOST: u64 = 1200;
+/// The emulator: an STM32F405, one instruction a nanosecond, what the program says on standard output.
+const EMULATOR: &[&str] = &[
+    "qemu-system-arm",
+    "-M",
+    "netduinoplus2",
+    "-display",
+    "none",
+    "-serial",
+    "none",
+    "-monitor",
+    "none",
+    "-chardev",
+    "stdio,id=out",
+    "-semihosting-config",
+    "enable=on,target=native,chardev=out",
+    "-icount",
+    "shift=0",
+    "-kernel",
+];
 const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-law-cost";
 
 /// The chore: builds the count, runs it under QEMU, holds the law with every part to its bound.
@@ -20,9 +39,7 @@ pub(crate) fn count(words: &[String]) -> Result<(), Problem> {
     let mut cargo = found.cargo(&words)?;
     cargo.env("RUSTFLAGS", "-C link-arg=-Tlink.x").current_dir(top());
     run(&mut cargo)?;
-    let board =
-        ["qemu-system-arm", "-M", "netduinoplus2", "-nographic", "-semihosting", "-icount", "shift=0", "-kernel"];
-    let said = read(command(&[&board[..], &[IMAGE]].concat()).current_dir(top()))?;
+    let said = read(command(&[EMULATOR, &[IMAGE]].concat()).current_dir(top()))?;
     say(&format!("instructions a tick ({TARGET}, QEMU):\n{}", said.trim_end()));
     let here = read(
         command(&["cargo", "run", "--locked", "--release", "--package", "shakedown-law-cost"]).current_dir(top()),

@@ -72,6 +72,7 @@ pub(super) const FIGURES: &[Figure] = &[
     ),
     figure(CONTROL, "oil with droop: gain, pole, mass, supply 30 % off, E_a commanded", "at most 0.15", HELD),
     figure(CONTROL, "tracking law, instructions a tick on a Cortex-M4", "at most 1,200", "cargo xtask law-cost"),
+    figure(CONTROL, "tracking law, bits of every command on target and host", "all the same", "cargo xtask law-cost"),
     figure(SAFETY, "100,000 faulted runs: excursions beyond stroke less margin; unreported", "none; none", NONE),
     figure(SAFETY, "an hour of fuzzing a target", "no finding", "cargo xtask fuzz TARGET 3600"),
     figure(
