@@ -158,8 +158,22 @@ impl Law for Box<dyn Law> {
     }
 }
 
+/// Largest root mean square of the table's acceleration at rest, shaken by its sensors' noise, that a tunable contender may
+/// have, m/s2: about what the tracking law has on the paper's table.
+pub const QUIET: f64 = 0.5;
+/// How long it is watched at rest, s.
+const AT_REST: f64 = 3.0;
+
+/// Root mean square of the acceleration (m/s2) that the sensors' noise shakes the table with at rest.
+fn shakes(bench: &Bench, tuned: &Tuned) -> Result<f64, BenchError> {
+    let rest = Motion::from_acceleration(1.0 / RATE, vec![0.0; (AT_REST * RATE) as usize]);
+    let trace = play(bench, &Corner::default(), &mut tuned.start()?, &rest, bench.sensors.clone())?;
+    let sum: f64 = trace.acceleration.iter().map(|a| a * a).sum();
+    Ok((sum / trace.acceleration.len() as f64).sqrt())
+}
+
 /// Tunes `contender` for `bench`: the paper's keep their gains, the core's is designed, the rivals get the widest
-/// bandwidth that keeps [`KEPT`].
+/// bandwidth that keeps [`KEPT`] and is no louder at rest than [`QUIET`].
 pub fn tune(contender: Contender, bench: &Bench) -> Result<Tuned, BenchError> {
     let table = &bench.table;
     let widest = |make: &dyn Fn(f64) -> Tuned| -> Result<Tuned, BenchError> {
@@ -168,7 +182,8 @@ pub fn tune(contender: Contender, bench: &Bench) -> Result<Tuned, BenchError> {
             let tuned = make(bandwidth);
             let clock = Clock::new(RATE, STEPS).map_err(ClosedLoopError::from)?;
             let mut plant = table.linear(&Corner::default(), clock.plant_step()).map_err(DesignError::from)?;
-            if margins(&mut plant, &mut tuned.start()?, clock).is_some_and(|m| m.reach(KEPT)) {
+            let safe = margins(&mut plant, &mut tuned.start()?, clock).is_some_and(|m| m.reach(KEPT));
+            if safe && shakes(bench, &tuned)? <= QUIET {
                 last = tuned;
                 break;
             }
