@@ -6,11 +6,13 @@
 pub mod acceleration;
 pub mod cancellation;
 pub mod displacement;
+pub mod tracking;
 pub mod velocity;
 
 pub use acceleration::{AccelerationLoop, AccelerationState};
 pub use cancellation::InnerLoop;
 pub use displacement::{DisplacementLoop, DisplacementState};
+pub use tracking::{Tracking, TrackingSettings, TrackingState};
 pub use velocity::{VelocityLoop, VelocityState};
 
 use crate::scalar::Scalar;

@@ -10,13 +10,16 @@
 //! A needed input that is not a believable number holds the last output for this tick and says so in the status; the
 //! guard, if there is one, goes on with the sensors that remain, and trips when it lasts.
 
+mod blend;
 mod config;
 mod law;
+mod track;
 mod watch;
-
-pub(crate) use config::Config;
+use blend::Blend;
 use law::Law;
+use track::Tracker;
 use watch::{Drive, Watch};
+pub(crate) use {config::Config, track::tracking};
 
 use crate::guard::{Refused, Request, State, Supervisor, Trip};
 use crate::modifier::ModifierState;
@@ -51,15 +54,8 @@ pub struct Controller {
     blending: bool,
     /// Whether every needed channel has been read at least once.
     begun: bool,
+    tracker: Tracker,
     modifier: ModifierState,
-}
-
-/// What is left of the output before a change of settings.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Blend {
-    offset: f32,
-    weight: f32,
-    pending: bool,
 }
 
 impl Controller {
@@ -81,6 +77,7 @@ impl Controller {
             limited: false,
             blending: false,
             begun: false,
+            tracker: Tracker::new(tracking(settings)?.as_ref()),
             modifier: config.modifier.start(0.0),
             config,
         })
@@ -91,6 +88,7 @@ impl Controller {
     /// Settings with a guard put a controller that had none off; the guard is not taken away from a test that is not off.
     pub fn retune(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let config = Config::new(settings)?;
+        let law = tracking(settings)?;
         match (&self.config.guard, &config.guard) {
             (Some(_), None) if self.supervisor.state() != State::Off => {
                 return Err(SettingsError::Contradiction { field: "guard", with: "a test that is not off" });
@@ -100,6 +98,7 @@ impl Controller {
             _ => {}
         }
         self.watch.retune(&config, &self.config);
+        self.tracker.retune(law.as_ref(), self.readings.displacement);
         if !config.modifier.owns(&self.modifier) {
             config.modifier.restart(&mut self.modifier, self.reference);
         }
@@ -133,6 +132,7 @@ impl Controller {
         self.target = displacement;
         self.reference = displacement;
         self.law = Law::at(displacement);
+        self.tracker.start_at(displacement);
         self.config.modifier.restart(&mut self.modifier, displacement);
         self.blend = Blend::default();
         self.blending = false;
@@ -215,8 +215,10 @@ impl Controller {
             }
             Mode::Controller => {
                 let reference = self.fit_reference();
-                let blocked = self.watch.blocked(&self.config, self.limited, self.excess);
-                let asked = self.law.step(&self.config, reference, &self.readings, self.watch.velocity(), blocked);
+                let asked = self.tracker.step(reference, &self.readings).unwrap_or_else(|| {
+                    let blocked = self.watch.blocked(&self.config, self.limited, self.excess);
+                    self.law.step(&self.config, reference, &self.readings, self.watch.velocity(), blocked)
+                });
                 (asked, zero + asked)
             }
         };

@@ -45,3 +45,9 @@ pub fn tan(x: f32) -> f32 {
 pub fn floor(x: f32) -> f32 {
     libm::floorf(x)
 }
+
+/// `x` to the power of `y`; configurations only.
+#[inline]
+pub fn pow(x: f32, y: f32) -> f32 {
+    libm::powf(x, y)
+}

@@ -9,7 +9,7 @@ mod validate;
 use serde::{Deserialize, Serialize};
 
 use crate::block::BlockError;
-use crate::control::InnerLoop;
+use crate::control::{InnerLoop, TrackingSettings};
 use crate::guard::GuardSettings;
 pub use crate::modifier::{Modification, PREVIEW_WINDOW};
 use crate::saturation::Detection;
@@ -187,6 +187,8 @@ pub struct Settings {
     pub ranges: Ranges,
     /// Time over which a change of settings or of mode is blended in, s.
     pub blend: f32,
+    /// The tracking law, in controller mode in place of the three loops; none leaves them.
+    pub tracking: Option<TrackingSettings>,
     /// Detection of velocity saturation; none does not look for it.
     pub saturation: Option<Detection>,
     /// The guard; none leaves the law bare, running from the first tick, for simulation and for fitting.
@@ -213,9 +215,18 @@ impl Default for Settings {
             valve: ValveSettings::default(),
             ranges: Ranges::default(),
             blend: 0.1,
+            tracking: None,
             saturation: None,
             guard: None,
         }
+    }
+}
+
+impl Settings {
+    /// Whether anything looks at the pressure difference.
+    pub(crate) fn reads_pressure(&self) -> bool {
+        let limits = self.guard.is_some_and(|guard| guard.envelope.force.is_some());
+        limits || self.tracking.is_some_and(|tracking| tracking.pressure.is_some())
     }
 }
 

@@ -1,12 +1,15 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
+mod bench;
 mod demo;
+mod design;
 mod diagnose;
 mod effects;
 mod failure;
 mod histories;
 mod identify;
 mod init;
+mod learn;
 mod modify;
 mod output;
 mod present;
@@ -35,7 +38,10 @@ struct Arguments {
 enum Command {
     Identify(identify::Args),
     Init(init::Args),
+    Bench(bench::Args),
     Demo(demo::Args),
+    Design(design::Args),
+    Learn(learn::Args),
     Modify(Box<modify::Args>),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
@@ -53,7 +59,10 @@ pub(crate) fn main() -> ExitCode {
         Some(command) => match command {
             Command::Identify(args) => identify::run(&args),
             Command::Init(args) => init::run(&args),
+            Command::Bench(args) => bench::run(&args),
             Command::Demo(args) => demo::run(&args),
+            Command::Design(args) => design::run(&args),
+            Command::Learn(args) => learn::run(&args),
             Command::Modify(args) => modify::run(&args),
             Command::Diagnose(args) => diagnose::run(&args),
             Command::Effects(args) => effects::run(&args),

@@ -6,10 +6,14 @@
 //! command's update and `acceleration[k] = (v(t_k + dt/2) - v(t_k - dt/2)) / dt`, the mean over a sample: the command
 //! feeds straight through into velocity, so that a point derivative would hold spikes that depend on the rate.
 
+pub mod bench;
 pub mod bode;
+pub mod design;
 pub mod feedforward;
 pub mod frequency;
 mod law;
+pub mod learning;
+pub mod margin;
 pub mod named;
 pub mod published;
 pub mod saw_tooth;
@@ -19,7 +23,7 @@ pub mod table1;
 pub mod trade_off;
 pub mod trial;
 
-pub use law::{Actuation, Law, Measured, PlainPi};
+pub use law::{AREA_PER_MASS, Actuation, Law, Measured, PlainPi};
 
 use crate::plant::Plant;
 use crate::plant::paper::ParameterError;
@@ -177,6 +181,7 @@ pub fn run<P: Plant, L: Law>(
             velocity: v,
             reference_velocity: rate_of_reference,
             reference_acceleration: (rate_of_reference - rate_before) * clock.rate,
+            load: plant.load(command).unwrap_or(0.0),
         };
         let out = law.step(&measured);
         (before, rate_before, command) = (v, rate_of_reference, out.valve);

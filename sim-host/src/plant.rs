@@ -12,6 +12,7 @@ pub mod rigid_mass;
 pub mod sensors;
 pub mod simulate;
 pub mod slew_rate;
+pub mod stepped;
 
 /// A table that moves under a command held between steps. The plant owns the clock of every simulation.
 pub trait Plant {
@@ -24,6 +25,11 @@ pub trait Plant {
     /// Velocity of the table with `command` acting, m/s: where the command feeds straight through, the velocity jumps
     /// with it.
     fn velocity(&self, command: f64) -> f64;
+    /// Load pressure times piston area over table mass, m/s2, where the plant has one: what a pressure-difference sensor
+    /// shows, in the unit of the acceleration it makes.
+    fn load(&self, _command: f64) -> Option<f64> {
+        None
+    }
     /// Whether the velocity is at its limit with `command` acting.
     fn saturated(&self, _command: f64) -> bool {
         false

@@ -5,6 +5,7 @@ mod figures;
 mod firmware;
 mod fuzz;
 mod house;
+mod law_cost;
 mod output;
 mod reproduce;
 mod sbom;
@@ -38,6 +39,7 @@ const CHORES: &[Chore] = &[
         does: "builds it and runs it in the loop, on an emulated processor [TEST...]",
         run: firmware::replay,
     },
+    Chore { name: "law-cost", does: "counts the tracking law's instructions (QEMU)", run: law_cost::count },
     Chore { name: "house", does: "checks file lengths, the direction of dependencies, stray paths", run: house::run },
     Chore {
         name: "figures",

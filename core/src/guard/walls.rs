@@ -21,7 +21,7 @@ impl Walls {
     pub fn new(settings: &Settings) -> Self {
         let rare = [
             (settings.velocity_source == VelocitySource::Sensor, Channels::VELOCITY),
-            (settings.guard.is_some_and(|guard| guard.envelope.force.is_some()), Channels::PRESSURE_DIFFERENCE),
+            (settings.reads_pressure(), Channels::PRESSURE_DIFFERENCE),
             (settings.reference_rates == ReferenceRates::Supplied, Channels::REFERENCE_RATES),
         ];
         Self {

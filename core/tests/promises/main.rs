@@ -18,4 +18,6 @@ mod settings;
 #[cfg(test)]
 mod table;
 #[cfg(test)]
+mod tracking;
+#[cfg(test)]
 mod units;

@@ -1,6 +1,10 @@
 //! Settings: refused as a whole, with the field, what was given and what is accepted.
 
 use proptest::prelude::*;
+use shakedown_core::control::TrackingSettings;
+use shakedown_core::control::tracking::NotchSettings;
+use shakedown_core::control::tracking::oil::OilSettings;
+use shakedown_core::control::tracking::pressure::PressureSettings;
 use shakedown_core::guard::GuardSettings;
 use shakedown_core::guard::envelope::ForceSettings;
 use shakedown_core::saturation::Detection;
@@ -49,6 +53,30 @@ const FIELDS: &[Field] = &[
     ("saturation.hold", |s| &mut detection(s).hold),
     ("saturation.follow", |s| &mut detection(s).follow),
     ("saturation.recovery", |s| &mut detection(s).recovery),
+    ("tracking.bandwidth", |s| &mut tracking(s).bandwidth),
+    ("tracking.disturbance", |s| &mut tracking(s).disturbance),
+    ("tracking.delay", |s| &mut tracking(s).delay),
+    ("tracking.lead", |s| &mut tracking(s).lead),
+    ("tracking.spacing", |s| &mut tracking(s).spacing),
+    ("tracking.noise.displacement", |s| &mut tracking(s).noise.displacement),
+    ("tracking.noise.acceleration", |s| &mut tracking(s).noise.acceleration),
+    ("tracking.flow.asymmetry", |s| &mut tracking(s).flow.asymmetry),
+    ("tracking.flow.sharpness", |s| &mut tracking(s).flow.sharpness),
+    ("tracking.flow.stall", |s| &mut tracking(s).flow.stall),
+    ("tracking.flow.droop", |s| &mut tracking(s).flow.droop),
+    ("tracking.flow.recovery", |s| &mut tracking(s).flow.recovery),
+    ("tracking.flow.overdrive", |s| &mut tracking(s).flow.overdrive),
+    ("tracking.friction.coulomb", |s| &mut tracking(s).friction.coulomb),
+    ("tracking.friction.viscous", |s| &mut tracking(s).friction.viscous),
+    ("tracking.friction.velocity", |s| &mut tracking(s).friction.velocity),
+    ("tracking.friction.deadband", |s| &mut tracking(s).friction.deadband),
+    ("tracking.oil.frequency", |s| &mut tracking(s).oil.as_mut().unwrap().frequency),
+    ("tracking.oil.damping", |s| &mut tracking(s).oil.as_mut().unwrap().damping),
+    ("tracking.pressure.area_per_mass", |s| &mut tracking(s).pressure.as_mut().unwrap().area_per_mass),
+    ("tracking.pressure.gain", |s| &mut tracking(s).pressure.as_mut().unwrap().gain),
+    ("tracking.pressure.corner", |s| &mut tracking(s).pressure.as_mut().unwrap().corner),
+    ("tracking.notch.frequency", |s| &mut tracking(s).notch.as_mut().unwrap().frequency),
+    ("tracking.notch.damping", |s| &mut tracking(s).notch.as_mut().unwrap().damping),
     ("guard.envelope.margin", |s| &mut guard(s).envelope.margin),
     ("guard.envelope.stopping_latency", |s| &mut guard(s).envelope.stopping_latency),
     ("guard.envelope.stopping_deceleration", |s| &mut guard(s).envelope.stopping_deceleration),
@@ -74,6 +102,10 @@ fn detection(settings: &mut Settings) -> &mut Detection {
     settings.saturation.as_mut().unwrap()
 }
 
+fn tracking(settings: &mut Settings) -> &mut TrackingSettings {
+    settings.tracking.as_mut().unwrap()
+}
+
 fn guard(settings: &mut Settings) -> &mut GuardSettings {
     settings.guard.as_mut().unwrap()
 }
@@ -82,6 +114,12 @@ fn guard(settings: &mut Settings) -> &mut GuardSettings {
 fn full() -> Settings {
     let mut settings = Settings {
         saturation: Some(Detection::default()),
+        tracking: Some(TrackingSettings {
+            oil: Some(OilSettings { frequency: 12.0, damping: 0.05 }),
+            pressure: Some(PressureSettings { area_per_mass: 5e-6, gain: 0.005, corner: 0.5 }),
+            notch: Some(NotchSettings { frequency: 30.0, damping: 0.2 }),
+            ..TrackingSettings::default()
+        }),
         guard: Some(GuardSettings::default()),
         reference_rates: ReferenceRates::Derived { frequency: 50.0 },
         modification: Modification::Preview { seconds: 0.1 },
@@ -114,8 +152,9 @@ fn the_list_above_misses_no_number() {
     let mut buffer = [0; 1024];
     let bytes = postcard::to_slice(&full(), &mut buffer).unwrap().len();
     let tags = bytes - 4 * FIELDS.len();
-    // mode, inner_loop, anti_windup, modification, reference_rates, velocity_source, accelerometer; saturation, guard, force.
-    assert_eq!(tags, 10, "a field was added: name it in FIELDS");
+    // mode, inner_loop, anti_windup, modification, reference_rates, velocity_source, accelerometer; saturation, tracking with
+    // oil, pressure and notch, guard, force.
+    assert_eq!(tags, 14, "a field was added: name it in FIELDS");
 }
 
 #[test]

@@ -1,8 +1,25 @@
-//! The control core set up as a controller of Table 1.
+//! The control core set up by name: as a controller of Table 1, or with the tracking law.
 
+use super::design::Table;
 use super::published::{Gains, Named};
 use shakedown_core::Settings;
 use shakedown_core::settings::{self, Modification, VelocitySource};
+
+/// Name of the tracking law, set for the paper's table.
+pub const TRACKING: &str = "tracking";
+
+/// Every controller's name.
+pub fn names() -> Vec<&'static str> {
+    Named::ALL.iter().map(|named| named.name()).chain([TRACKING]).collect()
+}
+
+/// The core's settings for the controller of this name at `rate` (Hz).
+pub fn by_name(name: &str, rate: f64) -> Option<Settings> {
+    if name == TRACKING {
+        return Some(Table::default().settings(rate));
+    }
+    Named::parse(name).map(|named| named.settings(rate))
+}
 
 /// Control rate of the paper's controllers here, Hz.
 pub const RATE: f64 = 1000.0;

@@ -2,11 +2,11 @@
 //!
 //! ```toml
 //! name = "Kobe at the strong gains"
-//! controller = "strong"           # a name of Table 1; or settings = "core.toml", the control core's own settings
-//! conditioning = "table1"         # or "plain", or a list of steps: [{ do = "scale", factor = 0.5 }]
+//! controller = "strong"           # a name of Table 1, or "tracking"; or settings = "core.toml", the control core's own settings
+//! conditioning = "table1"         # or "plain", "fitting", or a list of steps: [{ do = "scale", factor = 0.5 }]
 //! scale_to = "0.74g"              # peak acceleration, after conditioning
 //! fit = "convex"                  # beforehand: "clip", "taut", "convex", "spectrum", "causal" or "preview", or Fig. 13:
-//!                                 # "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"
+//!                                 # "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"; or "nearest", which leaves the loop room
 //! modification = "causal"         # online, in the core: "off", "clip" (Eq. 10), "causal" or { preview = { seconds = 0.5 } }
 //! rate_hz = 1000.0                # control rate
 //! steps = 10                      # plant steps in a tick
@@ -24,8 +24,8 @@
 //! ```
 
 use super::named;
-use super::published::Named;
 use super::trial::Setup;
+use crate::motion::Motion;
 use crate::motion::condition::Recipe;
 use crate::motion::fit::named::Fit;
 use crate::plant::paper::Paper;
@@ -122,6 +122,8 @@ pub enum NamedRecipe {
     Table1,
     /// [`Recipe::table1`] without its low-pass: all that the record holds.
     Plain,
+    /// [`Recipe::fitting`]: as fits are measured.
+    Fitting,
 }
 
 /// Why a scenario was refused; the message names the file, the place and the remedy.
@@ -175,11 +177,11 @@ impl Scenario {
             (Some(path), _) => read_toml::<Settings>(path)?,
             (None, name) => {
                 let name = name.as_deref().unwrap_or("current");
-                let Some(named) = Named::parse(name) else {
-                    let known = Named::ALL.map(Named::name).join(" ");
+                let Some(settings) = named::by_name(name, self.rate_hz.unwrap_or(named::RATE)) else {
+                    let known = named::names().join(" ");
                     return refuse("controller", format!("`{name}`: expected one of {known}"));
                 };
-                named.settings(self.rate_hz.unwrap_or(named::RATE))
+                settings
             }
         };
         if let Some(rate) = self.rate_hz {
@@ -208,6 +210,7 @@ impl Scenario {
                 recipe.steps.retain(|step| !matches!(step, Step::Filter { .. }));
                 recipe
             }
+            Conditioning::Named(NamedRecipe::Fitting) => Recipe::fitting(None),
             Conditioning::Named(NamedRecipe::Table1) | Conditioning::Table1 => Recipe::table1(rate),
         }
     }

@@ -198,7 +198,7 @@ fn late(motion: &Motion, before: usize, after: usize) -> Motion {
 }
 
 /// The motion with its acceleration through the 15 Hz low-pass that Table 1 applies.
-fn low_passed(motion: &Motion) -> Result<Motion, TrialError> {
+pub(super) fn low_passed(motion: &Motion) -> Result<Motion, TrialError> {
     use crate::motion::filter::Pass;
     let acceleration = Recipe::table1_response().apply(&motion.acceleration, motion.dt, Pass::ZeroPhase)?;
     Ok(Motion { acceleration, ..motion.clone() })

@@ -6,7 +6,7 @@
 //! what has memory and corners (delay, rate limit, play) advances once a step, exactly for a held command.
 
 mod balance;
-mod dynamics;
+pub(super) mod dynamics;
 mod law;
 
 use super::effects::{Instant, build, entry};

@@ -13,6 +13,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-replay", &["shakedown-core", "shakedown", "shakedown-firmware"]),
     ("shakedown-tests", &["shakedown-core", "shakedown", "shakedown-truth"]),
     ("shakedown-no-panic", &["shakedown-core"]),
+    ("shakedown-law-cost", &["shakedown-core"]),
     ("xtask", &[]),
 ];
 

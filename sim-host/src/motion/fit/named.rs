@@ -15,20 +15,26 @@ pub enum Fit {
     Area(Choice),
     /// A method of this project, or the paper's Eq. 10 beside them.
     Method(Method),
+    /// The nearest waveform within speed and stroke, a fortieth of the speed left for the loop to work with.
+    Nearest,
 }
+
+/// Share of a table's speed that a record asks for, where the loop is to have room.
+pub const ASKED: f64 = 0.975;
 
 /// Seconds of preview where a name says only `preview`.
 pub const PREVIEW: f64 = 0.5;
 
 impl Fit {
     /// Every fit with its name.
-    pub const ALL: [(&'static str, Self); 10] = [
+    pub const ALL: [(&'static str, Self); 11] = [
         ("clip", Self::Method(Method::Clip)),
         ("taut", Self::Method(Method::Taut)),
         ("convex", Self::Method(Method::Convex(Norm::Two))),
         ("spectrum", Self::Method(Method::Spectrum(Band::USUAL))),
         ("causal", Self::Method(Method::Causal)),
         ("preview", Self::Method(Method::Preview(PREVIEW))),
+        ("nearest", Self::Nearest),
         ("peak-kept", Self::Area(Choice::PeakKept)),
         ("peak-scaled", Self::Area(Choice::PeakScaled)),
         ("record-scaled", Self::Area(Choice::RecordScaled)),
@@ -41,7 +47,7 @@ impl Fit {
     }
 
     /// Every name.
-    pub fn names() -> [&'static str; 10] {
+    pub fn names() -> [&'static str; 11] {
         Self::ALL.map(|(name, _)| name)
     }
 
@@ -56,6 +62,10 @@ impl Fit {
         match self {
             Self::Area(choice) => fit_area::fit(motion, velocity, choice)
                 .map_err(|error| FitError::Limit { name: "velocity", value: error.0 }),
+            Self::Nearest => {
+                let limits = Limits::table(ASKED * velocity, stroke);
+                Ok(modify(motion, &limits, Method::Convex(Norm::Two), progress)?.motion)
+            }
             Self::Method(method) => Ok(modify(motion, &Limits::table(velocity, stroke), method, progress)?.motion),
         }
     }

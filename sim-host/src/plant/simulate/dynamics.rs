@@ -1,12 +1,14 @@
 //! The plant's equations with any effects in place, and their integration.
 
+mod outside;
+
 use super::{Instant, Placed, SimulateError, Start, build, entry};
 use crate::plant::effects::{Compliance, Effect, Flow, Hooks, Yardstick};
 use crate::plant::model::Baseline;
 use crate::scalar::Scalar;
 
 /// Continuous states provided for: four of the plant, the rest of its effects.
-pub(super) const STATES: usize = 16;
+pub(in crate::plant) const STATES: usize = 16;
 
 const DISPLACEMENT: usize = 0;
 /// The servo's state z, or a rigid mass's velocity.
@@ -19,17 +21,17 @@ const FIRST_OF_EFFECTS: usize = 4;
 
 /// Everything that changes during a run.
 #[derive(Debug, Clone)]
-pub(super) struct State<S, const M: usize> {
+pub(in crate::plant) struct State<S, const M: usize> {
     /// The controller's command, in its unit.
-    pub(super) command: S,
+    pub(in crate::plant) command: S,
     /// The command as the valve sees it during this step.
-    spool: S,
+    pub(in crate::plant) spool: S,
     time: f64,
     y: [S; M],
 }
 
 /// What an integration step passes through.
-pub(super) struct Passage<S> {
+pub(in crate::plant) struct Passage<S> {
     /// Motion at its start, after the command's update.
     pub(super) start: Instant<S>,
     /// Force per table mass at its start, m/s2.
@@ -75,7 +77,7 @@ impl<S: Scalar> Mounted<S> {
 
 /// A plant ready to run, with `M` continuous states.
 #[derive(Debug)]
-pub(super) struct Dynamics<S, const M: usize> {
+pub(in crate::plant) struct Dynamics<S, const M: usize> {
     baseline: Baseline<S>,
     mounted: Vec<Mounted<S>>,
     compliance: Compliance<S>,
@@ -91,7 +93,7 @@ pub(super) fn states_of<S: Scalar>(effects: &[Placed<S>]) -> usize {
 }
 
 impl<S: Scalar, const M: usize> Dynamics<S, M> {
-    pub(super) fn new(baseline: &Baseline<S>, effects: &[Placed<S>]) -> Result<Self, SimulateError> {
+    pub(in crate::plant) fn new(baseline: &Baseline<S>, effects: &[Placed<S>]) -> Result<Self, SimulateError> {
         let placed = effects.iter().map(|placed| (placed.id, per_mass(baseline, placed)));
         let (mounted, first, compliance) = Mounted::all(placed, FIRST_OF_EFFECTS, M)?;
         let velocity_limit = match *baseline {
@@ -110,7 +112,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     /// The state a run starts from.
-    pub(super) fn rest(&self, start: &Start<S>) -> State<S, M> {
+    pub(in crate::plant) fn rest(&self, start: &Start<S>) -> State<S, M> {
         let mut y = [S::from(0.0); M];
         y[DISPLACEMENT] = start.displacement;
         y[SPEED] = start.velocity;
@@ -136,7 +138,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     /// Takes the command through what has memory, for a step of `h` seconds.
-    pub(super) fn begin_step(&mut self, state: &mut State<S, M>, h: f64) {
+    pub(in crate::plant) fn begin_step(&mut self, state: &mut State<S, M>, h: f64) {
         state.spool = state.command;
         for m in self.mounted.iter_mut().filter(|m| m.hooks.command) {
             state.spool = m.effect.command(state.spool, h);
@@ -144,7 +146,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     /// Advances the state by `h` seconds with the classical fourth-order rule; half way by its dense output.
-    pub(super) fn advance(&mut self, state: &mut State<S, M>, h: f64, middle: bool) -> Passage<S> {
+    pub(in crate::plant) fn advance(&mut self, state: &mut State<S, M>, h: f64, middle: bool) -> Passage<S> {
         let n = self.used;
         let zero = [S::from(0.0); M];
         let (mut k1, mut k2, mut k3, mut k4, mut moved) = (zero, zero, zero, zero, state.y);
@@ -193,7 +195,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         (sensed, motion.velocity)
     }
 
-    pub(super) fn sense_displacement(&self, state: &State<S, M>) -> S {
+    pub(in crate::plant) fn sense_displacement(&self, state: &State<S, M>) -> S {
         self.mounted
             .iter()
             .filter(|m| m.hooks.displacement)
@@ -204,7 +206,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         self.mounted.iter().filter(|m| m.hooks.acceleration).fold(mean, |a, m| m.effect.sense_acceleration(a, at))
     }
 
-    pub(super) fn supply_pressure(&self, state: &State<S, M>) -> Option<S> {
+    pub(in crate::plant) fn supply_pressure(&self, state: &State<S, M>) -> Option<S> {
         self.mounted.iter().find_map(|m| m.effect.supply_pressure(&state.y[m.first..m.last]))
     }
 

@@ -1,0 +1,162 @@
+//! `shakedown design`: gains for the tracking law from a model and its uncertainty, margins first.
+
+use super::output::{Outputs, print, write_whole};
+use super::{Failure, present, progress};
+use serde_json::json;
+use shakedown::closed_loop::design::{Demand, Design, DesignError, Spread, Table, design};
+use shakedown::closed_loop::margin::{BAND, Margins};
+use shakedown::recording::model::Model;
+use shakedown::report::{self, Item, Page, Section};
+use std::path::{Path, PathBuf};
+
+/// Gains for the tracking law from a model and its uncertainty: margins in every corner first, refusal where none are safe.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  shakedown design table.toml --out settings.toml       table.toml as `shakedown identify --out` writes it
+  shakedown design table.toml --spread 0.2 --gain-margin 8 --report design.html
+
+A parameter that the model states an interval for is as uncertain as that; every other one by --spread, each way.
+settings.toml is what `shakedown run` (settings = ...) and the device take.")]
+pub(crate) struct Args {
+    /// The model: `[model]` of kind servo, with its effects.
+    #[arg(value_name = "MODEL.toml")]
+    model: PathBuf,
+    /// Writes the settings.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Relative uncertainty, each way, of gain, pole, mass and supply where the model states no interval.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.3)]
+    spread: f64,
+    /// Gain margin to keep in every corner, dB.
+    #[arg(long, value_name = "DB", default_value_t = 6.0)]
+    gain_margin: f64,
+    /// Phase margin to keep in every corner, degrees.
+    #[arg(long, value_name = "DEGREES", default_value_t = 30.0)]
+    phase_margin: f64,
+    /// Control rate, Hz.
+    #[arg(long, value_name = "HZ", default_value_t = 1000.0)]
+    rate: f64,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// The model's intervals as relative half widths, `usual` where it states none.
+fn spread(model: &Model, usual: f64) -> Spread {
+    let of = |name: &str, value: f64| {
+        let known = model.accuracy.get(name)?;
+        let (low, high) = (known.low?, known.high?);
+        (value != 0.0).then(|| ((high - value) / value).abs().max(((value - low) / value).abs()))
+    };
+    let stated = |name: &str| {
+        let (owner, key) = name.split_once('.')?;
+        model.effects.iter().find(|e| e.id == owner)?.parameters.get(key).copied()
+    };
+    let baseline = |name: &str| model.baseline.parameters().into_iter().find(|(n, _)| *n == name).map(|(_, v)| v);
+    let held = |found: Option<f64>| found.unwrap_or(usual).min(0.95);
+    let frequency = stated("oil_compliance.frequency").and_then(|f| of("oil_compliance.frequency", f));
+    Spread {
+        gain: held(baseline("b0").and_then(|b0| of("b0", b0))),
+        pole: held(baseline("a1").and_then(|a1| of("a1", a1))),
+        // The frequency goes with the root of the mass.
+        mass: held(frequency.map(|share| 2.0 * share)),
+        supply: usual.min(0.95),
+    }
+}
+
+/// Designs, states the margins, writes the settings.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let refuse = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", args.model.display()));
+    for (option, value, low, high) in [
+        ("--spread", args.spread, 0.0, 0.95),
+        ("--gain-margin", args.gain_margin, 0.0, 40.0),
+        ("--phase-margin", args.phase_margin, 0.0, 90.0),
+        ("--rate", args.rate, 200.0, 20_000.0),
+    ] {
+        if !(low..=high).contains(&value) {
+            return Err(Failure::Input(format!("{option} {value}: expected {low} to {high}")));
+        }
+    }
+    let model = Model::load(&args.model).map_err(|e| Failure::Input(e.to_string()))?;
+    let (table, unused) = Table::from_model(&model).map_err(|e| refuse(&e))?;
+    let spread = spread(&model, args.spread);
+    let demand = Demand { margins: (args.gain_margin, args.phase_margin), spread, rate: args.rate };
+    let bar = progress::spinner("designing".into());
+    let tell = |bandwidth: f64, disturbance: f64| {
+        bar.set_message(format!("feedback of {bandwidth:.1} Hz, disturbances up to {disturbance:.0} Hz"));
+    };
+    let found = design(&table, &demand, tell);
+    bar.finish_and_clear();
+    let found = found.map_err(|e| match e {
+        DesignError::Unsafe { .. } => Failure::Work(format!("{}: {e}", args.model.display())),
+        _ => refuse(&e),
+    })?;
+    let section = section(&found, &demand, &unused);
+    if !args.outputs.quiet() {
+        present::print_section(&section);
+    }
+    let settings = toml::to_string(&found.settings).map_err(|e| Failure::Work(format!("design: settings: {e}")))?;
+    write(args.out.as_deref(), &settings, args.outputs.quiet())?;
+    let inputs = [args.model.clone()];
+    args.outputs.write_json(json(&found, &demand, &unused), &inputs)?;
+    let lead = "Stability margins of the tracking law on the model and in the worst corner of its uncertainty.";
+    let mut page = Page { title: "Design".into(), lead: lead.into(), sections: vec![section], ..Page::default() };
+    args.outputs.write_report(&mut page, &inputs)
+}
+
+fn write(out: Option<&Path>, settings: &str, quiet: bool) -> Result<(), Failure> {
+    match out {
+        Some(path) => write_whole(path, settings.as_bytes()),
+        None if quiet => Ok(()),
+        None => {
+            print(settings);
+            Ok(())
+        }
+    }
+}
+
+fn frequencies(found: &Design) -> (f32, f32) {
+    found.settings.tracking.map_or((0.0, 0.0), |t| (t.bandwidth, t.disturbance))
+}
+
+fn section(found: &Design, demand: &Demand, unused: &[String]) -> Section {
+    let (bandwidth, disturbance) = frequencies(found);
+    let s = demand.spread;
+    let text = format!(
+        "Feedback of {bandwidth:.1} Hz, disturbances undone up to {disturbance:.0} Hz. Uncertainty each way: gain {:.0} %, \
+         pole {:.0} %, mass {:.0} %, supply {:.0} %; {} points looked at.",
+        100.0 * s.gain,
+        100.0 * s.pole,
+        100.0 * s.mass,
+        100.0 * s.supply,
+        found.corners
+    );
+    let row = |name: &str, of: &dyn Fn(&Margins) -> f64, digits: usize| {
+        vec![name.into(), format!("{:.digits$}", of(&found.nominal)), format!("{:.digits$}", of(&found.worst))]
+    };
+    let band = format!("left of a disturbance, {} to {} Hz [1]", BAND.0, BAND.1);
+    let rows = vec![
+        row("gain margin [dB]", &|m| m.gain_db, 1),
+        row("phase margin [degrees]", &|m| m.phase_degrees, 0),
+        row("crossover [Hz]", &|m| m.crossover_hz, 0),
+        row("largest sensitivity [1]", &|m| m.peak_sensitivity, 2),
+        row(&band, &|m| m.left, 3),
+    ];
+    let columns = ["figure", "on the model", "worst corner"].map(String::from).to_vec();
+    let table = report::Table { caption: "Margins at the valve's command".into(), columns, rows };
+    let mut items = vec![Item::Text(text), Item::Table(table)];
+    if !unused.is_empty() {
+        items.push(Item::Note(format!("not used by the law, left to its observers: {}", unused.join(", "))));
+    }
+    Section { heading: "Stability first".into(), items }
+}
+
+fn json(found: &Design, demand: &Demand, unused: &[String]) -> serde_json::Value {
+    let of = |m: &Margins| {
+        json!({"gain_margin_db": m.gain_db, "phase_margin_degrees": m.phase_degrees, "crossover_hz": m.crossover_hz,
+               "peak_sensitivity": m.peak_sensitivity, "left": m.left})
+    };
+    let s = demand.spread;
+    json!({"settings": found.settings, "nominal": of(&found.nominal), "worst": of(&found.worst),
+           "corners": found.corners, "unused_effects": unused,
+           "spread": {"gain": s.gain, "pole": s.pole, "mass": s.mass, "supply": s.supply}})
+}

@@ -1,0 +1,299 @@
+//! The table as a design takes it: an identified model in the core's own terms, and the corners of its uncertainty.
+
+use crate::plant::effects::Effect;
+use crate::plant::model::Baseline;
+use crate::plant::simulate::{Placed, SimulateError};
+use crate::plant::stepped::Stepped;
+use crate::recording::model::{self, Model};
+use shakedown_core::Settings;
+use shakedown_core::control::TrackingSettings;
+use shakedown_core::control::tracking::flow::FlowSettings;
+use shakedown_core::control::tracking::friction::FrictionSettings;
+use shakedown_core::control::tracking::oil::OilSettings;
+use shakedown_core::settings::{Gains, ValveSettings};
+
+/// A servo table: Eq. 7 with what diagnosis has named beside it. SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Table {
+    /// Direct term, 1/s.
+    pub b1: f64,
+    /// Gain, 1/s2.
+    pub b0: f64,
+    /// Pole, 1/s.
+    pub a1: f64,
+    /// Largest speed toward positive displacement, m/s.
+    pub velocity_limit: f64,
+    /// Largest speed the other way over that one, 1.
+    pub asymmetry: f64,
+    /// Null bias, m.
+    pub null_bias: f64,
+    /// Delay of the command, s.
+    pub delay: f64,
+    /// Frequency (Hz) and damping (1) of the oil column; none where it is stiff.
+    pub oil: Option<(f64, f64)>,
+    /// Sharpness of a soft limit, 1; 0 for a hard one.
+    pub sharpness: f64,
+    /// Acceleration at which the flow stalls, m/s2; 0 where no load slows it.
+    pub stall: f64,
+    /// Depth (1) and recovery (s) of the supply's droop.
+    pub droop: (f64, f64),
+    /// Coulomb (m/s2) and viscous (1/s) friction per table mass.
+    pub friction: (f64, f64),
+    /// Half width of the spool's overlap, m.
+    pub deadband: f64,
+}
+
+impl Default for Table {
+    /// The paper's.
+    fn default() -> Self {
+        Self {
+            b1: 0.69,
+            b0: 138.0,
+            a1: 57.65,
+            velocity_limit: 0.242,
+            asymmetry: 1.0,
+            null_bias: 0.0,
+            delay: 0.0,
+            oil: None,
+            sharpness: 0.0,
+            stall: 0.0,
+            droop: (0.0, 1.0),
+            friction: (0.0, 0.0),
+            deadband: 0.0,
+        }
+    }
+}
+
+/// Why a model cannot be designed for.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TableError {
+    /// The law is for servo tables.
+    #[error("kind `{0}`: the tracking law needs kind `servo`")]
+    Kind(&'static str),
+    /// No speed limit is stated.
+    #[error("`velocity_limit` is missing: state it in m/s")]
+    NoLimit,
+    /// The plant could not be built.
+    #[error(transparent)]
+    Plant(#[from] SimulateError),
+}
+
+/// How far parameters may be off, each way, relative to their values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Gain of the valve, b0 and b1 together.
+    pub gain: f64,
+    /// Its pole.
+    pub pole: f64,
+    /// Moving mass: the square of the oil column's frequency goes with its inverse.
+    pub mass: f64,
+    /// Supply pressure.
+    pub supply: f64,
+}
+
+impl Default for Spread {
+    fn default() -> Self {
+        Self::all(0.3)
+    }
+}
+
+impl Spread {
+    /// The same for every parameter.
+    pub fn all(share: f64) -> Self {
+        Self { gain: share, pole: share, mass: share, supply: share }
+    }
+
+    /// Every combination of ends.
+    pub fn corners(&self) -> Vec<Corner> {
+        let ends = |share: f64| if share > 0.0 { vec![1.0 - share, 1.0 + share] } else { vec![1.0] };
+        let mut corners = Vec::new();
+        for &gain in &ends(self.gain) {
+            for &pole in &ends(self.pole) {
+                for &mass in &ends(self.mass) {
+                    corners.extend(ends(self.supply).iter().map(|&supply| Corner { gain, pole, mass, supply }));
+                }
+            }
+        }
+        corners
+    }
+}
+
+/// One combination of parameters, as factors on the model's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corner {
+    /// On the valve's gain.
+    pub gain: f64,
+    /// On its pole.
+    pub pole: f64,
+    /// On the moving mass.
+    pub mass: f64,
+    /// On the supply pressure.
+    pub supply: f64,
+}
+
+impl Default for Corner {
+    fn default() -> Self {
+        Self { gain: 1.0, pole: 1.0, mass: 1.0, supply: 1.0 }
+    }
+}
+
+impl std::fmt::Display for Corner {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if *self == Self::default() {
+            return write!(f, "the model itself");
+        }
+        write!(f, "gain {:.2}, pole {:.2}, mass {:.2}, supply {:.2}", self.gain, self.pole, self.mass, self.supply)
+    }
+}
+
+impl Table {
+    /// Reads what the law can use out of an identified model. Effects it cannot use are given back by name.
+    pub fn from_model(model: &Model) -> Result<(Self, Vec<String>), TableError> {
+        let model::Baseline::Servo(servo) = &model.baseline else {
+            return Err(TableError::Kind(model.baseline.kind()));
+        };
+        let limit = servo.velocity_limit.ok_or(TableError::NoLimit)?;
+        let mut table = Self { b1: servo.b1, b0: servo.b0, a1: servo.a1, velocity_limit: limit, ..Self::default() };
+        let mut unused = Vec::new();
+        for effect in &model.effects {
+            let value = |key: &str, usual: f64| effect.parameters.get(key).copied().unwrap_or(usual);
+            match effect.id.as_str() {
+                "null_bias" => table.null_bias = value("offset", 0.0),
+                "command_delay" => table.delay = value("time", 0.0),
+                "valve_deadband" => table.deadband = value("half_width", 0.0),
+                "flow_softening" => table.sharpness = value("sharpness", 0.0),
+                "asymmetric_limit" => {
+                    table.velocity_limit = value("positive", limit);
+                    table.asymmetry = value("negative", limit) / table.velocity_limit;
+                }
+                "supply_droop" => table.droop = (value("depth", 0.0), value("recovery", 1.0)),
+                "load_dependent_flow" => table.stall = value("stall_acceleration", 0.0),
+                "oil_compliance" => table.oil = Some((value("frequency", 12.0), value("damping", 0.1))),
+                "coulomb_friction" | "stribeck_friction" => table.friction.0 = value("force", 0.0),
+                "viscous_friction" => table.friction.1 = value("coefficient", 0.0),
+                _ => unused.push(effect.id.clone()),
+            }
+        }
+        Ok((table, unused))
+    }
+
+    /// The core's settings with the tracking law, its two frequencies at their defaults.
+    pub fn settings(&self, rate: f64) -> Settings {
+        let flow = FlowSettings {
+            asymmetry: self.asymmetry as f32,
+            sharpness: self.sharpness as f32,
+            stall: self.stall as f32,
+            droop: self.droop.0 as f32,
+            recovery: self.droop.1 as f32,
+            ..FlowSettings::default()
+        };
+        let friction = FrictionSettings {
+            coulomb: self.friction.0 as f32,
+            viscous: self.friction.1 as f32,
+            deadband: self.deadband as f32,
+            ..FrictionSettings::default()
+        };
+        let oil =
+            self.oil.map(|(frequency, damping)| OilSettings { frequency: frequency as f32, damping: damping as f32 });
+        // Points of the reference no closer than its own samples need: 2 ms, or two ticks.
+        let spacing = (2e-3_f64).max(2.0 / rate) as f32;
+        let (lead, delay) = ((self.b1 / self.b0).max(0.0) as f32, self.delay as f32);
+        let tracking = TrackingSettings { lead, delay, spacing, flow, friction, oil, ..TrackingSettings::default() };
+        let valve = ValveSettings {
+            gain: (self.b0 / self.a1) as f32,
+            lag: (1.0 / self.a1) as f32,
+            // What cancels it.
+            null_bias: -self.null_bias as f32,
+            ..ValveSettings::default()
+        };
+        Settings {
+            rate: rate as f32,
+            displacement: Gains::new(0.0, 0.0),
+            velocity_limit: self.velocity_limit as f32,
+            valve,
+            tracking: Some(tracking),
+            ..Settings::default()
+        }
+    }
+
+    /// The table at a corner, everything it has at work.
+    pub fn plant(&self, corner: &Corner, dt: f64) -> Result<Stepped, TableError> {
+        self.plant_with(corner, Vec::new(), Vec::new(), dt)
+    }
+
+    /// The same with more effects than the table knows of, `others` being outside the library.
+    pub fn plant_with(
+        &self,
+        corner: &Corner,
+        more: Vec<Placed<f64>>,
+        others: Vec<Box<dyn Effect<f64>>>,
+        dt: f64,
+    ) -> Result<Stepped, TableError> {
+        let mut effects = self.linear_effects(corner);
+        let mut place = |here: bool, id: &'static str, parameters: &[f64]| {
+            effects.extend(here.then(|| Placed { id, parameters: parameters.to_vec() }));
+        };
+        let root = corner.supply.sqrt();
+        let (positive, (depth, recovery)) = (self.velocity_limit * root, self.droop);
+        place(self.null_bias != 0.0, "null_bias", &[self.null_bias]);
+        place(self.deadband > 0.0, "valve_deadband", &[self.deadband]);
+        place(self.sharpness > 0.0, "flow_softening", &[self.sharpness]);
+        place(self.asymmetry != 1.0, "asymmetric_limit", &[positive, positive * self.asymmetry]);
+        place(depth > 0.0, "supply_droop", &[depth, recovery]);
+        place(self.stall > 0.0, "load_dependent_flow", &[self.stall]);
+        place(self.friction.0 > 0.0, "coulomb_friction", &[self.friction.0]);
+        place(self.friction.1 > 0.0, "viscous_friction", &[self.friction.1]);
+        effects.extend(more);
+        Ok(Stepped::with(&self.baseline(corner, positive), &effects, others, dt, 0.0)?)
+    }
+
+    /// The table at a corner near rest: no limits, no friction, no overlap.
+    pub fn linear(&self, corner: &Corner, dt: f64) -> Result<Stepped, TableError> {
+        Ok(Stepped::new(&self.baseline(corner, 1e6), &self.linear_effects(corner), dt, 0.0)?)
+    }
+
+    fn baseline(&self, corner: &Corner, velocity_limit: f64) -> Baseline<f64> {
+        let gain = corner.gain * corner.supply.sqrt();
+        Baseline::Servo { b1: self.b1 * gain, b0: self.b0 * gain, a1: self.a1 * corner.pole, velocity_limit }
+    }
+
+    fn linear_effects(&self, corner: &Corner) -> Vec<Placed<f64>> {
+        let mut effects = Vec::new();
+        if self.delay > 0.0 {
+            effects.push(Placed { id: "command_delay", parameters: vec![self.delay] });
+        }
+        if let Some((frequency, damping)) = self.oil {
+            // The leakage fixes twice damping times frequency, whatever the mass.
+            let root = corner.mass.sqrt();
+            effects.push(Placed { id: "oil_compliance", parameters: vec![frequency / root, damping * root] });
+        }
+        effects
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_are_all_combinations_and_none_of_what_is_certain() {
+        assert_eq!(Spread::all(0.3).corners().len(), 16);
+        let two = Spread { gain: 0.3, pole: 0.1, mass: 0.0, supply: 0.0 }.corners();
+        assert_eq!(two.len(), 4);
+        assert!(two.iter().all(|c| c.mass == 1.0 && c.supply == 1.0 && c.gain != 1.0));
+    }
+
+    #[test]
+    fn a_model_is_read_and_what_the_law_cannot_use_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.toml");
+        let text = "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n\
+                    effects = [\"oil_compliance\", \"mains_hum\"]\n[effects.oil_compliance]\nfrequency = 11.0\n\
+                    damping = 0.07\n";
+        std::fs::write(&path, text).unwrap();
+        let (table, unused) = Table::from_model(&Model::load(&path).unwrap()).unwrap();
+        assert_eq!(table, Table { oil: Some((11.0, 0.07)), ..Table::default() });
+        assert_eq!(unused, ["mains_hum"]);
+        assert_eq!(table.settings(1000.0).validate(), Ok(()));
+    }
+}

@@ -1,0 +1,215 @@
+//! Iterative learning: the same motion again and again, the drive corrected from run to run, each next run's peaks
+//! predicted and refused where they are not safe.
+//!
+//! ```text
+//! T(f) = <X conj R> / <R conj R>                         response over drive, smoothed over neighbouring frequencies
+//! R' = R + g W(f) c(f) (D - X) / T,   |1 / T| <= 4        W a low-pass; D the motion wanted, as late as the table is
+//! c = |<X conj R>|^2 / (<R conj R> <X conj X>)            coherence: what is noise is not learned
+//! X' = X + T (R' - R)                                    what the next run is predicted to do
+//! ```
+//! The share g falls from run to run, g = gain / run, so that noise, which differs from run to run, averages out instead of
+//! gathering in the drive. Nothing of a model is used but that the next run will answer as the last did; saturation breaks that, which is why
+//! peaks are predicted and held against what the table can do before anything moves.
+
+mod spectrum;
+
+use super::trial::{Setup, TrialError, low_passed};
+use super::{Clock, ClosedLoopError, run};
+use crate::motion::metrics::{Comparison, compare};
+use crate::motion::{Motion, peak};
+use crate::plant::paper::FixedStep;
+use crate::plant::sensors::Sensors;
+use shakedown_core::Controller;
+use spectrum::{Spectrum, correction, predicted};
+
+/// What the table may be asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Largest displacement, m.
+    pub displacement: f64,
+    /// Largest speed, m/s.
+    pub velocity: f64,
+    /// Largest acceleration, m/s2.
+    pub acceleration: f64,
+}
+
+/// Largest displacement (m), speed (m/s) and acceleration (m/s2) of a motion, each within the band that is learned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peaks {
+    /// m.
+    pub displacement: f64,
+    /// m/s.
+    pub velocity: f64,
+    /// m/s2.
+    pub acceleration: f64,
+}
+
+/// How learning goes about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Learning {
+    /// Share of the error that is corrected after the first run, 1; after the n-th an n-th of it.
+    pub gain: f64,
+    /// Frequency up to which is learned, Hz.
+    pub band: f64,
+    /// Runs at most, the first included.
+    pub runs: usize,
+}
+
+impl Default for Learning {
+    fn default() -> Self {
+        Self { gain: 1.0, band: 12.0, runs: 6 }
+    }
+}
+
+/// One run.
+#[derive(Debug, Clone)]
+pub struct Round {
+    /// The drive, m, one value a tick.
+    pub drive: Vec<f64>,
+    /// The true motion against the one wanted, both low-passed at 15 Hz.
+    pub score: Comparison,
+    /// What it was predicted to peak at; none for the first.
+    pub predicted: Option<Peaks>,
+    /// What the table did, seen by the sensors as the prediction sees it.
+    pub peaks: Peaks,
+}
+
+/// Why a drive was not run.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "run {run} is not safe: its {what} is predicted to reach {predicted:.3} {unit} of {limit:.3}; learning stops here"
+)]
+pub struct Refusal {
+    /// Which run, from 1.
+    pub run: usize,
+    /// What would be exceeded.
+    pub what: &'static str,
+    /// Predicted peak.
+    pub predicted: f64,
+    /// What is allowed.
+    pub limit: f64,
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+/// What came of it.
+#[derive(Debug, Clone)]
+pub struct Learned {
+    /// The runs that were made.
+    pub rounds: Vec<Round>,
+    /// Why there was not another, where a drive was refused.
+    pub refused: Option<Refusal>,
+}
+
+impl Peaks {
+    /// Of displacements (m), one a tick of `dt` (s).
+    fn of(displacement: &[f64], dt: f64) -> Self {
+        let rate = |x: &[f64]| -> Vec<f64> { x.windows(2).map(|w| (w[1] - w[0]) / dt).collect() };
+        let velocity = rate(displacement);
+        Self { displacement: peak(displacement), velocity: peak(&velocity), acceleration: peak(&rate(&velocity)) }
+    }
+
+    /// The first that is beyond its limit.
+    fn beyond(&self, limits: &Limits, run: usize) -> Option<Refusal> {
+        let all = [
+            ("displacement", self.displacement, limits.displacement, "m"),
+            ("velocity", self.velocity, limits.velocity, "m/s"),
+            ("acceleration", self.acceleration, limits.acceleration, "m/s2"),
+        ];
+        let broken = all.into_iter().find(|(_, predicted, limit, _)| predicted.is_nan() || predicted > limit);
+        broken.map(|(what, predicted, limit, unit)| Refusal { run, what, predicted, limit, unit })
+    }
+}
+
+/// Learns to make `wanted` (at the control rate) on the twin that `setup` describes; the same controller, the same
+/// sensors, new noise in every run.
+pub fn learn(setup: &Setup, wanted: &Motion, limits: &Limits, how: &Learning) -> Result<Learned, TrialError> {
+    let mut learned = Learned { rounds: Vec::new(), refused: None };
+    let mut drive = wanted.displacement.clone();
+    let mut forecast: Option<Peaks> = None;
+    let mut delay = 0.0;
+    for run in 1..=how.runs {
+        let (truth, seen) = play(setup, &drive, run as u64)?;
+        let score = compare(&low_passed(wanted)?, &low_passed(&truth)?, None)?;
+        if run == 1 {
+            delay = score.e_a.delay;
+        }
+        let (r, x) = (Spectrum::of(&drive), Spectrum::of(&seen));
+        let peaks = Peaks::of(&x.low_passed(how.band, wanted.dt), wanted.dt);
+        learned.rounds.push(Round { drive: drive.clone(), score, predicted: forecast, peaks });
+        let d = Spectrum::of(&wanted.displacement).delayed(delay, wanted.dt);
+        let now = Learning { gain: how.gain / run as f64, ..*how };
+        let next = correction(&r, &x, &d, &now, wanted.dt);
+        let expected = Peaks::of(&predicted(&r, &x, &next, how.band, wanted.dt), wanted.dt);
+        learned.refused = expected.beyond(limits, run + 1);
+        if learned.refused.is_some() {
+            break;
+        }
+        (drive, forecast) = (next, Some(expected));
+    }
+    Ok(learned)
+}
+
+/// One run of the twin: its true motion, and its displacement as the LVDT shows it.
+fn play(setup: &Setup, drive: &[f64], seed: u64) -> Result<(Motion, Vec<f64>), TrialError> {
+    let clock = Clock::new(setup.rate(), setup.steps).map_err(ClosedLoopError::from)?;
+    let start = drive.first().copied().unwrap_or(0.0);
+    let mut plant = FixedStep::new(setup.plant, clock.plant_step(), start).map_err(ClosedLoopError::from)?;
+    let mut law = Controller::new(&setup.settings).map_err(ClosedLoopError::from)?;
+    let mut sensors = setup.sensors.clone();
+    sensors.seed = sensors.seed.wrapping_mul(1000).wrapping_add(seed);
+    let trace = run(&mut plant, &mut law, &mut Sensors::new(sensors), drive, clock);
+    let truth = Motion {
+        dt: trace.dt,
+        displacement: trace.displacement,
+        velocity: trace.velocity,
+        acceleration: trace.acceleration,
+    };
+    Ok((truth, trace.measured_displacement))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::closed_loop::published::Named;
+    use crate::motion::condition::Recipe;
+    use crate::motion::generate::FAR_FIELD;
+    use crate::plant::sensors::SensorModel;
+
+    fn wanted() -> Motion {
+        Recipe::table1(1000.0).apply(&FAR_FIELD.generate(1).unwrap()).unwrap()
+    }
+
+    const WIDE: Limits = Limits { displacement: 0.12, velocity: 0.24, acceleration: 20.0 };
+
+    /// The gains in use follow a far-field motion poorly; what they miss they miss alike in every run, and so it can be
+    /// learned, and each run's peaks are known before it is made.
+    #[test]
+    fn weak_gains_learn_and_each_run_is_predicted() {
+        let mut setup = Setup::paper(Named::Current);
+        setup.sensors = SensorModel::laboratory(3);
+        let learned = learn(&setup, &wanted(), &WIDE, &Learning::default()).unwrap();
+        assert!(learned.refused.is_none(), "{:?}", learned.refused);
+        let e_a: Vec<f64> = learned.rounds.iter().map(|r| r.score.e_a.ratio).collect();
+        assert!(e_a[5] < 0.25 * e_a[0], "{e_a:?}");
+        for round in &learned.rounds[1..] {
+            let predicted = round.predicted.unwrap();
+            let close = |p: f64, x: f64| (p / x - 1.0).abs() < 0.1;
+            assert!(close(predicted.velocity, round.peaks.velocity), "{predicted:?} {:?}", round.peaks);
+            assert!(close(predicted.displacement, round.peaks.displacement), "{predicted:?} {:?}", round.peaks);
+        }
+    }
+
+    #[test]
+    fn a_drive_that_would_pass_a_limit_is_not_run() {
+        let setup = Setup::paper(Named::Current);
+        let wanted = wanted();
+        let free = learn(&setup, &wanted, &WIDE, &Learning::default()).unwrap();
+        let least = free.rounds[0].peaks.velocity;
+        let tight = Limits { velocity: 1.01 * least, ..WIDE };
+        let held = learn(&setup, &wanted, &tight, &Learning::default()).unwrap();
+        let refusal = held.refused.unwrap();
+        assert_eq!((refusal.run, refusal.what), (held.rounds.len() + 1, "velocity"));
+        assert!(held.rounds.iter().all(|r| r.peaks.velocity <= 1.02 * tight.velocity));
+    }
+}

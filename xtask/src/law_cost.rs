@@ -1,0 +1,80 @@
+//! Counts the tracking law's instructions on an emulated Cortex-M4, and checks that it computes there what it does here.
+
+use crate::output::say;
+use crate::shell::{Problem, command, no_words, read, run, top, works};
+use crate::toolchain::{self, TARGET};
+
+/// Most instructions that a tick of the whole law may retire.
+const MOST: u64 = 1200;
+/// The emulator: an STM32F405, one instruction a nanosecond, what the program says on standard output.
+const EMULATOR: &[&str] = &[
+    "qemu-system-arm",
+    "-M",
+    "netduinoplus2",
+    "-display",
+    "none",
+    "-serial",
+    "none",
+    "-monitor",
+    "none",
+    "-chardev",
+    "stdio,id=out",
+    "-semihosting-config",
+    "enable=on,target=native,chardev=out",
+    "-icount",
+    "shift=0",
+    "-kernel",
+];
+const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-law-cost";
+
+/// The chore: builds the count, runs it under QEMU, holds the law with every part to its bound.
+pub(crate) fn count(words: &[String]) -> Result<(), Problem> {
+    no_words(words)?;
+    let none = "no compiler for the firmware's target: run `cargo xtask setup`";
+    let found = toolchain::find().ok_or_else(|| Problem::Failed(none.into()))?;
+    if !works(&["qemu-system-arm", "--version"]) {
+        return Err(Problem::Failed("qemu-system-arm is not here: install QEMU for ARM systems".into()));
+    }
+    let words = ["rustc", "--locked", "--profile", "firmware", "--package", "shakedown-law-cost"];
+    let mut cargo = found.cargo(&words)?;
+    cargo.env("RUSTFLAGS", "-C link-arg=-Tlink.x").current_dir(top());
+    run(&mut cargo)?;
+    let said = read(command(&[EMULATOR, &[IMAGE]].concat()).current_dir(top()))?;
+    say(&format!("instructions a tick ({TARGET}, QEMU):\n{}", said.trim_end()));
+    let here = read(
+        command(&["cargo", "run", "--locked", "--release", "--package", "shakedown-law-cost"]).current_dir(top()),
+    )?;
+    alike(&said, &here)?;
+    let whole = said.lines().find_map(|line| line.strip_prefix("law, every part "));
+    match whole.and_then(|count| count.trim().parse::<u64>().ok()) {
+        Some(count) if count <= MOST => Ok(()),
+        Some(count) => Err(Problem::Failed(format!("the law retires {count} instructions a tick, more than {MOST}"))),
+        None => Err(Problem::Failed(format!("the count said nothing of the whole law: {said}"))),
+    }
+}
+
+/// Holds the hashes over every command's bits, on target and host, against each other.
+fn alike(there: &str, here: &str) -> Result<(), Problem> {
+    let words = |text: &str| -> Vec<String> {
+        let hashes = text.lines().filter(|line| line.starts_with("hash"));
+        hashes.map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
+    };
+    let (there, here) = (words(there), words(here));
+    if there.is_empty() || there != here {
+        return Err(Problem::Failed(format!("target and host differ: {there:?}, {here:?}")));
+    }
+    say("every command has the same bits on target and host");
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::alike;
+
+    #[test]
+    fn one_bit_of_difference_is_a_difference() {
+        assert!(alike("law 3\nhash, a   12\n", "hash, a 12\n").is_ok());
+        assert!(alike("hash, a 12\n", "hash, a 13\n").is_err());
+        assert!(alike("law 3\n", "law 3\n").is_err());
+    }
+}
