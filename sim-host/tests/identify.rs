@@ -14,10 +14,10 @@ mod coverage;
 
 use shakedown::closed_loop::sweep_recording;
 use shakedown::diagnose::locate::leftover;
+use shakedown::identify::fit::{Effort, Fit};
 use shakedown::identify::judge::{Score, score};
 use shakedown::identify::outcome::{Identified, IdentifyError, identify};
 use shakedown::identify::prepare::prepare;
-use shakedown::identify::starts;
 use shakedown::plant::paper::Paper;
 use shakedown::recording::{Experiment, Fault, Severity, check};
 use std::fs;
@@ -72,7 +72,8 @@ fn the_paper_is_recovered_from_simulated_sweeps() {
     let experiment = Experiment::load(&path).unwrap();
     let found = identify(&experiment).unwrap();
     print(&found);
-    for (name, truth, bound) in [("b1", 0.69, 0.05), ("b0", 138.0, 0.02), ("a1", 57.65, 0.02), ("velocity_limit", 0.242, 0.02)]
+    for (name, truth, bound) in
+        [("b1", 0.69, 0.05), ("b0", 138.0, 0.02), ("a1", 57.65, 0.02), ("velocity_limit", 0.242, 0.02)]
     {
         let error = value(&found, name) / truth - 1.0;
         println!("{name}: {:.5}, {:+.3} % (at most {} %)", value(&found, name), 100.0 * error, 100.0 * bound);
@@ -153,7 +154,12 @@ fn a_servo_axis_gives_its_published_parameters() {
         ("null_bias.offset", 3.165, 0.03),
     ] {
         let error = value(&found, name) / published - 1.0;
-        println!("{name}: {:.4}, {:+.2} % of {published} (at most {} %)", value(&found, name), 100.0 * error, 100.0 * bound);
+        println!(
+            "{name}: {:.4}, {:+.2} % of {published} (at most {} %)",
+            value(&found, name),
+            100.0 * error,
+            100.0 * bound
+        );
         assert!(error.abs() <= bound, "{name}");
     }
 }
@@ -177,18 +183,17 @@ fn a_servo_axis_is_foreseen_and_so_are_its_pulses() {
     assert!(findings.iter().any(|f| f.fault == Fault::MissingInput && f.remedy.contains("disturbance")));
 }
 
-/// From valve voltage to table velocity, which is the slope of the table's displacement.
-fn valve_to_velocity(file: &Path, end: f64, effects: &str) -> String {
+/// From valve voltage to table velocity, which is the slope of the table's displacement. The law of a recorded command
+/// holds it; the rate makes the steps short enough for dry friction.
+fn valve_to_velocity(file: &Path, end: f64, model: &str) -> String {
     let cut = 0.6 * end;
     format!(
         r#"
 [model]
 kind = "servo"
 b1 = 0.0
-b0 = 18.0
-a1 = 90.0
 bandwidth_hz = 20
-{effects}
+{model}
 [channels]
 time = {{ column = "Time", unit = "s" }}
 command = {{ column = "Voltage command", unit = "V" }}
@@ -197,48 +202,54 @@ velocity = {{ column = "Table disp", unit = "mm", differentiate = true }}
 file = {file:?}
 to_s = {cut}
 use = "fit"
+controller_rate_hz = 819.2
 [[runs]]
 file = {file:?}
 from_s = {cut}
 use = "holdout"
+controller_rate_hz = 819.2
 "#
     )
 }
 
-const LAG_ALONE: &str = "effects = [\"null_bias\"]\nfit = [\"b0\", \"a1\", \"null_bias\"]";
-/// Friction and a specimen act on the table through the oil: all three, or none shows.
-const FULL: &str = r#"effects = ["null_bias", "oil_compliance", "coulomb_friction", "payload_resonance"]
-fit = ["b0", "a1", "null_bias", "oil_compliance", "coulomb_friction", "payload_resonance"]
+const LAG_ALONE: &str = "b0 = 18.0\na1 = 90.0\neffects = [\"null_bias\"]\nfit = [\"b0\", \"a1\", \"null_bias\"]";
+/// Friction and a specimen act on the table through the oil: all three, or none shows. The valve's lag is an effect of
+/// its own and the model's far away, since a servo model's lag also passes on the forces.
+const FULL: &str = r#"b0 = 806.0
+a1 = 4000.0
+effects = ["valve_lag", "null_bias", "oil_compliance", "coulomb_friction", "payload_resonance"]
+fit = ["b0", "valve_lag", "null_bias", "oil_compliance", "coulomb_friction", "payload_resonance"]
+[effects.valve_lag]
+frequency = 130.0
+damping = 1.9
+[effects.null_bias]
+offset = -0.0126
 [effects.oil_compliance]
-frequency = 40.0
-damping = 0.05
+frequency = 54.0
+damping = 0.006
 [effects.coulomb_friction]
-force = 1.0
+force = 4.5
 [effects.payload_resonance]
-mass_ratio = 0.5
-frequency = 7.5
-damping = 0.03"#;
+mass_ratio = 1.1
+frequency = 7.46
+damping = 0.0015"#;
 
 #[test]
 fn the_real_table_follows_its_valve() {
     let Some(folder) = data("shake_table") else { return };
-    for (name, file, end, least) in [
-        ("CHY027", "1999_921_CHY027_NS.csv", 90.05, 0.993),
-        ("KAU039", "1999_921_KAU039_NS.csv", 61.06, 0.993),
-        ("TAP089", "2004_1015_TAP089_NS.csv", 72.05, 0.96),
+    for (name, file, end, model, least) in [
+        ("CHY027", "1999_921_CHY027_NS.csv", 90.05, LAG_ALONE, 0.993),
+        ("KAU039", "1999_921_KAU039_NS.csv", 61.06, LAG_ALONE, 0.993),
+        ("TAP089, gain and lag alone", "2004_1015_TAP089_NS.csv", 72.05, LAG_ALONE, 0.91),
+        ("TAP089", "2004_1015_TAP089_NS.csv", 72.05, FULL, 0.96),
     ] {
-        let path = folder.join(file);
-        let fitted = |effects| {
-            let experiment = load(&TempDir::new().unwrap(), &valve_to_velocity(&path, end, effects));
-            let prepared = prepare(&experiment).unwrap();
-            let fit = starts::fitted(&prepared).unwrap();
-            let held_back = score(&fit.model, &prepared.holdout).unwrap();
-            let r2 = 1.0 - nrmse(&held_back, "velocity").powi(2);
-            (prepared, fit, held_back, r2)
-        };
-        let (_, _, _, simple) = fitted(LAG_ALONE);
-        let (prepared, fit, held_back, full) = fitted(FULL);
-        println!("{name}: R2 held out: gain and lag {simple:.4}; with oil, friction, specimen {full:.4} (at least {least})");
+        let experiment = load(&TempDir::new().unwrap(), &valve_to_velocity(&folder.join(file), end, model));
+        let prepared = prepare(&experiment).unwrap();
+        let mut fit = Fit::begin(prepared.model.clone(), &prepared.fit).unwrap();
+        fit.improve(&prepared.fit, Effort { steps: 12, tolerance: 1e-4 }).unwrap();
+        let held_back = score(&fit.model, &prepared.holdout).unwrap();
+        let r2 = 1.0 - nrmse(&held_back, "velocity").powi(2);
+        println!("{name}: R2 held out {r2:.4} (at least {least})");
         for (name, value) in fit.model.names().iter().zip(fit.model.values()).filter(|(_, v)| v.free) {
             println!("  {name:32} {:.5}", value.value);
         }
@@ -249,7 +260,7 @@ fn the_real_table_follows_its_valve() {
         for stretch in &place.time {
             println!("  left over: {:.1} to {:.1} s, {:.0} %", stretch.from_s, stretch.to_s, 100.0 * stretch.share);
         }
-        assert!(full >= least, "{name}");
+        assert!(r2 >= least, "{name}: {r2}");
         assert!(!place.frequency.is_empty() && !place.time.is_empty(), "{name}");
     }
 }
@@ -328,8 +339,7 @@ fn wrong_data_are_refused_by_name() {
 #[test]
 fn clean_recordings_raise_no_alarm() {
     let quiet = |experiment: &Experiment| {
-        let bad: Vec<_> =
-            check::check(experiment).into_iter().filter(|f| f.severity == Severity::BadData).collect();
+        let bad: Vec<_> = check::check(experiment).into_iter().filter(|f| f.severity == Severity::BadData).collect();
         assert!(bad.is_empty(), "{}: {bad:#?}", experiment.path.display());
     };
     for seed in 10..13 {
@@ -341,16 +351,17 @@ fn clean_recordings_raise_no_alarm() {
         for name in ["CHY027", "KAU039", "TAP089"] {
             quiet(&Experiment::load(&tables.join(format!("{name}.toml"))).unwrap());
         }
-        for (file, end) in [
-            ("1999_921_CHY027_NS.csv", 90.05),
-            ("1999_921_KAU039_NS.csv", 61.06),
-            ("2004_1015_TAP089_NS.csv", 72.05),
-        ] {
+        for (file, end) in
+            [("1999_921_CHY027_NS.csv", 90.05), ("1999_921_KAU039_NS.csv", 61.06), ("2004_1015_TAP089_NS.csv", 72.05)]
+        {
             quiet(&load(&folder, &valve_to_velocity(&tables.join(file), end, FULL)));
         }
     }
     if let Some(axis) = data("emps") {
-        let runs = [axis_run(&axis, "DATA_EMPS.mat", "use = \"fit\""), axis_run(&axis, "DATA_EMPS_PULSES.mat", "use = \"holdout\"")];
+        let runs = [
+            axis_run(&axis, "DATA_EMPS.mat", "use = \"fit\""),
+            axis_run(&axis, "DATA_EMPS_PULSES.mat", "use = \"holdout\""),
+        ];
         quiet(&load(&folder, &format!("{AXIS}{PULSES}{}", runs.concat())));
     }
     if let Some(drives) = data("coupled_drives/drive.mat") {

@@ -10,6 +10,9 @@ use crate::recording::signal::{filled, segment_length, spectra};
 /// Windows of the response: each point smooths over `(TAPERS + 1) / (2 duration)` Hz to either side.
 const TAPERS: usize = 12;
 
+/// Power of the input over its strongest below which a frequency counts as not driven.
+const DRIVEN: f64 = 1e-7;
+
 /// Longest segment of a power spectrum, samples.
 const LONGEST: usize = 4096;
 
@@ -35,9 +38,19 @@ pub struct Leftover {
     pub floor: f64,
 }
 
-/// Both responses of a channel; `model` holds one simulated value a sample.
+/// Both responses of a channel where the input drives it; `model` holds one simulated value a sample.
 pub fn responses(run: &Run, measured: &Measured, model: &[f64]) -> Result<Responses, ResponseError> {
-    let of = |output: &[f64]| multitaper(&[(run.input.as_slice(), output)], run.dt, TAPERS);
+    let drive = spectra(&run.input, &run.input, run.dt, segment_length(run.len(), LONGEST));
+    let strongest = drive.input.iter().copied().fold(0.0, f64::max);
+    let driven = |frequency: f64| {
+        let bin = drive.frequency.partition_point(|f| *f < frequency);
+        drive.input.get(bin).is_some_and(|power| *power > DRIVEN * strongest)
+    };
+    let of = |output: &[f64]| -> Result<Response, ResponseError> {
+        let mut response = multitaper(&[(run.input.as_slice(), output)], run.dt, TAPERS)?;
+        response.points.retain(|p| driven(p.frequency));
+        Ok(response)
+    };
     Ok(Responses { measured: of(&filled(&measured.values))?, model: of(&filled(model))? })
 }
 

@@ -27,7 +27,8 @@ pub(super) fn page(name: &str, found: &Identified) -> Page {
     }
     let mut standing = vec![Item::Table(standings(found))];
     let judging: &[Run] = if prepared.holdout.is_empty() { &prepared.fit } else { &prepared.holdout };
-    standing.extend(traces::location(&leftover(judging, &found.held_back.predicted)).map(Item::Table));
+    let tables = traces::location(&leftover(judging, &found.held_back.predicted)).into_iter();
+    standing.extend(tables.filter(|t| !t.rows.is_empty()).map(Item::Table));
     sections.push(Section { heading: "What stays unexplained, and where".into(), items: standing });
     if !prepared.holdout.is_empty() {
         sections.push(runs("The runs held back", &prepared.holdout, &found.held_back));
@@ -65,15 +66,17 @@ fn tiles(found: &Identified) -> Vec<(String, String)> {
 /// Fitted parameters with their intervals.
 pub(super) fn parameters(found: &Identified) -> Table {
     let rows = found.quantities.iter().map(|(name, q)| {
-        let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits(x, q.value));
-        vec![name.clone(), digits(q.value, q.value), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
+        // As many places as the deviation warrants.
+        let size = q.std.map_or(1e-2 * q.value.abs(), |std| std);
+        let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits(x, size));
+        vec![name.clone(), digits(q.value, size), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
     });
     table(&["parameter", "value", "std", "90 % from", "90 % to", "unit"], rows.collect(), "Fitted parameters")
 }
 
-/// A number with as many places as one of this size needs.
+/// A number with as many places as show two digits of this size.
 fn digits(number: f64, size: f64) -> String {
-    let places = (4.0 - size.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
+    let places = (1.0 - size.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{number:.places$}")
 }
 
