@@ -19,3 +19,4 @@ pub mod prepare;
 pub mod quantity;
 pub mod spectra;
 pub mod starts;
+pub mod stated;
