@@ -82,8 +82,8 @@ impl What {
 /// Computes the parts asked for, prints their tables, writes `--json` and `--report`.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(folder) = &args.write {
-        let experiment = sweep_recording::write(folder, Paper::default(), args.seed)
-            .map_err(|e| Failure::Work(e.to_string()))?;
+        let experiment =
+            sweep_recording::write(folder, Paper::default(), args.seed).map_err(|e| Failure::Work(e.to_string()))?;
         print(&format!("{0}\n\nNext: shakedown identify {0}\n", experiment.display()));
         return Ok(());
     }

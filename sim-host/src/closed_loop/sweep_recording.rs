@@ -83,8 +83,7 @@ impl Recorded {
     pub fn to_csv(&self) -> String {
         let mut text = String::from("time [s],reference [m],displacement [m],acceleration [m/s2],command\n");
         for k in 0..self.reference.len() {
-            let (time, x, a, u) =
-                (k as f64 * self.dt, self.displacement[k], self.acceleration[k], self.command[k]);
+            let (time, x, a, u) = (k as f64 * self.dt, self.displacement[k], self.acceleration[k], self.command[k]);
             let _ = writeln!(text, "{time:.6},{:.7},{x:.7},{a:.5},{u:.8}", self.reference[k]);
         }
         text
