@@ -19,6 +19,7 @@ mod run;
 mod source;
 mod sweep;
 mod table1;
+mod traces;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

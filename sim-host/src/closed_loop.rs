@@ -19,6 +19,7 @@ pub mod published;
 pub mod saw_tooth;
 pub mod scenario;
 pub mod showcase;
+pub mod sweep_recording;
 pub mod table1;
 pub mod trade_off;
 pub mod trial;

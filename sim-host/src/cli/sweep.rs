@@ -8,11 +8,14 @@ mod slew_rate;
 mod trade_off;
 
 use super::Failure;
-use super::output::Outputs;
+use super::output::{Outputs, print};
 use super::present::{self, Part};
 use super::source::Source;
 use clap::ValueEnum;
+use shakedown::closed_loop::sweep_recording;
+use shakedown::plant::paper::Paper;
 use shakedown::report::Page;
+use std::path::PathBuf;
 
 /// The table's diagrams: Bode curves by amplitude, the saw-tooth, gain trade-off, slew rate, feedforward cancellation.
 #[derive(Debug, clap::Args)]
@@ -20,11 +23,19 @@ use shakedown::report::Page;
   shakedown sweep                                  every part, at the paper's amplitudes and gains
   shakedown sweep bode --gains 3.7,0.6 --amplitudes 1,10,50 --report bode.html
   shakedown sweep slew-rate --flow 6.5 --area 240
-  shakedown sweep trade-off --record kobe.AT2 --json -")]
+  shakedown sweep trade-off --record kobe.AT2 --json -
+  shakedown sweep --write sweeps && shakedown identify sweeps/experiment.toml")]
 pub(crate) struct Args {
     /// What to compute; everything, where nothing is named.
     #[arg(value_enum)]
     parts: Vec<What>,
+    /// Writes simulated sweeps at four amplitudes, with the laboratory's noise, and an experiment for `identify`; computes
+    /// nothing else.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["parts", "json", "report"])]
+    write: Option<PathBuf>,
+    /// Seed of that noise.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "write")]
+    seed: u64,
     #[command(flatten)]
     bode: bode::Args,
     #[command(flatten)]
@@ -70,6 +81,12 @@ impl What {
 
 /// Computes the parts asked for, prints their tables, writes `--json` and `--report`.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(folder) = &args.write {
+        let experiment =
+            sweep_recording::write(folder, Paper::default(), args.seed).map_err(|e| Failure::Work(e.to_string()))?;
+        print(&format!("{0}\n\nNext: shakedown identify {0}\n", experiment.display()));
+        return Ok(());
+    }
     let mut page = Page {
         title: "Sweep".into(),
         lead: "The closed loop of control core and plant (Eq. 7 and the velocity limiter), measured as the paper \

@@ -25,7 +25,6 @@
 
 use super::named;
 use super::trial::Setup;
-use crate::motion::Motion;
 use crate::motion::condition::Recipe;
 use crate::motion::fit::named::Fit;
 use crate::plant::paper::Paper;

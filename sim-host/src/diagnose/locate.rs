@@ -84,6 +84,16 @@ pub fn locate(prepared: &Prepared, baseline: &Fit, decision: &Decision) -> Resul
     })
 }
 
+/// Locates what a model leaves of runs, whatever its physics; `predicted` holds one prediction a run.
+pub fn leftover(runs: &[Run], predicted: &[Predicted]) -> Location {
+    Location {
+        block: None,
+        time: stretches(runs, predicted),
+        frequency: bands(runs, predicted),
+        state: state::shares(runs, predicted),
+    }
+}
+
 /// Residual of a channel in units of its noise.
 pub(super) fn residual(run: &Run, predicted: &Predicted, channel: Channel) -> Option<Vec<f64>> {
     let place = run.measured.iter().position(|m| m.channel == channel)?;

@@ -232,10 +232,11 @@ impl<const N: usize> Sums<N> {
 
     #[inline]
     fn row(&mut self, k: usize, measured: &Measured, model: &Dual<N>) {
-        let residual = (measured.values[k] - model.value) / measured.noise;
-        if residual.is_nan() {
+        // A dropped sample says nothing; a model that ran away must not pass for one that leaves nothing.
+        if measured.values[k].is_nan() {
             return;
         }
+        let residual = (measured.values[k] - model.value) / measured.noise;
         self.squares += residual * residual;
         self.rows += 1;
         let inverse = 1.0 / measured.noise;

@@ -146,6 +146,13 @@ impl Fit {
         Some(self.normal.covariance()?.view((0, 0), (shared, shared)).into_owned())
     }
 
+    /// By how much colour and misfit of the residuals widen each free shared coordinate's variance against white noise
+    /// of the stated size; none where the data do not determine them.
+    pub fn inflation(&self) -> Option<Vec<f64>> {
+        let (robust, white) = (self.covariance()?, self.normal.inverse()?);
+        Some((0..robust.nrows()).map(|i| robust[(i, i)] / white[(i, i)]).collect())
+    }
+
     /// Standard deviation of each shared value in the order of [`Model::values`]; NaN where it was not free.
     pub fn deviations(&self) -> Vec<f64> {
         let covariance = self.covariance();

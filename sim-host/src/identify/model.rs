@@ -135,6 +135,13 @@ impl Yardsticks {
                         it.speed = it.speed.max((later - value).abs() / (span as f64 * run.dt));
                     }
                 }
+            } else if let Some(v) = run.channel(Channel::Velocity) {
+                let mut travelled = 0.0_f64;
+                for value in v.values.iter().filter(|v| v.is_finite()) {
+                    travelled += value * run.dt;
+                    it.displacement = it.displacement.max(travelled.abs());
+                    it.speed = it.speed.max(value.abs());
+                }
             }
         }
         if count > 0.0 {

@@ -62,15 +62,21 @@ impl Normal {
         Some(scaled.cholesky()?.solve(&right).component_mul(&scale))
     }
 
-    /// Covariance of the parameters that holds for coloured and misfitting residuals: the spread of the blocks'
-    /// scores between two inverses of the curvature.
-    pub(super) fn covariance(&self) -> Option<DMatrix<f64>> {
+    /// Inverse of the curvature: the covariance, were the residuals white and of unit size.
+    pub(super) fn inverse(&self) -> Option<DMatrix<f64>> {
         let n = self.gradient.len();
         let scale = DVector::from_fn(n, |i, _| 1.0 / self.matrix[(i, i)].max(1e-300).sqrt());
         let scaled =
             DMatrix::from_fn(n, n, |i, j| self.matrix[(i, j)] * scale[i] * scale[j] + if i == j { 1e-10 } else { 0.0 });
         let inverse = scaled.cholesky()?.inverse();
-        let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
+        Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
+    }
+
+    /// Covariance of the parameters that holds for coloured and misfitting residuals: the spread of the blocks'
+    /// scores between two inverses of the curvature.
+    pub(super) fn covariance(&self) -> Option<DMatrix<f64>> {
+        let n = self.gradient.len();
+        let inverse = self.inverse()?;
         let mut spread = DMatrix::zeros(n, n);
         for block in &self.blocks {
             spread += block * block.transpose();

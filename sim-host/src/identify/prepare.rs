@@ -1,6 +1,7 @@
 //! From an experiment as it was read to the model and runs a fit works on.
 
 use super::data::{Channel, Measured, Run};
+use super::floor::{floors, least};
 use super::model::{Model, Placed, Value, Yardsticks};
 use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Entry, Role, entry};
@@ -34,6 +35,19 @@ pub enum PrepareError {
         /// What is wrong with it.
         problem: String,
     },
+    /// A controller whose ticks do not fall on the samples.
+    #[error(
+        "{run}: `controller_rate_hz` is {controller:.4} Hz and the recording's rate {recording:.4} Hz; the first must be \
+         a whole multiple of the second; resample the recording to the controller's rate"
+    )]
+    ControllerRate {
+        /// The run.
+        run: String,
+        /// Rate of the controller, Hz.
+        controller: f64,
+        /// Rate of the recording, Hz.
+        recording: f64,
+    },
     /// The control core as a recording's controller.
     #[error("{run}: `controller = {{ core = ... }}` cannot be differentiated; state its plain gains as {{ kp, ki }}")]
     CoreController {
@@ -58,7 +72,7 @@ pub struct Prepared {
 /// Turns an experiment into what fits and diagnoses work on.
 pub fn prepare(experiment: &Experiment) -> Result<Prepared, PrepareError> {
     let runs = |purpose| -> Result<Vec<Run>, PrepareError> {
-        experiment.runs_for(purpose).map(|run| of_recording(run, &experiment.model)).collect()
+        experiment.runs_for(purpose).map(|run| of_recording(run, &experiment.model, &experiment.runs)).collect()
     };
     let (fit, holdout) = (runs(Use::Fit)?, runs(Use::HoldOut)?);
     if fit.is_empty() {
@@ -126,7 +140,7 @@ fn own_value(given: Option<f64>, positive: bool, free: bool, yardsticks: &Yardst
     }
 }
 
-fn of_recording(run: &recording::Run, model: &recording::Model) -> Result<Run, PrepareError> {
+fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording::Run]) -> Result<Run, PrepareError> {
     use recording::{Channel as C, Law as L};
     let law = match run.law {
         L::Open => Law::Recorded,
@@ -139,9 +153,9 @@ fn of_recording(run: &recording::Run, model: &recording::Model) -> Result<Run, P
     let input = run.channel(driver).unwrap_or(&run.time).to_vec();
     let input =
         filled(&input).ok_or_else(|| PrepareError::EmptyChannel { run: run.name.clone(), channel: driver.name() })?;
-    let mut measured = measured(run, law, &model.baseline)?;
     let filter = model.bandwidth_hz.map(|corner| Butterworth::low_pass(4, corner).design(run.dt)).transpose();
     let filter = filter.map_err(|e| PrepareError::Bandwidth { run: run.name.clone(), problem: e.to_string() })?;
+    let mut measured = measured(run, law, &model.baseline, &floors(run, all, filter.as_ref()))?;
     let balance = matches!(model.baseline, recording::Baseline::ForceBalance(_));
     let motion = balance.then(|| motion_of(run)).transpose()?;
     if let Some(filter) = &filter {
@@ -151,8 +165,9 @@ fn of_recording(run: &recording::Run, model: &recording::Model) -> Result<Run, P
             channel.values = channel.values.iter().zip(smooth).map(kept).collect();
         }
     }
-    let ticks = run.controller_rate_hz.map_or(1.0, |rate| (rate * run.dt).round()).max(1.0) as usize;
-    let added = run.channel(C::Disturbance).and_then(filled).unwrap_or_default();
+    let ticks = ticks(run)?;
+    // A recorded command that drives the model holds what was added to it.
+    let added = run.channel(C::Disturbance).filter(|_| law.simulates_reference()).and_then(filled).unwrap_or_default();
     Ok(Run {
         name: run.name.clone(),
         dt: run.dt,
@@ -166,6 +181,16 @@ fn of_recording(run: &recording::Run, model: &recording::Model) -> Result<Run, P
         motion,
         filter,
     })
+}
+
+/// Controller ticks in one sample.
+fn ticks(run: &recording::Run) -> Result<usize, PrepareError> {
+    let ratio = run.controller_rate_hz.map_or(1.0, |rate| rate * run.dt);
+    if (ratio - ratio.round().max(1.0)).abs() > 0.02 * ratio {
+        let (controller, recording) = (ratio / run.dt, 1.0 / run.dt);
+        return Err(PrepareError::ControllerRate { run: run.name.clone(), controller, recording });
+    }
+    Ok(ratio.round() as usize)
 }
 
 /// The measured motion that drives a force balance: what is not measured follows from what is, and an acceleration that
@@ -200,7 +225,12 @@ fn earlier(series: &[f64], by: f64) -> Vec<f64> {
 
 /// The channels a run is compared with. A channel is judged where its noise is known; where neither displacement nor
 /// acceleration states it, the controller's effort is judged instead, for feedback hides a mismatch in position.
-fn measured(run: &recording::Run, law: Law, baseline: &recording::Baseline) -> Result<Vec<Measured>, PrepareError> {
+fn measured(
+    run: &recording::Run,
+    law: Law,
+    baseline: &recording::Baseline,
+    floors: &recording::PerChannel<f64>,
+) -> Result<Vec<Measured>, PrepareError> {
     use recording::Channel as C;
     const COMPARED: [(C, Channel); 6] = [
         (C::Displacement, Channel::Displacement),
@@ -212,6 +242,7 @@ fn measured(run: &recording::Run, law: Law, baseline: &recording::Baseline) -> R
     ];
     let stated = |channel| run.noise.get(channel).is_some();
     let motion_known = stated(C::Displacement) || stated(C::Acceleration);
+    let speed_alone = run.channel(C::Displacement).is_none() && run.channel(C::Acceleration).is_none();
     let balance = matches!(baseline, recording::Baseline::ForceBalance(_));
     let effort = !motion_known && law.simulates_reference() && run.channel(C::Command).is_some();
     let mut all = Vec::new();
@@ -227,26 +258,13 @@ fn measured(run: &recording::Run, law: Law, baseline: &recording::Baseline) -> R
             _ if balance => channel == Channel::PressureDifference,
             Channel::Command => effort,
             Channel::Displacement | Channel::Acceleration => !effort && (noise.is_some() || !motion_known),
-            Channel::Velocity => !effort && noise.is_some(),
+            Channel::Velocity => !effort && (noise.is_some() || speed_alone),
             Channel::PressureDifference | Channel::SupplyPressure => !effort,
         };
-        let noise = noise.unwrap_or_else(|| fast_noise(&values));
+        let noise = noise.or(floors.get(source).map(|floor| floor / start.abs())).unwrap_or_else(|| least(&values));
         all.push(Measured { channel, values, noise, judged });
     }
     Ok(all)
-}
-
-/// Noise from third differences, which a smooth signal hardly has: a floor where none is stated.
-fn fast_noise(values: &[f64]) -> f64 {
-    let mut differences: Vec<f64> =
-        values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).filter(|d| d.is_finite()).collect();
-    if differences.is_empty() {
-        return 1.0;
-    }
-    let middle = differences.len() / 2;
-    let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
-    let scale = values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
-    (*median / (0.6745 * 20.0_f64.sqrt())).max(1e-6 * scale).max(1e-12)
 }
 
 /// Mean of the first samples, taken at rest.

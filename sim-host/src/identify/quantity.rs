@@ -1,14 +1,12 @@
 //! Fitted values with their uncertainty, by name, and the model file that holds them.
 
 use super::fit::Fit;
+use super::interval::{Interval, NINETY};
 use crate::plant::effects::Role;
 use crate::plant::model::Kind;
 use crate::recording;
 use serde::Serialize;
 use std::collections::BTreeMap;
-
-/// Half width of a 90 % interval in standard deviations.
-const NINETY: f64 = 1.645;
 
 /// A number with its uncertainty and unit.
 #[derive(Debug, Clone, Serialize)]
@@ -50,14 +48,32 @@ pub fn quantities(fit: &Fit) -> BTreeMap<String, Quantity> {
     .collect()
 }
 
+/// The same with profile intervals, one a shared value in the order of [`super::model::Model::values`]. Where an end is
+/// open there is no standard deviation either: the data do not determine the value, or from one side only.
+pub fn profiled(fit: &Fit, intervals: &[Option<Interval>]) -> BTreeMap<String, Quantity> {
+    let mut quantities = quantities(fit);
+    for (name, interval) in fit.model.names().iter().zip(intervals) {
+        let (Some(interval), Some(quantity)) = (interval, quantities.get_mut(name)) else { continue };
+        (quantity.low, quantity.high) = (interval.low, interval.high);
+        quantity.std = quantity.std.filter(|_| interval.is_closed());
+    }
+    quantities
+}
+
 /// The stated model with its fitted values and the effects that were added.
 pub fn stated_with(stated: &recording::Model, fit: &Fit) -> recording::Model {
+    stated_as(stated, fit, &quantities(fit))
+}
+
+/// The same with quantities that are at hand. What the data do not determine at all stays as it was stated.
+pub fn stated_as(stated: &recording::Model, fit: &Fit, quantities: &BTreeMap<String, Quantity>) -> recording::Model {
     use recording::{Accuracy, Place, StatedEffect};
     let mut model = stated.clone();
-    let quantities = quantities(fit);
     let accuracy = |q: &Quantity| Accuracy { std: q.std, low: q.low, high: q.high };
     for parameter in fit.model.kind.parameters() {
-        let Some(quantity) = quantities.get(parameter.key).filter(|q| q.std.is_some()) else { continue };
+        let given = stated.baseline.parameters().iter().any(|(name, _)| *name == parameter.key);
+        let known = |q: &&Quantity| q.std.is_some() || (given && (q.low.is_some() || q.high.is_some()));
+        let Some(quantity) = quantities.get(parameter.key).filter(known) else { continue };
         if model.baseline.set(parameter.key, quantity.value) {
             model.accuracy.insert(parameter.key.to_owned(), accuracy(quantity));
         }

@@ -34,7 +34,8 @@ pub struct Drive<'a> {
     pub ticks: usize,
     /// Reference displacement at each sample, m; the command itself where the law is [`Law::Recorded`].
     pub input: &'a [f64],
-    /// Measured command increments added to what the controller sends, one for each sample; empty for none.
+    /// Known increments added to what the controller sends, one for each sample; empty for none. The command that a
+    /// trace shows holds them, as the recorded one does.
     pub added: &'a [f64],
     /// The controller that ran.
     pub law: Law,
@@ -132,7 +133,7 @@ fn run<S: Scalar, const M: usize>(mut dynamics: Dynamics<S, M>, drive: &Drive, s
     let mut state = dynamics.rest(start);
     let n = drive.input.len();
     let mut trace = Trace::with_capacity(n);
-    let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64);
+    let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, start.velocity);
     let steps = substeps(drive, dynamics.fastest(drive.sharp), dynamics.whole_steps());
     let total = drive.ticks * steps;
     let h = drive.dt / total as f64;
@@ -149,7 +150,7 @@ fn run<S: Scalar, const M: usize>(mut dynamics: Dynamics<S, M>, drive: &Drive, s
                 state.command = command + drive.added.get(k).copied().unwrap_or(0.0);
                 if step == 0 {
                     trace.displacement.push(measured);
-                    trace.command.push(command);
+                    trace.command.push(state.command);
                 }
             }
             dynamics.begin_step(&mut state, h);

@@ -18,6 +18,7 @@ mod quantisation;
 mod replay;
 mod skew;
 mod stuck;
+mod ticks;
 mod timing;
 
 pub(crate) use consistency::relation;

@@ -166,6 +166,11 @@ impl<'a> Entry<'a> {
         }
     }
 
+    /// True or false.
+    pub(crate) fn boolean(&self) -> Result<bool, RecordingError> {
+        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false"))
+    }
+
     /// A string.
     pub(crate) fn string(&self) -> Result<&'a str, RecordingError> {
         self.value.as_str().ok_or_else(|| self.wrong_type("a string"))

@@ -2,6 +2,7 @@
 
 use super::document::{Entry, Section, Source, parse, unknown_key};
 use super::error::{Place, Problem, RecordingError, nearest};
+use crate::plant::effects;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -80,7 +81,9 @@ impl Model {
         let bandwidth_hz = section.get("bandwidth_hz").map(|e| e.positive()).transpose()?;
         let fit = section.get("fit").map(|e| fitted(&e, &baseline, &effects)).transpose()?.unwrap_or_default();
         section.finish()?;
-        Ok(Self { baseline, effects, fit, bandwidth_hz, accuracy })
+        let model = Self { baseline, effects, fit, bandwidth_hz, accuracy };
+        model.check_library()?;
+        Ok(model)
     }
 
     fn from_file(
@@ -100,6 +103,21 @@ impl Model {
         }
         section.finish()?;
         Ok(model)
+    }
+
+    /// Refuses an effect, or a key of one, that the library does not hold.
+    fn check_library(&self) -> Result<(), RecordingError> {
+        self.check_effects(&effects::identifiers())?;
+        for effect in &self.effects {
+            let keys: Vec<&str> =
+                effects::entry(&effect.id).iter().flat_map(|e| e.parameters).map(|parameter| parameter.key).collect();
+            self.check_effect_keys(&effect.id, &keys)?;
+            let own = self.fit.iter().filter_map(|f| f.strip_prefix(effect.id.as_str())?.strip_prefix('.'));
+            if let Some(key) = own.into_iter().find(|key| !keys.contains(key)) {
+                return Err(effect.place.clone().refuse(unknown_key(key, &keys)));
+            }
+        }
+        Ok(())
     }
 
     /// Refuses an effect whose identifier is not among the known ones.

@@ -1,8 +1,9 @@
 //! The page of a diagnosis: what differs, where, what it is, how much better the model with it foresees.
 
+use super::super::traces::{self, left, over_time};
 use shakedown::diagnose::result::Verdict;
 use shakedown::diagnose::{Diagnosis, Examined};
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+use shakedown::report::{Item, Page, Section, Style, Table};
 
 /// The page.
 pub(super) fn page(name: &str, examined: &Examined) -> Page {
@@ -15,7 +16,7 @@ pub(super) fn page(name: &str, examined: &Examined) -> Page {
         sections.push(location(diagnosis));
         sections.push(candidates(diagnosis));
     }
-    sections.push(traces(examined));
+    sections.push(foreseen(examined));
     Page { title: format!("Diagnosis: {name}"), lead: lead(diagnosis), sections, ..Page::default() }
 }
 
@@ -83,48 +84,13 @@ fn verdict(diagnosis: &Diagnosis) -> Section {
 }
 
 fn findings(diagnosis: &Diagnosis) -> Section {
-    let rows = diagnosis.findings.iter().map(|f| {
-        let [from, to] = [format!("{:.2}", f.from_s), format!("{:.2}", f.to_s)];
-        vec![f.run.clone(), f.channel.to_owned(), f.problem.clone(), from, to, f.remedy.clone()]
-    });
-    let table = Table {
-        columns: ["run", "channel", "problem", "from [s]", "to [s]", "remedy"].map(String::from).into(),
-        rows: rows.collect(),
-        caption: "What the recordings themselves show".into(),
-    };
+    let table = traces::findings(&diagnosis.findings);
     Section { heading: "The recordings".into(), items: vec![Item::Table(table)] }
 }
 
 fn location(diagnosis: &Diagnosis) -> Section {
-    let location = &diagnosis.location;
-    let time = location.time.iter().map(|s| {
-        vec![s.run.clone(), format!("{:.2}", s.from_s), format!("{:.2}", s.to_s), format!("{:.0}", 100.0 * s.share)]
-    });
-    let bands = location
-        .frequency
-        .iter()
-        .map(|b| vec![format!("{:.2}", b.from_hz), format!("{:.2}", b.to_hz), format!("{:.1}", b.ratio)]);
-    let state = location
-        .state
-        .iter()
-        .map(|s| vec![s.variable.to_owned(), s.place.clone(), format!("{:.0}", 100.0 * s.strength)]);
-    let table = |columns: &[&str], rows: Vec<Vec<String>>, caption: &str| {
-        Item::Table(Table { columns: columns.iter().map(|&c| c.to_owned()).collect(), rows, caption: caption.into() })
-    };
-    let items = vec![
-        table(
-            &["run", "from [s]", "to [s]", "share of excess [%]"],
-            time.collect(),
-            "When: stretches with most of the excess",
-        ),
-        table(&["from [Hz]", "to [Hz]", "residual over noise power [1]"], bands.collect(), "At which frequencies"),
-        table(
-            &["quantity", "where", "share explained [%]"],
-            state.collect(),
-            "Along which quantity, cross-validated, without the library",
-        ),
-    ];
-    Section { heading: "Where it is".into(), items }
+    let tables = traces::location(&diagnosis.location);
+    Section { heading: "Where it is".into(), items: tables.into_iter().map(Item::Table).collect() }
 }
 
 fn candidates(diagnosis: &Diagnosis) -> Section {
@@ -141,40 +107,24 @@ fn candidates(diagnosis: &Diagnosis) -> Section {
 }
 
 /// Held-out traces over each other, and what each model leaves.
-fn traces(examined: &Examined) -> Section {
+fn foreseen(examined: &Examined) -> Section {
     let mut items = Vec::new();
     for (i, run) in examined.judging_runs().iter().enumerate() {
-        let time: Vec<f64> = (0..run.len()).map(|k| run.from + k as f64 * run.dt).collect();
         for (j, measured) in run.measured.iter().enumerate() {
             let of = |judged: &shakedown::diagnose::decide::Judged| judged.hold.predicted[i].channels[j].clone();
             let (before, after) = (of(&examined.decision.before), of(&examined.decision.after));
             if before.iter().all(|v| v.is_nan()) {
                 continue;
             }
-            let series = |name: &str, y: Vec<f64>, style| Series { name: name.into(), x: time.clone(), y, style };
-            let left = |model: &[f64]| measured.values.iter().zip(model).map(|(y, m)| y - m).collect::<Vec<_>>();
-            let channel = measured.channel.name().replace('_', " ");
-            let plot = |title: String, series| {
-                Item::Plot(Plot {
-                    title,
-                    x: Axis { label: "time [s]".into(), ..Axis::default() },
-                    y: Axis { label: format!("{channel} [{}]", measured.channel.unit()), ..Axis::default() },
-                    series,
-                    group: Some(run.name.clone()),
-                    ..Plot::default()
-                })
-            };
-            let mut residuals = vec![series("stated model leaves", left(&before), Style::Faint)];
-            let mut curves = vec![
-                series("measured", measured.values.clone(), Style::Line),
-                series("stated model", before, Style::Dashed),
-            ];
+            let mut residuals = vec![("stated model leaves", left(measured, &before), Style::Faint)];
+            let mut curves =
+                vec![("measured", measured.values.clone(), Style::Line), ("stated model", before, Style::Dashed)];
             if !examined.decision.after.added.is_empty() {
-                residuals.push(series("model with what was found leaves", left(&after), Style::Line));
-                curves.push(series("model with what was found", after, Style::Line));
+                residuals.push(("model with what was found leaves", left(measured, &after), Style::Line));
+                curves.push(("model with what was found", after, Style::Line));
             }
-            items.push(plot(format!("{}: {channel}", run.name), curves));
-            items.push(plot(format!("{}: {channel}, measured less model", run.name), residuals));
+            items.push(over_time(run, measured, "", curves));
+            items.push(over_time(run, measured, ", measured less model", residuals));
         }
     }
     Section { heading: "How well each model foresees the runs held back".into(), items }

@@ -23,7 +23,13 @@ pub(super) fn shares(runs: &[Run], predicted: &[Predicted]) -> Vec<StateShare> {
     ];
     let telling = |run: &Run| {
         let judged = judged_channels(run);
-        let order = [Channel::PressureDifference, Channel::Acceleration, Channel::Command, Channel::Displacement];
+        let order = [
+            Channel::PressureDifference,
+            Channel::Acceleration,
+            Channel::Command,
+            Channel::Displacement,
+            Channel::Velocity,
+        ];
         order.into_iter().find(|c| judged.contains(c))
     };
     let mut found = Vec::new();
@@ -53,7 +59,7 @@ fn coordinate(variable: &str, run: &Run, predicted: &Predicted) -> Option<Vec<f6
         run.measured.iter().position(|m| m.channel == channel).map(|i| predicted.channels[i].clone())
     };
     let velocity = || {
-        let x = series(Channel::Displacement)?;
+        let Some(x) = series(Channel::Displacement) else { return series(Channel::Velocity) };
         let n = x.len();
         Some((0..n).map(|k| (x[(k + 1).min(n - 1)] - x[k.saturating_sub(1)]) / (2.0 * run.dt)).collect::<Vec<_>>())
     };

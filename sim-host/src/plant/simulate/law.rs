@@ -44,9 +44,9 @@ impl Law {
         if matches!(self, Self::Recorded) { 0.0 } else { 1.0 }
     }
 
-    /// The law at the start of a run, run every `tick` seconds.
-    pub(super) fn begin<S: Scalar>(self, tick: f64) -> Running<S> {
-        Running { law: self, tick, sum: S::from(0.0), before: None }
+    /// The law at the start of a run that begins with this velocity (m/s), run every `tick` seconds.
+    pub(super) fn begin<S: Scalar>(self, tick: f64, velocity: S) -> Running<S> {
+        Running { law: self, tick, sum: S::from(0.0), velocity, before: None }
     }
 }
 
@@ -56,6 +56,8 @@ pub(super) struct Running<S> {
     law: Law,
     tick: f64,
     sum: S,
+    /// Velocity before the first tick, m/s.
+    velocity: S,
     before: Option<S>,
 }
 
@@ -69,7 +71,7 @@ impl<S: Scalar> Running<S> {
                 error * kp + self.sum * (ki * self.tick)
             }
             Law::Cascade { kp, kv } => {
-                let velocity = (displacement - self.before.unwrap_or(displacement)) / self.tick;
+                let velocity = self.before.map_or(self.velocity, |before| (displacement - before) / self.tick);
                 self.before = Some(displacement);
                 (error * kp - velocity) * kv
             }

@@ -1,6 +1,7 @@
 //! Does the stated controller, given the recorded reference and motion, produce the recorded command?
 
 use super::missing::longest;
+use super::ticks::Ticks;
 use super::{Fault, Finding, Severity};
 use crate::recording::channel::{Channel, PerChannel};
 use crate::recording::law::Law;
@@ -42,16 +43,18 @@ impl Replay {
         if let Some(known) = get(Channel::Disturbance) {
             command.iter_mut().zip(&known).for_each(|(u, d)| *u -= d);
         }
+        let ticks = Ticks::of(run);
         let error: Vec<f64> = reference.iter().zip(&displacement).map(|(r, x)| r - x).collect();
         // A cut run starts with an unknown integral; every run has an unknown null of the converter.
         match &run.law {
             Law::Open => None,
             Law::ProportionalIntegral { kp, ki } => {
-                let terms = [error.clone(), integral(&error, run.dt)];
+                let terms = ticks.seen(&error, |error, dt| [error.to_vec(), integral(error, dt)]);
                 Some(Self::linear(&command, &terms, [*kp, *ki], ["kp", "ki"]))
             }
             Law::Cascade { kp, kv } => {
-                let velocity = backward(&displacement, run.dt);
+                let [error, _] = ticks.seen(&error, |error, _| [error.to_vec(), Vec::new()]);
+                let [velocity, _] = ticks.seen(&displacement, |x, dt| [backward(x, dt), Vec::new()]);
                 let terms = [error, velocity.iter().map(|v| -v).collect()];
                 Some(Self::linear(&command, &terms, [kp * kv, *kv], ["kp kv", "kv"]))
             }

@@ -152,7 +152,10 @@ fn sources() -> PerChannel<ChannelSource> {
         (Channel::Command, "1"),
     ] {
         let unit = Unit::named(unit).unwrap();
-        sources.set(channel, ChannelSource { origin: Origin::Column(channel.name().into()), unit, noise: None });
+        sources.set(
+            channel,
+            ChannelSource { origin: Origin::Column(channel.name().into()), unit, noise: None, optional: false },
+        );
     }
     sources
 }

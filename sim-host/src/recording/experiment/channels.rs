@@ -14,6 +14,8 @@ pub struct ChannelSource {
     pub unit: Unit,
     /// Stated standard deviation of its noise, SI.
     pub noise: Option<f64>,
+    /// A file without its column is read without the channel.
+    pub optional: bool,
 }
 
 /// A column, or a stated step.
@@ -21,6 +23,8 @@ pub struct ChannelSource {
 pub enum Origin {
     /// The column, or the variable of a MATLAB file.
     Column(String),
+    /// Velocity only: the slope of this column, a displacement; the unit is the column's.
+    Slope(String),
     /// Time only: the file has no time column; its rows are this far apart, s.
     Step(f64),
 }
@@ -45,18 +49,44 @@ pub(super) fn read(root: &Section<'_>) -> Result<PerChannel<ChannelSource>, Reco
 
 fn source(channel: Channel, entry: &Entry<'_>) -> Result<ChannelSource, RecordingError> {
     let section = entry.section()?;
-    let unit = unit_of(channel, &section.required("unit", "write the unit its column is in")?)?;
+    let differentiate = match section.get("differentiate") {
+        Some(entry) if channel == Channel::Velocity => entry.boolean()?,
+        Some(entry) => return Err(entry.refuse(Problem::Contradiction(ONLY_VELOCITY.to_owned()))),
+        None => false,
+    };
+    let measured = if differentiate { Channel::Displacement } else { channel };
+    let unit = unit_of(measured, &section.required("unit", "write the unit its column is in")?)?;
     let step = if channel == Channel::Time { section.get("step") } else { None };
-    let origin = match step {
-        Some(step) => Origin::Step(step.positive()? * unit.factor),
-        None => {
-            Origin::Column(section.required("column", "write the heading of its column")?.string()?.trim().to_owned())
-        }
+    let origin = if let Some(step) = step {
+        Origin::Step(step.positive()? * unit.factor)
+    } else {
+        let column = section.required("column", "write the heading of its column")?.string()?.trim().to_owned();
+        if differentiate { Origin::Slope(column) } else { Origin::Column(column) }
     };
     let noise = section.get("noise").map(|e| e.positive()).transpose()?.map(|n| n * unit.factor);
+    let optional = section.get("optional").map(|e| Ok((e.boolean()?, e))).transpose()?;
+    if let Some((true, entry)) = &optional
+        && !OPTIONAL.contains(&channel)
+    {
+        return Err(
+            entry.refuse(Problem::Contradiction(format!("every file must hold {channel}; leave `optional` out")))
+        );
+    }
     section.finish()?;
-    Ok(ChannelSource { origin, unit, noise })
+    Ok(ChannelSource { origin, unit, noise, optional: optional.is_some_and(|(value, _)| value) })
 }
+
+/// Channels that one file of an experiment may hold and another not.
+const OPTIONAL: [Channel; 6] = [
+    Channel::Disturbance,
+    Channel::Velocity,
+    Channel::Acceleration,
+    Channel::PressureDifference,
+    Channel::SupplyPressure,
+    Channel::SpecimenAcceleration,
+];
+
+const ONLY_VELOCITY: &str = "only velocity can be the slope of another column; leave `differentiate` out";
 
 fn unit_of(channel: Channel, entry: &Entry<'_>) -> Result<Unit, RecordingError> {
     let symbol = entry.string()?;

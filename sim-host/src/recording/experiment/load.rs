@@ -5,6 +5,7 @@ use crate::recording::channel::{Channel, PerChannel};
 use crate::recording::clock::{self, Clock, Grid, NoGrid};
 use crate::recording::error::{Place, Problem, RecordingError};
 use crate::recording::run::{Run, Use};
+use crate::recording::signal::slope;
 use crate::recording::table::{Heading, Table};
 use crate::recording::{file, unit};
 use std::collections::BTreeMap;
@@ -16,50 +17,77 @@ pub(super) fn runs(
     sources: &PerChannel<ChannelSource>,
     folder: &Path,
 ) -> Result<Vec<(Run, Option<Use>)>, RecordingError> {
-    let mut tables: BTreeMap<PathBuf, Table> = BTreeMap::new();
+    let mut tables: BTreeMap<PathBuf, Loaded<'_>> = BTreeMap::new();
     let mut runs = Vec::with_capacity(entries.len());
     for entry in entries {
         let path = folder.join(&entry.file);
         if !tables.contains_key(&path) {
             tables.insert(path.clone(), table(&path, sources, &entry.place)?);
         }
-        let Some(table) = tables.get(&path) else { continue };
+        let Some(loaded) = tables.get(&path) else { continue };
         let shared = entries.iter().filter(|e| e.file == entry.file).count() > 1;
-        runs.push((run(entry, &path, table, sources, shared)?, entry.stated));
+        runs.push((run(entry, &path, loaded, sources, shared)?, entry.stated));
     }
     Ok(runs)
 }
 
+/// A file's columns with the channels they are.
+struct Loaded<'a> {
+    channels: Vec<Wanted<'a>>,
+    table: Table,
+}
+
+/// A column that a channel is made from.
+struct Wanted<'a> {
+    channel: Channel,
+    column: &'a str,
+    unit: unit::Unit,
+    differentiate: bool,
+    optional: bool,
+}
+
 /// The channels that have a column, in the order of the table's columns.
-fn columns(sources: &PerChannel<ChannelSource>) -> Vec<(Channel, &str, unit::Unit)> {
+fn columns(sources: &PerChannel<ChannelSource>) -> Vec<Wanted<'_>> {
     sources
         .iter()
-        .filter_map(|(channel, source)| match &source.origin {
-            Origin::Column(name) => Some((channel, name.as_str(), source.unit)),
-            Origin::Step(_) => None,
+        .filter_map(|(channel, source)| {
+            let (column, differentiate) = match &source.origin {
+                Origin::Column(name) => (name.as_str(), false),
+                Origin::Slope(name) => (name.as_str(), true),
+                Origin::Step(_) => return None,
+            };
+            Some(Wanted { channel, column, unit: source.unit, differentiate, optional: source.optional })
         })
         .collect()
 }
 
-fn table(path: &Path, sources: &PerChannel<ChannelSource>, stated: &Place) -> Result<Table, RecordingError> {
-    let columns = columns(sources);
-    let wanted: Vec<&str> = columns.iter().map(|(_, name, _)| *name).collect();
+fn table<'a>(
+    path: &Path,
+    sources: &'a PerChannel<ChannelSource>,
+    stated: &Place,
+) -> Result<Loaded<'a>, RecordingError> {
     if !path.exists() {
         let problem =
             format!("there is no file {}; correct `file`, which is relative to the experiment", path.display());
         return Err(stated.clone().refuse(Problem::Contradiction(problem)));
     }
-    let table = file::read(path, &wanted)?;
-    for ((_, name, unit), heading) in columns.iter().zip(&table.headings) {
-        Heading::agrees(heading, *unit, Place::line(path, 1).column(name))?;
+    let mut channels = columns(sources);
+    if channels.iter().any(|w| w.optional) {
+        let headings = file::headings(path)?;
+        channels.retain(|w| !w.optional || headings.iter().any(|h| h.text == w.column || h.name == w.column));
     }
-    Ok(table)
+    let names: Vec<&str> = channels.iter().map(|w| w.column).collect();
+    let table = file::read(path, &names)?;
+    for (wanted, heading) in channels.iter().zip(&table.headings) {
+        Heading::agrees(heading, wanted.unit, Place::line(path, 1).column(wanted.column))?;
+    }
+    Ok(Loaded { channels, table })
 }
 
 fn run(
     entry: &RunEntry,
     path: &Path,
-    table: &Table,
+    Loaded { channels: wanted, table }: &Loaded<'_>,
     sources: &PerChannel<ChannelSource>,
     shared: bool,
 ) -> Result<Run, RecordingError> {
@@ -78,9 +106,10 @@ fn run(
     let grid = clock::lay(&stamps[from..to]).map_err(|e| no_grid(e, path))?;
     let mut channels = PerChannel::default();
     let mut noise = PerChannel::default();
-    for ((channel, _, unit), column) in columns(sources).into_iter().zip(&table.columns) {
+    for (&Wanted { channel, unit, differentiate, .. }, column) in wanted.iter().zip(&table.columns) {
         if channel != Channel::Time {
-            channels.set(channel, on_grid(&grid, &column[from..to], unit.factor));
+            let samples = on_grid(&grid, &column[from..to], unit.factor);
+            channels.set(channel, if differentiate { slope(&samples, grid.dt) } else { samples });
         }
         if let Some(stated) = sources.get(channel).and_then(|s| s.noise) {
             noise.set(channel, stated);
@@ -113,7 +142,7 @@ fn stamps(table: &Table, sources: &PerChannel<ChannelSource>, rows: usize) -> Ve
     match sources.get(Channel::Time).map(|s| (&s.origin, s.unit)) {
         Some((Origin::Step(step), _)) => (0..rows).map(|k| k as f64 * step).collect(),
         // Time is the first channel, so the table's first column is its.
-        Some((Origin::Column(_), unit)) => {
+        Some((Origin::Column(_) | Origin::Slope(_), unit)) => {
             table.columns.first().map_or_else(Vec::new, |c| c.iter().map(|t| t * unit.factor).collect())
         }
         None => Vec::new(),

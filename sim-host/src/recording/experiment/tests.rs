@@ -123,12 +123,17 @@ fn a_message_names_the_place_and_the_remedy() {
 fn effects_are_checked_against_what_the_library_knows() {
     let model =
         MODEL.to_owned() + "effects = [\"null_bais\"]\nfit = [\"null_bais\"]\n[effects.null_bais]\nofset = 1e-3\n";
-    let experiment = load(&[&model, CHANNELS, RUN].concat()).unwrap();
-    let unknown = experiment.model.check_effects(&["null_bias", "backlash"]).unwrap_err().to_string();
+    let unknown = load(&[&model, CHANNELS, RUN].concat()).unwrap_err();
     assert!(unknown.contains("line 9") && unknown.contains("did you mean `null_bias`?"), "{unknown}");
-    let key = experiment.model.check_effect_keys("null_bais", &["offset"]).unwrap_err().to_string();
+    let model = model.replace("bais", "bias");
+    let key = load(&[&model, CHANNELS, RUN].concat()).unwrap_err();
     assert!(key.contains("did you mean `offset`?"), "{key}");
-    assert!(experiment.model.fits("null_bais.ofset") && !experiment.model.fits("b0"));
+    let model = model.replace("ofset", "offset");
+    let experiment = load(&[&model, CHANNELS, RUN].concat()).unwrap();
+    assert!(experiment.model.fits("null_bias.offset") && !experiment.model.fits("b0"));
+    let fitted =
+        load(&[&model.replace("fit = [\"null_bias\"]", "fit = [\"null_bias.ofset\"]"), CHANNELS, RUN].concat());
+    assert!(fitted.unwrap_err().contains("did you mean `offset`?"));
 }
 
 #[test]

@@ -1,0 +1,170 @@
+//! The page of an identification: parameters with intervals, both sides in time and frequency, what is left over.
+
+use super::super::traces::{self, left, over_time, table, words};
+use shakedown::diagnose::locate::leftover;
+use shakedown::identify::data::{Measured, Run};
+use shakedown::identify::frequency::{Point, Response};
+use shakedown::identify::judge::Score;
+use shakedown::identify::outcome::Identified;
+use shakedown::identify::spectra;
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+
+/// Coherence below which a point of a measured response is not shown.
+const COHERENT: f64 = 0.5;
+
+/// The page.
+pub(super) fn page(name: &str, found: &Identified) -> Page {
+    let prepared = &found.prepared;
+    let mut first = vec![Item::Tiles(tiles(found))];
+    if !found.quantities.is_empty() {
+        first.push(Item::Table(parameters(found)));
+    }
+    first.extend(found.doubts().into_iter().map(Item::Note));
+    let mut sections = vec![Section { heading: "What was found".into(), items: first }];
+    if !found.findings.is_empty() {
+        let items = vec![Item::Table(traces::findings(&found.findings))];
+        sections.push(Section { heading: "The recordings".into(), items });
+    }
+    let mut standing = vec![Item::Table(standings(found))];
+    let judging: &[Run] = if prepared.holdout.is_empty() { &prepared.fit } else { &prepared.holdout };
+    let tables = traces::location(&leftover(judging, &found.held_back.predicted)).into_iter();
+    standing.extend(tables.filter(|t| !t.rows.is_empty()).map(Item::Table));
+    sections.push(Section { heading: "What stays unexplained, and where".into(), items: standing });
+    if !prepared.holdout.is_empty() {
+        sections.push(runs("The runs held back", &prepared.holdout, &found.held_back));
+    }
+    sections.push(runs("The runs fitted", &prepared.fit, &found.fitted));
+    Page { title: format!("Identification: {name}"), lead: lead(found), sections, ..Page::default() }
+}
+
+/// One sentence that says what came out.
+pub(super) fn lead(found: &Identified) -> String {
+    let judging = if found.prepared.holdout.is_empty() { "no run was held back" } else { "on the runs held back" };
+    format!(
+        "chi2 {:.4} on the runs fitted, {:.4} {judging}; the noise floor is 1.",
+        found.fit.chi2(),
+        found.held_back.chi2
+    )
+}
+
+fn tiles(found: &Identified) -> Vec<(String, String)> {
+    let mut tiles = vec![
+        ("chi2, fitted [1]".into(), format!("{:.3}", found.fit.chi2())),
+        ("chi2, held back [1]".into(), format!("{:.3}", found.held_back.chi2)),
+    ];
+    let judged =
+        |channel| found.prepared.fit.iter().flat_map(|r| &r.measured).any(|m| m.channel == channel && m.judged);
+    for (channel, nrmse) in found.held_back.nrmse.iter().filter(|(channel, _)| judged(*channel)) {
+        tiles.push((
+            format!("R2 of {}, held back [1]", channel.name().replace('_', " ")),
+            format!("{:.5}", 1.0 - nrmse * nrmse),
+        ));
+    }
+    tiles
+}
+
+/// Fitted parameters with their intervals.
+pub(super) fn parameters(found: &Identified) -> Table {
+    let rows = found.quantities.iter().map(|(name, q)| {
+        // As many places as the deviation warrants.
+        let size = q.std.map_or(1e-2 * q.value.abs(), |std| std);
+        let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits(x, size));
+        vec![name.clone(), digits(q.value, size), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
+    });
+    table(&["parameter", "value", "std", "90 % from", "90 % to", "unit"], rows.collect(), "Fitted parameters")
+}
+
+/// A number with as many places as show two digits of this size.
+fn digits(number: f64, size: f64) -> String {
+    let places = (1.0 - size.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{number:.places$}")
+}
+
+fn standings(found: &Identified) -> Table {
+    let of = |score: &Score, channel| {
+        score.nrmse.iter().find(|(c, _)| *c == channel).map_or(String::new(), |(_, e)| format!("{:.3}", 100.0 * e))
+    };
+    let mut rows = Vec::new();
+    for (channel, _) in &found.fitted.nrmse {
+        let measured = || found.prepared.fit.iter().flat_map(|r| &r.measured).filter(|m| m.channel == *channel);
+        let Some(first) = measured().next() else { continue };
+        rows.push(vec![
+            words(first),
+            if measured().any(|m| m.judged) { "yes" } else { "no" }.into(),
+            format!("{:.3e} {}", first.noise, channel.unit()),
+            of(&found.fitted, *channel),
+            of(&found.held_back, *channel),
+        ]);
+    }
+    let columns = ["channel", "fitted to", "noise floor", "error, fitted [%]", "error, held back [%]"];
+    table(&columns, rows, "RMS of what is left over RMS of the measurement about its mean")
+}
+
+fn runs(heading: &str, runs: &[Run], score: &Score) -> Section {
+    let mut items = Vec::new();
+    for (run, predicted) in runs.iter().zip(&score.predicted) {
+        for (measured, model) in run.measured.iter().zip(&predicted.channels) {
+            if model.iter().all(|v| v.is_nan()) {
+                continue;
+            }
+            let curves =
+                vec![("measured", measured.values.clone(), Style::Line), ("model", model.clone(), Style::Dashed)];
+            let rest = vec![("measured less model", left(measured, model), Style::Line)];
+            items.push(over_time(run, measured, "", curves));
+            items.push(over_time(run, measured, ", measured less model", rest));
+            if measured.judged {
+                items.extend(by_frequency(run, measured, model));
+            }
+        }
+    }
+    Section { heading: heading.into(), items }
+}
+
+/// Gain and phase from the run's input, and the spectrum of what is left.
+fn by_frequency(run: &Run, measured: &Measured, model: &[f64]) -> Vec<Item> {
+    let mut items = Vec::new();
+    let channel = words(measured);
+    let input = if run.law.simulates_reference() { "reference" } else { "command" };
+    if run.motion.is_none()
+        && let Ok(both) = spectra::responses(run, measured, model)
+    {
+        let measured = both.measured.within(0.0, f64::INFINITY, COHERENT);
+        let shown = |p: &&Point| measured.points.iter().any(|m| m.frequency == p.frequency);
+        let model = Response { points: both.model.points.iter().filter(shown).copied().collect() };
+        let plot = |what: &str, unit: &str, of: &dyn Fn(&Response) -> Vec<f64>| {
+            let series = |name: &str, response: &Response, style| Series {
+                name: name.into(),
+                x: response.points.iter().map(|p| p.frequency).collect(),
+                y: of(response),
+                style,
+            };
+            Item::Plot(Plot {
+                title: format!("{}: {what} from {input} to {channel}", run.name),
+                x: Axis { label: "frequency [Hz]".into(), log: true },
+                y: Axis { label: format!("{what} [{unit}]"), log: false },
+                series: vec![series("measured", &measured, Style::Line), series("model", &model, Style::Dashed)],
+                group: Some(format!("{} frequency", run.name)),
+                ..Plot::default()
+            })
+        };
+        if measured.points.len() > 2 {
+            items.push(plot("gain", "dB", &|r| r.points.iter().map(Point::decibels).collect()));
+            items.push(plot("phase", "deg", &Response::unwrapped_degrees));
+        }
+    }
+    let rest = spectra::leftover(run, measured, model);
+    let series = |name: &str, y: Vec<f64>, style| Series { name: name.into(), x: rest.frequency.clone(), y, style };
+    items.push(Item::Plot(Plot {
+        title: format!("{}: spectrum of {channel} and of what is left", run.name),
+        x: Axis { label: "frequency [Hz]".into(), log: true },
+        y: Axis { label: format!("power density [({})2/Hz]", measured.channel.unit()), log: true },
+        series: vec![
+            series("measured", rest.measured.clone(), Style::Faint),
+            series("measured less model", rest.residual.clone(), Style::Line),
+            series("noise floor", vec![rest.floor; rest.frequency.len()], Style::Dashed),
+        ],
+        group: Some(format!("{} frequency", run.name)),
+        ..Plot::default()
+    }));
+    items
+}

@@ -1,0 +1,72 @@
+//! Measured channels beside what models make of them: the same figures for every command that compares the two.
+
+use shakedown::diagnose::locate::Location;
+use shakedown::identify::data::{Measured, Run};
+use shakedown::recording::check::Finding;
+use shakedown::report::{Axis, Item, Plot, Series, Style, Table};
+
+/// One figure over time: a run's channel and curves of it, each with its name and style.
+pub(crate) fn over_time(run: &Run, measured: &Measured, more: &str, curves: Vec<(&str, Vec<f64>, Style)>) -> Item {
+    let time: Vec<f64> = (0..run.len()).map(|k| run.from + k as f64 * run.dt).collect();
+    let channel = words(measured);
+    let series = curves.into_iter().map(|(name, y, style)| Series { name: name.into(), x: time.clone(), y, style });
+    Item::Plot(Plot {
+        title: format!("{}: {channel}{more}", run.name),
+        x: Axis { label: "time [s]".into(), ..Axis::default() },
+        y: Axis { label: format!("{channel} [{}]", measured.channel.unit()), ..Axis::default() },
+        series: series.collect(),
+        group: Some(run.name.clone()),
+        ..Plot::default()
+    })
+}
+
+/// What a model leaves of a channel.
+pub(crate) fn left(measured: &Measured, model: &[f64]) -> Vec<f64> {
+    measured.values.iter().zip(model).map(|(y, m)| y - m).collect()
+}
+
+/// A channel's name in words.
+pub(crate) fn words(measured: &Measured) -> String {
+    measured.channel.name().replace('_', " ")
+}
+
+/// What the recordings themselves show.
+pub(crate) fn findings(findings: &[Finding]) -> Table {
+    let rows = findings.iter().map(|f| {
+        let [from, to] = [format!("{:.2}", f.from_s), format!("{:.2}", f.to_s)];
+        vec![f.run.clone(), f.channel.to_owned(), f.problem.clone(), from, to, f.remedy.clone()]
+    });
+    table(&["run", "channel", "problem", "from [s]", "to [s]", "remedy"], rows.collect(), "What the recordings show")
+}
+
+/// Where a residual lies: in time, in frequency, along a quantity.
+pub(crate) fn location(location: &Location) -> [Table; 3] {
+    let share = |part: f64| format!("{:.0}", 100.0 * part);
+    let time = location
+        .time
+        .iter()
+        .map(|s| vec![s.run.clone(), format!("{:.2}", s.from_s), format!("{:.2}", s.to_s), share(s.share)]);
+    let bands = location
+        .frequency
+        .iter()
+        .map(|b| vec![format!("{:.2}", b.from_hz), format!("{:.2}", b.to_hz), format!("{:.1}", b.ratio)]);
+    let state = location.state.iter().map(|s| vec![s.variable.to_owned(), s.place.clone(), share(s.strength)]);
+    [
+        table(
+            &["run", "from [s]", "to [s]", "share of excess [%]"],
+            time.collect(),
+            "When: stretches with most of the excess",
+        ),
+        table(&["from [Hz]", "to [Hz]", "residual over noise power [1]"], bands.collect(), "At which frequencies"),
+        table(
+            &["quantity", "where", "share explained [%]"],
+            state.collect(),
+            "Along which quantity, cross-validated, without the library",
+        ),
+    ]
+}
+
+/// A table.
+pub(crate) fn table(columns: &[&str], rows: Vec<Vec<String>>, caption: &str) -> Table {
+    Table { columns: columns.iter().map(|&c| c.to_owned()).collect(), rows, caption: caption.into() }
+}

@@ -1,0 +1,122 @@
+//! An identification from end to end: fitted, with intervals, judged on the runs held back.
+
+use super::fit::Fit;
+use super::interval::{Interval, profiles};
+use super::judge::{Score, score};
+use super::prepare::{PrepareError, Prepared, prepare};
+use super::quantity::{Quantity, profiled, stated_as};
+use super::starts;
+use crate::plant::simulate::SimulateError;
+use crate::recording::check::{Finding, check, is_bad_data};
+use crate::recording::{self, Experiment};
+use std::collections::BTreeMap;
+
+/// An interval wider than this factor tells hardly more than the order of magnitude.
+const WIDE: f64 = 3.0;
+
+/// Why nothing was identified.
+#[derive(Debug, thiserror::Error)]
+pub enum IdentifyError {
+    /// The recordings cannot be believed.
+    #[error("{}", told(.0))]
+    BadData(Vec<Finding>),
+    /// The experiment cannot be fitted.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// The model cannot be simulated.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+}
+
+fn told(findings: &[Finding]) -> String {
+    let grave = findings.iter().filter(|f| f.severity == recording::Severity::BadData);
+    let lines: Vec<String> = grave
+        .map(|f| format!("{}, {}, {:.3} to {:.3} s: {}; {}", f.run, f.channel, f.from_s, f.to_s, f.problem, f.remedy))
+        .collect();
+    lines.join("\n")
+}
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct Identified {
+    /// Model and runs as they were fitted.
+    pub prepared: Prepared,
+    /// The fit.
+    pub fit: Fit,
+    /// The 90 % interval of every shared value in the order of the model's; none where it was not free.
+    pub intervals: Vec<Option<Interval>>,
+    /// Every value that was free, by name.
+    pub quantities: BTreeMap<String, Quantity>,
+    /// Standing on the runs fitted.
+    pub fitted: Score,
+    /// Standing on the runs held back; on those fitted where none was.
+    pub held_back: Score,
+    /// What is worth knowing of the recordings.
+    pub findings: Vec<Finding>,
+}
+
+/// Fits an experiment's model, profiles its parameters and judges it.
+pub fn identify(experiment: &Experiment) -> Result<Identified, IdentifyError> {
+    let findings = check(experiment);
+    if is_bad_data(&findings) {
+        return Err(IdentifyError::BadData(findings));
+    }
+    let prepared = prepare(experiment)?;
+    let fit = starts::fitted(&prepared)?;
+    let intervals = profiles(&fit, &prepared.fit)?;
+    let free: Vec<String> =
+        fit.model.names().into_iter().zip(fit.model.values()).filter(|(_, v)| v.free).map(|(n, _)| n).collect();
+    let mut quantities = profiled(&fit, &intervals);
+    quantities.retain(|name, _| free.contains(name));
+    let fitted = score(&fit.model, &prepared.fit)?;
+    let held_back = if prepared.holdout.is_empty() { fitted.clone() } else { score(&fit.model, &prepared.holdout)? };
+    Ok(Identified { prepared, fit, intervals, quantities, fitted, held_back, findings })
+}
+
+impl Identified {
+    /// The stated model with the values found, for `table.toml`.
+    pub fn model(&self, stated: &recording::Model) -> recording::Model {
+        stated_as(stated, &self.fit, &self.quantities)
+    }
+
+    /// What these runs do not say, one sentence each.
+    pub fn doubts(&self) -> Vec<String> {
+        self.quantities.iter().filter_map(|(name, q)| doubt(name, q)).collect()
+    }
+}
+
+fn doubt(name: &str, q: &Quantity) -> Option<String> {
+    let unit = q.unit;
+    match (q.low, q.high) {
+        (Some(low), None) if name == "velocity_limit" => Some(format!(
+            "velocity_limit: these runs do not reach it; it is at least {low:.4} {unit}. Drive faster to find it"
+        )),
+        (Some(low), None) => Some(format!("{name}: these runs say only that it is at least {low:.4} {unit}")),
+        (None, Some(high)) => Some(format!("{name}: these runs say only that it is at most {high:.4} {unit}")),
+        (None, None) => Some(format!("{name}: these runs do not determine it; fix it, or record other motions")),
+        (Some(low), Some(high)) if low * high > 0.0 && (high / low).abs().max((low / high).abs()) > WIDE => {
+            Some(format!("{name}: hardly determined, {low:.4} to {high:.4} {unit}"))
+        }
+        (Some(low), Some(high)) if low * high <= 0.0 => {
+            Some(format!("{name}: not told from zero, {low:.4} to {high:.4} {unit}"))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_known_is_said() {
+        let q = |low, high| Quantity { value: 0.3, std: None, low, high, unit: "m/s" };
+        let said = |name, low, high| doubt(name, &q(low, high));
+        assert!(said("velocity_limit", Some(0.21), None).unwrap().contains("at least 0.2100 m/s"));
+        assert!(said("b1", None, None).unwrap().contains("do not determine"));
+        assert!(said("b1", None, Some(2.0)).unwrap().contains("at most 2.0000"));
+        assert!(said("b1", Some(0.1), Some(0.9)).unwrap().contains("hardly"));
+        assert!(said("b1", Some(-0.1), Some(0.9)).unwrap().contains("zero"));
+        assert_eq!(said("b1", Some(0.29), Some(0.31)), None);
+    }
+}
