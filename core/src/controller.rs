@@ -139,6 +139,18 @@ impl Controller {
         self.limited = false;
     }
 
+    /// Where the test stands; always running without a guard.
+    #[inline]
+    pub const fn state(&self) -> State {
+        self.supervisor.state()
+    }
+
+    /// Why the guard tripped, until it is reset.
+    #[inline]
+    pub const fn trip(&self) -> Option<Trip> {
+        self.supervisor.cause()
+    }
+
     /// One tick: measure, decide, command.
     pub fn step(&mut self, sample: &Sample) -> Command {
         let missing = self.config.walls.take(sample, &mut self.readings);

@@ -4,10 +4,10 @@
 //! relay. This file turns codes into the core's units and back, feeds it the reference, and passes on what only the
 //! board can see.
 
-use shakedown_core::link::{Cause, Record, Setup, Source};
-use shakedown_core::{Command, Controller, Refused, Relay, Request, Sample, State, Status, Trip};
+use shakedown_core::link::{Cause, Record, Scale, Setup, Source};
+use shakedown_core::{Command, Controller, Mode, Refused, Relay, Request, Sample, State, Trip};
 
-use crate::output::to_code;
+use crate::output::Output;
 use crate::queues::{Entry, LoopEnd, Order, Standing};
 
 /// What the board noticed since the last tick.
@@ -34,6 +34,29 @@ pub struct Outcome {
     pub displacement: f32,
     /// There is a new setup.
     pub new_setup: bool,
+    /// The standing is another than in the last tick.
+    pub changed: bool,
+}
+
+/// The wiring worked out, and what of it the mode reads.
+#[derive(Debug, Clone, Copy)]
+struct Wires {
+    /// The lowest code that is a reading, and how far above it the highest lies.
+    low: u32,
+    span: u32,
+    output: Output,
+    streamed: bool,
+    external: bool,
+}
+
+impl Wires {
+    fn new(setup: &Setup) -> Self {
+        let wiring = &setup.wiring;
+        let full = u32::from(wiring.full_scale);
+        let (low, span) = if wiring.rails_are_faults { (1, full.saturating_sub(2)) } else { (0, u32::from(u16::MAX)) };
+        let streamed = wiring.source == Source::Streamed;
+        Self { low, span, output: Output::new(wiring), streamed, external: setup.control.mode == Mode::Guard }
+    }
 }
 
 /// Everything that decides the output.
@@ -41,8 +64,10 @@ pub struct Outcome {
 pub struct Loop<'a> {
     controller: Controller,
     setup: Setup,
+    wires: Wires,
     queues: LoopEnd<'a>,
-    status: Status,
+    /// The standing of the last tick.
+    told: Standing,
     /// What the board, the stream or a refusal has to say beside the core.
     cause: Option<Cause>,
     tick: u32,
@@ -57,16 +82,15 @@ impl<'a> Loop<'a> {
     /// A loop around a controller made of `setup`. `restarted` when the last reset was none that anyone asked for: it
     /// begins tripped.
     pub fn new(mut controller: Controller, setup: &Setup, queues: LoopEnd<'a>, restarted: bool) -> Self {
-        let mut status = Status { state: State::Off, relay: Relay::Open, ..Status::default() };
-        if restarted && controller.request(Request::Trip).is_ok() {
-            status.state = State::Tripped;
-            status.trip = Some(Trip::External);
+        if restarted {
+            let _ = controller.request(Request::Trip);
         }
         Self {
             controller,
             setup: *setup,
+            wires: Wires::new(setup),
             queues,
-            status,
+            told: Standing { state: State::Off, cause: None },
             cause: restarted.then_some(Cause::Restarted),
             tick: 0,
             until_record: 0,
@@ -79,11 +103,11 @@ impl<'a> Loop<'a> {
     /// Where the test stands and why.
     #[inline]
     pub const fn standing(&self) -> Standing {
-        let cause = match self.status.trip {
+        let cause = match self.controller.trip() {
             None | Some(Trip::External) => self.cause,
             Some(trip) => Some(Cause::Guard(trip)),
         };
-        Standing { state: self.status.state, cause }
+        Standing { state: self.controller.state(), cause }
     }
 
     /// Ticks so far, and records that found no room.
@@ -104,51 +128,59 @@ impl<'a> Loop<'a> {
         if events.emergency_stop || events.supply_low || events.overrun {
             self.trip(events);
         }
-        let mut sample = self.sample(inputs, events.no_sample);
-        if self.setup.wiring.source == Source::Streamed {
-            sample.reference = self.next_point();
-        }
+        let sample = if events.no_sample { self.no_sample() } else { self.sample(inputs) };
         self.reference = sample.reference;
         let command = self.controller.step(&sample);
-        self.status = command.status;
-        let output = match self.probe {
-            Some(code) if self.status.state == State::Off => code.min(self.setup.wiring.full_scale),
-            _ => to_code(command.valve, &self.setup.wiring),
-        };
+        let mut output = self.wires.output.code(command.valve);
+        if let Some(code) = self.probe
+            && self.controller.state() == State::Off
+        {
+            output = code.min(self.setup.wiring.full_scale);
+        }
         self.report(inputs, &command, output);
         self.tick = self.tick.wrapping_add(1);
-        let relay = self.status.relay == Relay::Closed;
-        Outcome { output, relay, displacement: sample.displacement, new_setup }
+        let relay = command.status.relay == Relay::Closed;
+        let standing = self.standing();
+        let changed = standing != self.told;
+        self.told = standing;
+        Outcome { output, relay, displacement: sample.displacement, new_setup, changed }
     }
 
     /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.
     #[inline]
-    fn sample(&self, inputs: [u16; 4], no_sample: bool) -> Sample {
-        let wiring = &self.setup.wiring;
-        let (low, high) = if no_sample {
-            (u16::MAX, 0)
-        } else if wiring.rails_are_faults {
-            (1, wiring.full_scale - 1)
-        } else {
-            (0, u16::MAX)
-        };
-        let read = |scale: &shakedown_core::link::Scale, code: u16| {
-            if code < low || code > high { f32::NAN } else { scale.to_si(code) }
-        };
+    fn sample(&mut self, inputs: [u16; 4]) -> Sample {
         let [reference, displacement, acceleration, external] = inputs;
-        Sample {
-            reference: read(&wiring.reference, reference),
-            displacement: read(&wiring.displacement, displacement),
-            acceleration: read(&wiring.acceleration, acceleration),
-            external: read(&wiring.external, external),
+        let wiring = &self.setup.wiring;
+        let mut sample = Sample {
+            displacement: self.read(&wiring.displacement, displacement),
+            acceleration: self.read(&wiring.acceleration, acceleration),
             ..Sample::default()
+        };
+        if self.wires.external {
+            sample.external = self.read(&wiring.external, external);
         }
+        sample.reference =
+            if self.wires.streamed { self.next_point() } else { self.read(&wiring.reference, reference) };
+        sample
+    }
+
+    #[inline]
+    fn read(&self, scale: &Scale, code: u16) -> f32 {
+        if u32::from(code).wrapping_sub(self.wires.low) > self.wires.span { f32::NAN } else { scale.to_si(code) }
+    }
+
+    /// A tick for which the converter has nothing.
+    #[cold]
+    fn no_sample(&mut self) -> Sample {
+        let none = f32::NAN;
+        let reference = if self.wires.streamed { self.next_point() } else { none };
+        Sample { external: none, ..Sample::new(reference, none, none) }
     }
 
     /// The next point of a streamed reference, m. Its end, and its absence, fade the test out.
     #[inline]
     fn next_point(&mut self) -> f32 {
-        if self.status.state != State::Running {
+        if self.controller.state() != State::Running {
             return self.reference;
         }
         match self.queues.points.dequeue() {
@@ -166,7 +198,7 @@ impl<'a> Loop<'a> {
 
     #[inline(never)]
     fn trip(&mut self, events: Events) {
-        if self.status.state != State::Tripped {
+        if self.controller.state() != State::Tripped {
             self.cause = Some(if events.emergency_stop {
                 Cause::EmergencyStop
             } else if events.supply_low {
@@ -185,6 +217,7 @@ impl<'a> Loop<'a> {
             Some(Order::Setup(setup)) => {
                 let taken = self.controller.retune(&setup.control).is_ok();
                 if taken {
+                    self.wires = Wires::new(&setup);
                     self.setup = setup;
                     self.until_record = 0;
                 }

@@ -38,6 +38,11 @@ const CHORES: &[Chore] = &[
         does: "builds it and runs it in the loop, on an emulated processor [TEST...]",
         run: firmware::replay,
     },
+    Chore {
+        name: "beside",
+        does: "what the core's laws cost beside the same in C and beside idsp's, in instructions",
+        run: firmware::beside,
+    },
     Chore { name: "house", does: "checks file lengths, the direction of dependencies, stray paths", run: house::run },
     Chore {
         name: "figures",

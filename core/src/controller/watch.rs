@@ -122,7 +122,7 @@ impl Watch {
     }
 
     /// One tick with every needed reading there. Gives why the guard should trip.
-    #[inline]
+    #[inline(always)]
     pub(super) fn step(&mut self, config: &Config, readings: &Sample, drive: &Drive) -> Option<Trip> {
         let Some(observer) = &config.observer else {
             self.velocity = readings.velocity;

@@ -119,19 +119,19 @@ impl Supervisor {
 
     /// Where the test stands.
     #[inline]
-    pub fn state(&self) -> State {
+    pub const fn state(&self) -> State {
         self.state
     }
 
     /// Why it tripped, until it is reset.
     #[inline]
-    pub fn cause(&self) -> Option<Trip> {
+    pub const fn cause(&self) -> Option<Trip> {
         self.trip
     }
 
     /// What the relay of the hydraulic block is to do.
     #[inline]
-    pub fn relay(&self) -> Relay {
+    pub const fn relay(&self) -> Relay {
         self.relay
     }
 

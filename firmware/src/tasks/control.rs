@@ -18,8 +18,6 @@ pub(crate) struct Control {
     pub(crate) ticker: Ticker,
     /// Fed once a tick.
     pub(crate) watchdog: Watchdog,
-    /// Ticks since the desk was last woken.
-    pub(crate) quiet: u16,
 }
 
 impl Control {
@@ -41,7 +39,7 @@ impl Control {
         if outcome.new_setup {
             self.take_setup();
         }
-        self.publish();
+        self.publish(outcome.changed);
         self.converters.note_lateness();
     }
 
@@ -55,11 +53,13 @@ impl Control {
 
     /// Tells the others, and wakes the desk when there is something for it.
     #[inline]
-    fn publish(&mut self) {
+    fn publish(&self, changed: bool) {
         let (ticks, dropped) = self.decide.counts();
-        self.quiet += 1;
-        if standing::publish(self.decide.standing(), ticks, dropped) || self.quiet >= MAX_BATCH as u16 {
-            self.quiet = 0;
+        standing::count(ticks, dropped);
+        if changed {
+            standing::publish(self.decide.standing());
+        }
+        if changed || ticks % MAX_BATCH as u32 == 0 {
             line::wake();
         }
     }

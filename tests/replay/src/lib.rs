@@ -11,5 +11,5 @@ pub mod size;
 pub mod world;
 
 pub use error::ReplayError;
-pub use f4::{Ran, follow, run};
+pub use f4::{Mark, Ran, follow, marks, run};
 pub use world::{Line, Tick, World};
