@@ -1,12 +1,12 @@
-//! Hands the workspace's one memory map to the linker, and relinks when it changes. Every image for the board uses this
-//! file.
+//! Hands the board's one memory map to the linker, and relinks when it changes. Every image for the board uses this file.
+//! The map does not lie at the top of the workspace: there the linker would find it before any other image's own.
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 fn main() {
     let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
-    let map = package.ancestors().map(|folder| folder.join("memory.x")).find(|map| map.exists());
-    let map = map.unwrap_or_else(|| Path::new("memory.x").to_owned());
+    let map = package.ancestors().map(|folder| folder.join("firmware/memory.x")).find(|map| map.exists());
+    let map = map.unwrap_or_else(|| Path::new("firmware/memory.x").to_owned());
     println!("cargo:rerun-if-changed={}", map.display());
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;

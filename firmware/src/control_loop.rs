@@ -10,7 +10,7 @@ use shakedown_core::{Command, Controller, Mode, Refused, Relay, Request, Sample,
 use crate::output::Output;
 use crate::queues::{Entry, LoopEnd, Order, Standing};
 
-/// What the board noticed since the last tick.
+/// What the board noticed since the last tick; the default is nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Events {
     /// The emergency-stop circuit is open.
@@ -44,9 +44,13 @@ struct Wires {
     /// The lowest code that is a reading, and how far above it the highest lies.
     low: u32,
     span: u32,
+    displacement: Scale,
+    acceleration: Scale,
+    external: Scale,
+    reference: Scale,
     output: Output,
     streamed: bool,
-    external: bool,
+    guards: bool,
 }
 
 impl Wires {
@@ -55,19 +59,34 @@ impl Wires {
         let full = u32::from(wiring.full_scale);
         let (low, span) = if wiring.rails_are_faults { (1, full.saturating_sub(2)) } else { (0, u32::from(u16::MAX)) };
         let streamed = wiring.source == Source::Streamed;
-        Self { low, span, output: Output::new(wiring), streamed, external: setup.control.mode == Mode::Guard }
+        Self {
+            low,
+            span,
+            displacement: wiring.displacement,
+            acceleration: wiring.acceleration,
+            external: wiring.external,
+            reference: wiring.reference,
+            output: Output::new(wiring),
+            streamed,
+            guards: setup.control.mode == Mode::Guard,
+        }
+    }
+
+    #[inline]
+    fn read(&self, scale: &Scale, code: u16) -> f32 {
+        if u32::from(code).wrapping_sub(self.low) > self.span { f32::NAN } else { scale.to_si(code) }
     }
 }
 
 /// Everything that decides the output.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
+// In this order, so that all that a tick touches lies within reach of one base register.
+#[repr(C)]
 pub struct Loop<'a> {
-    controller: Controller,
-    setup: Setup,
     wires: Wires,
     queues: LoopEnd<'a>,
-    /// The standing of the last tick.
-    told: Standing,
+    /// The core's count of changes when the standing was last told; none of its counts after a change of the cause.
+    told: u16,
     /// What the board, the stream or a refusal has to say beside the core.
     cause: Option<Cause>,
     tick: u32,
@@ -76,6 +95,8 @@ pub struct Loop<'a> {
     probe: Option<u16>,
     /// Reference of the last tick, m.
     reference: f32,
+    controller: Controller,
+    setup: Setup,
 }
 
 impl<'a> Loop<'a> {
@@ -90,7 +111,7 @@ impl<'a> Loop<'a> {
             setup: *setup,
             wires: Wires::new(setup),
             queues,
-            told: Standing { state: State::Off, cause: None },
+            told: u16::MAX,
             cause: restarted.then_some(Cause::Restarted),
             tick: 0,
             until_record: 0,
@@ -123,58 +144,69 @@ impl<'a> Loop<'a> {
 
     /// One tick. `inputs` are the codes of reference, displacement, acceleration and existing command.
     #[inline]
-    pub fn tick(&mut self, inputs: [u16; 4], events: Events) -> Outcome {
+    pub fn tick(&mut self, inputs: [u16; 4]) -> Outcome {
+        let new_setup = self.queues.orders.ready() && self.obey();
+        let sample = self.sample(inputs);
+        self.decide(inputs, sample, new_setup)
+    }
+
+    /// The same when the board has noticed something.
+    #[cold]
+    #[inline(never)]
+    pub fn tick_with(&mut self, inputs: [u16; 4], events: Events) -> Outcome {
         let new_setup = self.queues.orders.ready() && self.obey();
         if events.emergency_stop || events.supply_low || events.overrun {
             self.trip(events);
         }
-        let sample = if events.no_sample { self.no_sample() } else { self.sample(inputs) };
+        let mut sample = self.sample(inputs);
+        if events.no_sample {
+            let reference = if self.wires.streamed { sample.reference } else { f32::NAN };
+            sample = Sample { external: f32::NAN, ..Sample::new(reference, f32::NAN, f32::NAN) };
+        }
+        self.decide(inputs, sample, new_setup)
+    }
+
+    #[inline(always)]
+    fn decide(&mut self, inputs: [u16; 4], sample: Sample, new_setup: bool) -> Outcome {
         self.reference = sample.reference;
         let command = self.controller.step(&sample);
         let mut output = self.wires.output.code(command.valve);
-        if let Some(code) = self.probe
-            && self.controller.state() == State::Off
-        {
-            output = code.min(self.setup.wiring.full_scale);
+        if self.probe.is_some() {
+            output = self.probed(output);
         }
         self.report(inputs, &command, output);
         self.tick = self.tick.wrapping_add(1);
         let relay = command.status.relay == Relay::Closed;
-        let standing = self.standing();
-        let changed = standing != self.told;
-        self.told = standing;
+        let changes = u16::from(self.controller.changes());
+        let changed = changes != self.told;
+        self.told = changes;
         Outcome { output, relay, displacement: sample.displacement, new_setup, changed }
+    }
+
+    /// The probe's code while the test is off, `output` otherwise.
+    #[cold]
+    fn probed(&self, output: u16) -> u16 {
+        match self.probe {
+            Some(code) if self.controller.state() == State::Off => code.min(self.setup.wiring.full_scale),
+            _ => output,
+        }
     }
 
     /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.
     #[inline]
     fn sample(&mut self, inputs: [u16; 4]) -> Sample {
         let [reference, displacement, acceleration, external] = inputs;
-        let wiring = &self.setup.wiring;
+        let wires = &self.wires;
         let mut sample = Sample {
-            displacement: self.read(&wiring.displacement, displacement),
-            acceleration: self.read(&wiring.acceleration, acceleration),
+            displacement: wires.read(&wires.displacement, displacement),
+            acceleration: wires.read(&wires.acceleration, acceleration),
             ..Sample::default()
         };
-        if self.wires.external {
-            sample.external = self.read(&wiring.external, external);
+        if wires.guards {
+            sample.external = wires.read(&wires.external, external);
         }
-        sample.reference =
-            if self.wires.streamed { self.next_point() } else { self.read(&wiring.reference, reference) };
+        sample.reference = if wires.streamed { self.next_point() } else { wires.read(&wires.reference, reference) };
         sample
-    }
-
-    #[inline]
-    fn read(&self, scale: &Scale, code: u16) -> f32 {
-        if u32::from(code).wrapping_sub(self.wires.low) > self.wires.span { f32::NAN } else { scale.to_si(code) }
-    }
-
-    /// A tick for which the converter has nothing.
-    #[cold]
-    fn no_sample(&mut self) -> Sample {
-        let none = f32::NAN;
-        let reference = if self.wires.streamed { self.next_point() } else { none };
-        Sample { external: none, ..Sample::new(reference, none, none) }
     }
 
     /// The next point of a streamed reference, m. Its end, and its absence, fade the test out.
@@ -191,21 +223,26 @@ impl<'a> Loop<'a> {
 
     #[inline(never)]
     fn end_of_stream(&mut self, cause: Option<Cause>) -> f32 {
-        self.cause = cause;
+        self.blame(cause);
         let _ = self.controller.request(Request::Stop);
         self.reference
     }
 
-    #[inline(never)]
+    /// Keeps what the board, the stream or a refusal has to say, and has it told.
+    fn blame(&mut self, cause: Option<Cause>) {
+        self.cause = cause;
+        self.told = u16::MAX;
+    }
+
     fn trip(&mut self, events: Events) {
         if self.controller.state() != State::Tripped {
-            self.cause = Some(if events.emergency_stop {
+            self.blame(Some(if events.emergency_stop {
                 Cause::EmergencyStop
             } else if events.supply_low {
                 Cause::SupplyLow
             } else {
                 Cause::Overrun
-            });
+            }));
             let _ = self.controller.request(Request::Trip);
         }
     }
@@ -234,12 +271,13 @@ impl<'a> Loop<'a> {
         self.probe = None;
         match self.controller.request(request) {
             Ok(()) => {
-                self.cause = (request == Request::Trip).then_some(Cause::Asked);
+                self.blame((request == Request::Trip).then_some(Cause::Asked));
                 if matches!(request, Request::Arm | Request::Stop) {
                     while self.queues.points.dequeue().is_some() {}
                 }
             }
-            Err(Refused::Cause(trip) | Refused::StillMoving(trip)) => self.cause = Some(Cause::Guard(trip)),
+            // A trip that stands has its cause already.
+            Err(Refused::Cause(trip)) if self.controller.state() == State::Off => self.blame(Some(Cause::Guard(trip))),
             Err(_) => {}
         }
     }

@@ -58,7 +58,7 @@ mod tests {
     use super::*;
     use crate::defaults;
     use crate::queues::Queues;
-    use crate::{Events, Loop};
+    use crate::Loop;
     use proptest::prelude::*;
     use shakedown_core::Controller;
     use shakedown_core::link::Scale;
@@ -104,7 +104,7 @@ mod tests {
             let mut queues = Queues::new();
             let controller = Controller::new(&setup.control).unwrap();
             let mut decide = Loop::new(controller, &setup, queues.split().0, false);
-            let outcome = decide.tick([2048, code, 2048, 2048], Events::default());
+            let outcome = decide.tick([2048, code, 2048, 2048]);
             prop_assert_eq!(outcome.output, zero_flow(&setup, setup.wiring.displacement.to_si(code)));
             prop_assert!(!outcome.relay);
         }

@@ -8,17 +8,17 @@ static STANDING: AtomicU32 = AtomicU32::new(0);
 static TICKS: AtomicU32 = AtomicU32::new(0);
 static DROPPED: AtomicU32 = AtomicU32::new(0);
 
-/// Publishes how many ticks there were and how many records found no room.
+/// Publishes how many ticks there were.
 #[inline]
-pub(crate) fn count(ticks: u32, dropped: u32) {
+pub(crate) fn count(ticks: u32) {
     TICKS.store(ticks, Ordering::Relaxed);
-    DROPPED.store(dropped, Ordering::Relaxed);
 }
 
-/// Publishes where the loop stands; needed only when that changed.
+/// Publishes where the loop stands and how many records found no room; needed before the desk is woken.
 #[inline(never)]
-pub(crate) fn publish(standing: Standing) {
+pub(crate) fn publish(standing: Standing, dropped: u32) {
     STANDING.store(standing.to_word(), Ordering::Relaxed);
+    DROPPED.store(dropped, Ordering::Relaxed);
 }
 
 /// What was published last: where the loop stands, ticks, records dropped.

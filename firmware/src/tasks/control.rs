@@ -1,8 +1,8 @@
 //! The tick.
 
 use shakedown_core::link::MAX_BATCH;
-use shakedown_firmware::converters::Converters;
-use shakedown_firmware::{Events, Loop};
+use shakedown_firmware::converters::{Converters, INPUTS};
+use shakedown_firmware::{Events, Loop, Outcome};
 
 use crate::board::{converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog};
 
@@ -24,14 +24,31 @@ impl Control {
     /// One tick: codes in, the loop's decision, a code out.
     #[inline]
     pub(crate) fn tick(&mut self) {
-        let read = self.converters.read();
+        let Ok(inputs) = self.converters.read() else { return self.tick_noticing([0; INPUTS], true) };
+        if self.pins.emergency_stop() | self.pins.supply_low() | self.converters.late() {
+            return self.tick_noticing(inputs, false);
+        }
+        let outcome = self.decide.tick(inputs);
+        self.act(&outcome);
+    }
+
+    /// The same when the board has something to say.
+    #[cold]
+    #[inline(never)]
+    fn tick_noticing(&mut self, inputs: [u16; INPUTS], no_sample: bool) {
         let events = Events {
             emergency_stop: self.pins.emergency_stop(),
             supply_low: self.pins.supply_low(),
             overrun: self.converters.late(),
-            no_sample: read.is_err(),
+            no_sample,
         };
-        let outcome = self.decide.tick(read.unwrap_or_default(), events);
+        let outcome = self.decide.tick_with(inputs, events);
+        self.act(&outcome);
+    }
+
+    /// What follows from a tick on the board.
+    #[inline(always)]
+    fn act(&mut self, outcome: &Outcome) {
         let _ = self.converters.write(outcome.output);
         self.pins.set_relay(outcome.relay);
         self.watchdog.feed();
@@ -55,11 +72,9 @@ impl Control {
     #[inline]
     fn publish(&self, changed: bool) {
         let (ticks, dropped) = self.decide.counts();
-        standing::count(ticks, dropped);
-        if changed {
-            standing::publish(self.decide.standing());
-        }
+        standing::count(ticks);
         if changed || ticks % MAX_BATCH as u32 == 0 {
+            standing::publish(self.decide.standing(), dropped);
             line::wake();
         }
     }

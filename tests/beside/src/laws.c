@@ -1,5 +1,11 @@
 /* The core's laws once more, in C: the same operations in the same order, so that the bits must be the same. */
 
+/* What a call costs. */
+float nothing_c(const float *law, float *s, float x) {
+    (void)law, (void)s;
+    return x;
+}
+
 static float bounded(float x, float limit) {
     if (__builtin_fabsf(x) <= limit) return x;
     if (x < -limit) return -limit;

@@ -7,6 +7,8 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+mod step;
+#[cfg(target_os = "none")]
 mod theirs;
 
 #[cfg(target_os = "none")]
@@ -28,8 +30,8 @@ mod target {
     /// The converter's data register: a write to it is a mark.
     const MARK: *mut u32 = 0x4000_7408 as *mut u32;
     /// Marks the begin of a measurement's steps, with its number, and their end.
-    const BEGIN: u32 = 0x100;
-    const END: u32 = 0x200;
+    pub(super) const BEGIN: u32 = 0x100;
+    pub(super) const END: u32 = 0x200;
     /// Marks a difference between the core's bits and those in C.
     const DIFFERENT: u32 = 0x300;
     const DONE: u32 = 0xFFF;
@@ -40,7 +42,7 @@ mod target {
     const LIMIT: f32 = 0.05;
     const GAINS: LoopGains = LoopGains { proportional: 3.702_05, integral: 0.617_01 };
 
-    fn mark(value: u32) {
+    pub(super) fn mark(value: u32) {
         // SAFETY: a device register; the write is the message.
         unsafe { MARK.write_volatile(value) }
     }
@@ -62,7 +64,7 @@ mod target {
     type ThreeState = (DisplacementState, VelocityState, AccelerationState);
 
     #[inline(never)]
-    extern "C" fn nothing((): &(), (): &mut (), x: f32) -> f32 {
+    extern "C" fn nothing(_: &f32, _: &mut f32, x: f32) -> f32 {
         x
     }
 
@@ -119,7 +121,7 @@ mod target {
         let (Ok(fusion), Ok(low_pass)) = (Fusion::new(2.0, DT), SecondOrder::low_pass(40.0, 0.7, DT)) else {
             return mark(DIFFERENT);
         };
-        measure(0, nothing, &(), &mut ());
+        measure(0, nothing, &0.0, &mut 0.0);
         let ours = [
             measure(1, displacement, &law.0, &mut DisplacementState::default()),
             measure(2, three, &law, &mut ThreeState::default()),
@@ -132,6 +134,7 @@ mod target {
         }
         let _ = black_box(ours);
         theirs::idsp::measure(DT, LIMIT, GAINS);
+        super::step::measure();
     }
 
     pub(super) fn run_one<C, S>(number: u32, step: Step<C, S>, law: &C, state: &mut S) -> u32 {

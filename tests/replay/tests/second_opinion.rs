@@ -11,7 +11,7 @@ use common::{bench::Bench, near_field, setup};
 use shakedown_core::link::Setup;
 use shakedown_core::{Controller, Mode, Request};
 use shakedown_firmware::queues::{DeskEnd, Order, Point, Queues};
-use shakedown_firmware::{Events, Loop};
+use shakedown_firmware::Loop;
 use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
 
 const SECONDS: usize = 60;
@@ -77,7 +77,7 @@ fn tick(decide: &mut Loop<'_>, desk: &mut DeskEnd<'_>, given: &Given) -> Done {
     if let Some(point) = given.point {
         let _ = desk.points.enqueue(Point::new(point).unwrap_or(Point::END));
     }
-    let outcome = decide.tick(given.inputs, Events::default());
+    let outcome = decide.tick(given.inputs);
     while desk.records.dequeue().is_some() {}
     Done { output: outcome.output, relay: outcome.relay }
 }

@@ -36,10 +36,9 @@ impl Given {
         }
         let place = REQUESTS.iter().position(|&request| Some(request) == self.request);
         let request = place.map_or(0, |place| place as u8 + 1);
-        if let [.., a, b, c, d, has, asked] = &mut bytes {
-            [*a, *b, *c, *d] = self.point.unwrap_or(0.0).to_le_bytes();
-            (*has, *asked) = (u8::from(self.point.is_some()), request);
-        }
+        let [.., a, b, c, d, has, asked] = &mut bytes;
+        [*a, *b, *c, *d] = self.point.unwrap_or(0.0).to_le_bytes();
+        (*has, *asked) = (u8::from(self.point.is_some()), request);
         bytes
     }
 

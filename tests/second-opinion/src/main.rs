@@ -9,7 +9,7 @@ mod target {
     use shakedown_core::Controller;
     use shakedown_core::link::Setup;
     use shakedown_firmware::queues::{Order, Point, Queues};
-    use shakedown_firmware::{Events, Loop};
+    use shakedown_firmware::Loop;
     use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
 
     use super::pipe::{Pipe, exit};
@@ -42,7 +42,7 @@ mod target {
             if let Some(point) = given.point {
                 desk.points.enqueue(Point::new(point).unwrap_or(Point::END)).ok()?;
             }
-            let outcome = decide.tick(given.inputs, Events::default());
+            let outcome = decide.tick(given.inputs);
             while desk.records.dequeue().is_some() {}
             output.write(&Done { output: outcome.output, relay: outcome.relay }.to_bytes())?;
         }

@@ -9,6 +9,7 @@ use shakedown_core::math;
 use crate::target::run_one as run;
 
 unsafe extern "C" {
+    safe fn nothing_c(law: &f32, state: &mut f32, x: f32) -> f32;
     safe fn displacement_c(law: &[f32; 3], state: &mut [f32; 1], e: f32) -> f32;
     safe fn three_c(law: &[f32; 14], state: &mut [f32; 8], e: f32) -> f32;
     safe fn observer_c(law: &[f32; 5], state: &mut [f32; 4], x: f32) -> f32;
@@ -25,6 +26,7 @@ pub(crate) fn measure(dt: f32, limit: f32, gains: LoopGains) -> [u32; 4] {
     let (l1, l2, l3) = (y * (1.0 + z + z * z), 1.5 * y * y * (1.0 + z) / dt, y * y * y / (dt * dt));
     let (r, g) = (2.0 * 0.7, math::tan(PI * 40.0 * dt));
     let c1 = 1.0 / (1.0 + g * (g + r));
+    run(8, nothing_c, &0.0, &mut 0.0);
     [
         run(9, displacement_c, &[kp, ki * dt, limit], &mut [0.0; 1]),
         run(10, three_c, &three_law, &mut [0.0; 8]),

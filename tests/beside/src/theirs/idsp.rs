@@ -19,10 +19,11 @@ extern "C" fn section(law: &Biquad<f32>, state: &mut DirectForm2Transposed<f32>,
 
 /// Measures both.
 pub(crate) fn measure(dt: f32, limit: f32, gains: LoopGains) {
-    let mut pid: BiquadClamp<f32> = pid::Builder::default()
+    let pid: Biquad<f32> = pid::Builder::default()
         .gain(pid::Action::P, gains.proportional)
         .gain(pid::Action::I, gains.integral)
         .build(&dt);
+    let mut pid = BiquadClamp::from(pid);
     (pid.min, pid.max) = (-limit, limit);
     run(17, controller, &pid, &mut DirectForm1::default());
     // A low-pass of the core's corner; a step costs the same whatever the coefficients.

@@ -5,7 +5,7 @@ use shakedown::device::Telemetry;
 use shakedown_core::link::Setup;
 use shakedown_core::{Controller, Request, State};
 use shakedown_firmware::queues::{Entry, Order, Point, Queues};
-use shakedown_firmware::{Events, Loop};
+use shakedown_firmware::Loop;
 
 use super::bench::Bench;
 use super::seen::Codes;
@@ -56,7 +56,7 @@ pub fn run(
             desk.points.enqueue(point).unwrap();
         }
         let inputs = bench.codes();
-        let outcome = decide.tick(inputs, Events::default());
+        let outcome = decide.tick(inputs);
         let output = spoil(tick, outcome.output);
         twin.codes.push(Codes { inputs, output, relay: outcome.relay });
         while let Some(entry) = desk.records.dequeue() {
