@@ -46,7 +46,8 @@ struct Outside {
 
 impl Outside {
     fn new(setup: Setup, record: Vec<f32>) -> Self {
-        Self { bench: Bench::new(setup, record.clone()), points: record.into_iter(), relay: false }
+        let points: Vec<f32> = record.iter().copied().chain([f32::NAN]).collect();
+        Self { bench: Bench::new(setup, record), points: points.into_iter(), relay: false }
     }
 
     fn give(&mut self, tick: usize) -> Given {
@@ -56,7 +57,7 @@ impl Outside {
             _ => None,
         };
         // A point ahead of each tick, then the end of the record.
-        let point = (tick >= START).then(|| self.points.next().unwrap_or(f32::NAN));
+        let point = if tick >= START { self.points.next() } else { None };
         Given { inputs: self.bench.codes(), point, request }
     }
 
@@ -75,7 +76,7 @@ fn tick(decide: &mut Loop<'_>, desk: &mut DeskEnd<'_>, given: &Given) -> Done {
         desk.orders.enqueue(Order::Ask(request)).unwrap();
     }
     if let Some(point) = given.point {
-        let _ = desk.points.enqueue(Point::new(point).unwrap_or(Point::END));
+        desk.points.enqueue(Point::new(point).unwrap_or(Point::END)).unwrap();
     }
     let outcome = decide.tick(given.inputs);
     while desk.records.dequeue().is_some() {}
