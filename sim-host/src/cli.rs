@@ -1,6 +1,8 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
 mod demo;
+#[cfg(unix)]
+mod device;
 mod diagnose;
 mod effects;
 mod failure;
@@ -12,6 +14,7 @@ mod output;
 mod present;
 mod progress;
 mod prove;
+mod replay;
 mod run;
 mod source;
 mod sweep;
@@ -36,10 +39,13 @@ enum Command {
     Identify(identify::Args),
     Init(init::Args),
     Demo(demo::Args),
+    #[cfg(unix)]
+    Device(device::Args),
     Modify(Box<modify::Args>),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
     Prove(prove::Args),
+    Replay(replay::Args),
     Run(run::Args),
     Sweep(sweep::Args),
     Table1(table1::Args),
@@ -54,10 +60,13 @@ pub(crate) fn main() -> ExitCode {
             Command::Identify(args) => identify::run(&args),
             Command::Init(args) => init::run(&args),
             Command::Demo(args) => demo::run(&args),
+            #[cfg(unix)]
+            Command::Device(args) => device::run(&args),
             Command::Modify(args) => modify::run(&args),
             Command::Diagnose(args) => diagnose::run(&args),
             Command::Effects(args) => effects::run(&args),
             Command::Prove(args) => prove::run(&args),
+            Command::Replay(args) => replay::run(&args),
             Command::Run(args) => run::run(&args),
             Command::Sweep(args) => sweep::run(&args),
             Command::Table1(args) => table1::run(&args),
