@@ -210,6 +210,8 @@ impl Drive {
             (Step::Start, Report::Refused(RefusedBecause::State(State::Running))) => self.go(Step::Stream),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Challenge)) => self.go(Step::Challenge),
             (Step::Stream, Report::Refused(RefusedBecause::State(_))) => self.go(Step::Stand),
+            // It is armed; this answers the asking once more.
+            (Step::Fill | Step::Start | Step::Stream, Report::Refused(RefusedBecause::Challenge)) => {}
             (_, Report::Refused(because)) => {
                 self.failed = Some(DriveError::Refused { request: self.name(), because });
             }

@@ -31,8 +31,9 @@ pub struct Seen {
     pub talker: Talker,
     /// By tick.
     pub codes: Vec<Codes>,
-    /// Instructions retired up to each tick, and its virtual time, ns.
+    /// Instructions retired up to each tick.
     pub instructions: Vec<u64>,
+    /// Virtual time of each tick, ns.
     pub times: Vec<u64>,
     /// How far the run is.
     pub progress: Progress,

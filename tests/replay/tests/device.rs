@@ -24,8 +24,12 @@ struct Wired {
     master: File,
     bench: Bench,
     codes: Vec<Codes>,
+    /// Both clocks when it was up.
     start: Instant,
+    begun: u64,
     over: Arc<AtomicBool>,
+    /// It ticks, and has sent telemetry: what a host will ask is not the first that the emulator has to translate.
+    up: Arc<AtomicBool>,
 }
 
 impl World for Wired {
@@ -42,7 +46,12 @@ impl World for Wired {
         }
         let sent = self.master.write(tick.line.from_device.make_contiguous()).unwrap_or(0);
         tick.line.from_device.drain(..sent);
-        if let Some(ahead) = Duration::from_nanos(tick.time).checked_sub(self.start.elapsed()) {
+        if self.codes.len() == 200 {
+            self.up.store(true, Ordering::Relaxed);
+            self.start = Instant::now();
+            self.begun = tick.time;
+        }
+        if let Some(ahead) = Duration::from_nanos(tick.time - self.begun).checked_sub(self.start.elapsed()) {
             std::thread::sleep(ahead);
         }
         !self.over.load(Ordering::Relaxed)
@@ -61,15 +70,21 @@ fn with_device(host: impl FnOnce(&Path)) -> Wired {
     tcsetattr(&master, OptionalActions::Now, &terminal).unwrap();
     // Held open, so that the line does not hang up between two commands.
     let _held = File::options().read(true).write(true).open(&port).unwrap();
-    let over = Arc::new(AtomicBool::new(false));
+    let (over, up) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
     let world = Wired {
         master: File::from(master),
         bench: Bench::new(setup(Mode::Controller), Vec::new()),
         codes: Vec::new(),
         start: Instant::now(),
+        begun: 0,
         over: Arc::clone(&over),
+        up: Arc::clone(&up),
     };
     let device = std::thread::spawn(move || shakedown_replay::run(&image(), world).unwrap().world);
+    while !up.load(Ordering::Relaxed) {
+        assert!(!device.is_finished(), "the image did not run");
+        std::thread::sleep(Duration::from_millis(10));
+    }
     host(&port);
     over.store(true, Ordering::Relaxed);
     device.join().unwrap()

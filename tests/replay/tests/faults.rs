@@ -132,8 +132,7 @@ fn garbled_frames_cost_time_and_no_point() {
 #[test]
 fn a_dead_converter_ends_in_a_reset_and_a_trip() {
     let outcome = run(Box::new(|_, _| {}), Some(AT));
-    let reset: Vec<_> = outcome.seen.times.windows(2).filter(|t| t[1] - t[0] > 2_000_000).collect();
-    assert_eq!(outcome.seen.resets, 1, "{reset:?} {:?} {:?}", outcome.opened_after, outcome.seen.times[AT]);
+    assert_eq!(outcome.seen.resets, 1);
     let opened = outcome.opened_after.expect("the relay stayed closed");
     assert!(opened <= 70, "the relay opened after {opened} ms");
     assert_eq!(cause(&outcome), Some(Cause::Restarted));
