@@ -13,6 +13,7 @@ use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::prepare::{PrepareError, Prepared, prepare};
 use crate::identify::quantity::stated_with;
+use crate::identify::stated::believe;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError};
@@ -91,7 +92,8 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     let begun = std::time::Instant::now();
     options.say("checking the recordings", 0.0);
     let findings = check(experiment);
-    let prepared = prepare(experiment)?;
+    let mut prepared = prepare(experiment)?;
+    believe(&mut prepared.model);
     if is_bad_data(&findings) {
         return unfit(prepared, &findings, begun);
     }

@@ -13,3 +13,4 @@ pub mod model;
 mod normal;
 pub mod prepare;
 pub mod quantity;
+pub mod stated;

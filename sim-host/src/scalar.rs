@@ -39,20 +39,24 @@ pub trait Scalar:
     fn chain(self, value: f64, derivative: f64) -> Self;
 
     /// Natural exponential.
+    #[inline]
     fn exp(self) -> Self {
         let e = self.value().exp();
         self.chain(e, e)
     }
     /// Natural logarithm.
+    #[inline]
     fn ln(self) -> Self {
         self.chain(self.value().ln(), 1.0 / self.value())
     }
     /// Square root; the derivative at zero is taken as zero, so that a trajectory through it stays finite.
+    #[inline]
     fn sqrt(self) -> Self {
         let root = self.value().sqrt();
         self.chain(root, if root > 0.0 { 0.5 / root } else { 0.0 })
     }
     /// Hyperbolic tangent.
+    #[inline]
     fn tanh(self) -> Self {
         let t = self.value().tanh();
         self.chain(t, 1.0 - t * t)
@@ -70,18 +74,22 @@ pub trait Scalar:
         (self.ln() * exponent).exp()
     }
     /// Magnitude.
+    #[inline]
     fn abs(self) -> Self {
         if self.value() < 0.0 { -self } else { self }
     }
     /// The larger of two.
+    #[inline]
     fn max(self, other: Self) -> Self {
         if self.value() < other.value() { other } else { self }
     }
     /// The smaller of two.
+    #[inline]
     fn min(self, other: Self) -> Self {
         if self.value() > other.value() { other } else { self }
     }
     /// Held between two limits.
+    #[inline]
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
@@ -149,24 +157,34 @@ impl<const N: usize> Scalar for Dual<N> {
     fn from_parts(part: impl Fn(usize) -> f64) -> Self {
         Self { value: part(0), tangent: std::array::from_fn(|i| part(i + 1)) }
     }
+    #[inline(always)]
     fn value(self) -> f64 {
         self.value
     }
-    #[inline]
-    fn chain(self, value: f64, derivative: f64) -> Self {
-        Self { value, tangent: self.tangent.map(|t| t * derivative) }
+    #[inline(always)]
+    fn chain(mut self, value: f64, derivative: f64) -> Self {
+        self.value = value;
+        for i in 0..N {
+            self.tangent[i] *= derivative;
+        }
+        self
     }
 }
 
-/// Combines two tangents entry by entry.
-#[inline]
+/// Combines two tangents entry by entry. A plain loop: iterators are not always inlined, and this is where a fit spends
+/// its time.
+#[inline(always)]
 fn zip<const N: usize>(a: &[f64; N], b: &[f64; N], f: impl Fn(f64, f64) -> f64) -> [f64; N] {
-    std::array::from_fn(|i| f(a[i], b[i]))
+    let mut out = *a;
+    for i in 0..N {
+        out[i] = f(a[i], b[i]);
+    }
+    out
 }
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, o: Self) -> Self {
         Self { value: self.value + o.value, tangent: zip(&self.tangent, &o.tangent, |a, b| a + b) }
     }
@@ -174,7 +192,7 @@ impl<const N: usize> Add for Dual<N> {
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, o: Self) -> Self {
         Self { value: self.value - o.value, tangent: zip(&self.tangent, &o.tangent, |a, b| a - b) }
     }
@@ -182,7 +200,7 @@ impl<const N: usize> Sub for Dual<N> {
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, o: Self) -> Self {
         let tangent = zip(&self.tangent, &o.tangent, |a, b| a * o.value + b * self.value);
         Self { value: self.value * o.value, tangent }
@@ -191,7 +209,7 @@ impl<const N: usize> Mul for Dual<N> {
 
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn div(self, o: Self) -> Self {
         let (inverse, value) = (1.0 / o.value, self.value / o.value);
         Self { value, tangent: zip(&self.tangent, &o.tangent, |a, b| (a - value * b) * inverse) }
@@ -200,21 +218,21 @@ impl<const N: usize> Div for Dual<N> {
 
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: -self.value, tangent: self.tangent.map(|t| -t) }
+        self.chain(-self.value, -1.0)
     }
 }
 
 impl<const N: usize> AddAssign for Dual<N> {
-    #[inline]
+    #[inline(always)]
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;
     }
 }
 
 impl<const N: usize> SubAssign for Dual<N> {
-    #[inline]
+    #[inline(always)]
     fn sub_assign(&mut self, o: Self) {
         *self = *self - o;
     }
@@ -222,7 +240,7 @@ impl<const N: usize> SubAssign for Dual<N> {
 
 impl<const N: usize> Add<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, o: f64) -> Self {
         Self { value: self.value + o, ..self }
     }
@@ -230,7 +248,7 @@ impl<const N: usize> Add<f64> for Dual<N> {
 
 impl<const N: usize> Sub<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, o: f64) -> Self {
         Self { value: self.value - o, ..self }
     }
@@ -238,7 +256,7 @@ impl<const N: usize> Sub<f64> for Dual<N> {
 
 impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, o: f64) -> Self {
         self.chain(self.value * o, o)
     }
@@ -246,7 +264,7 @@ impl<const N: usize> Mul<f64> for Dual<N> {
 
 impl<const N: usize> Div<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn div(self, o: f64) -> Self {
         self.chain(self.value / o, 1.0 / o)
     }

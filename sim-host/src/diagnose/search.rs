@@ -4,8 +4,10 @@
 use super::Options;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
+use crate::identify::judge::score;
 use crate::identify::model::{Placed, Yardsticks};
 use crate::identify::prepare::{Prepared, candidates};
+use crate::identify::stated::{fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -24,6 +26,8 @@ const MOST: usize = 3;
 const BEAM: usize = 3;
 /// Models of each size that are fitted to the end.
 const FINALISTS: usize = 7;
+/// Models beyond those that are fitted to the end too because they promise most.
+const HOPEFUL: usize = 4;
 /// Starts that are taken further than one look.
 const PROMISING: usize = 18;
 /// A gain of squares no larger than this is nothing: chance over the whole library.
@@ -31,19 +35,24 @@ pub(super) const CHANCE: f64 = 30.0;
 /// chi2 above which a refitted model may be bent.
 const BENT: f64 = 4.0;
 /// What is left of the baseline's excess when growing stops.
-const SETTLED: f64 = 0.004;
+const SETTLED: f64 = 0.008;
+
+/// The same on the runs held back.
+const FORESEEN: f64 = 0.03;
 
 /// Searches for what the stated model lacks.
 pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, SimulateError> {
     let runs = &prepared.fit;
     options.say("fitting the stated model", 0.02);
-    let mut baseline = Fit::begin(prepared.model.clone(), runs)?;
-    baseline.improve(runs, Effort::FULL)?;
+    let baseline = fit_stated(prepared)?;
     let yardsticks = Yardsticks { line: super::locate::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
     let mut search = Search { baseline, grown: Vec::new() };
     let mut parents = vec![search.baseline.clone()];
-    // A refit bends a model far from the truth to hide what is missing: then the values as stated are a second start.
-    if search.baseline.chi2() > BENT {
+    // A refit bends a model far from the truth to hide what is missing: then values near those stated are a second start.
+    if !explains(&search.baseline) {
+        parents.extend(fit_near(prepared, &search.baseline)?);
+    }
+    if parents.len() == 1 && search.baseline.chi2() > BENT {
         parents.push(Fit::begin(prepared.model.clone(), runs)?);
     }
     for size in 0..MOST {
@@ -54,7 +63,7 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
         let settled =
-            gain < CHANCE || left < SETTLED || best.squares < best.rows as f64 + 3.0 * (2.0 * best.rows as f64).sqrt();
+            gain < CHANCE || explains(best) || (left < SETTLED && foresees(prepared, &search.baseline, best)?);
         parents = grown.iter().take(BEAM).cloned().collect();
         search.grown.push(grown);
         if settled {
@@ -62,6 +71,18 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
         }
     }
     Ok(search)
+}
+
+/// True where no more is left than noise leaves.
+fn explains(fit: &Fit) -> bool {
+    fit.squares < fit.rows as f64 + 3.0 * (2.0 * fit.rows as f64).sqrt()
+}
+
+/// True where a model leaves little on the runs held back too: what shows there alone is worth another effect.
+fn foresees(prepared: &Prepared, baseline: &Fit, best: &Fit) -> Result<bool, SimulateError> {
+    let excess = |fit: &Fit| Ok((score(&fit.model, &prepared.holdout)?.chi2 - 1.0).max(0.0));
+    let (before, after) = (excess(baseline)?, excess(best)?);
+    Ok(prepared.holdout.is_empty() || after < (FORESEEN * before).max(0.02))
 }
 
 /// A start: which parent, with which effect where.
@@ -94,19 +115,47 @@ fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks)
         }
     }
     let begun = |s: &Seedling| Fit::resume(s.parent.model.with(s.placed.clone()), s.parent.locals.clone(), runs);
-    let mut fits = seedlings.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
-    let finite = |x: f64| if x.is_finite() { x } else { f64::INFINITY };
-    fits.sort_by(|a, b| finite(a.promised()).total_cmp(&finite(b.promised())));
-    fits.truncate(PROMISING);
+    let fits = seedlings.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+    let mut fits = promising(fits, &seedlings, singles.is_empty());
     fits.par_iter_mut().try_for_each(|fit| fit.improve(runs, Effort { steps: 2, tolerance: 1e-4 }))?;
     best_of_each_set(&mut fits);
     let floor = parents.iter().map(|parent| parent.squares).fold(f64::INFINITY, f64::min) - CHANCE;
     if fits.first().is_some_and(|best| best.squares > floor && best.promised() > floor) {
         return Ok(fits);
     }
-    further(&mut fits, FINALISTS, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
-    further(&mut fits, BEAM, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
+    let finalists = seed(&mut fits);
+    further(&mut fits, finalists, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
+    let last = Effort { steps: 12, tolerance: 1e-5 };
+    further(&mut fits, BEAM, last, runs)?;
+    let best = BEAM.min(fits.len());
+    fits[..best].par_iter_mut().try_for_each(|fit| fit.sharpen(runs, last))?;
+    fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
     Ok(fits)
+}
+
+/// The starts that promise most; of a single effect, on each fit of the stated model, at least its best start, for what
+/// a linear step promises from far away is little.
+fn promising(fits: Vec<Fit>, seedlings: &[Seedling], single: bool) -> Vec<Fit> {
+    let finite = |fit: &Fit| Some(fit.promised()).filter(|x| x.is_finite()).unwrap_or(f64::INFINITY);
+    let mut ranked: Vec<(&Seedling, Fit)> = seedlings.iter().zip(fits).collect();
+    ranked.sort_by(|(_, a), (_, b)| finite(a).total_cmp(&finite(b)));
+    let mut seen: Vec<(*const Fit, &str)> = Vec::new();
+    let mut rank = 0;
+    ranked.retain(|(seedling, _)| {
+        rank += 1;
+        let key = (std::ptr::from_ref(seedling.parent), seedling.placed.entry.id);
+        let best = single && !seen.contains(&key);
+        seen.push(key);
+        best || rank <= PROMISING
+    });
+    ranked.into_iter().map(|(_, fit)| fit).collect()
+}
+
+/// Puts those first that deserve more steps: the best so far, and those that promise most; says how many.
+fn seed(fits: &mut [Fit]) -> usize {
+    let best = FINALISTS.min(fits.len());
+    fits[best..].sort_by(|a, b| a.promised().total_cmp(&b.promised()));
+    (best + HOPEFUL).min(fits.len())
 }
 
 /// Takes the best `count` fits further and puts all in order again.

@@ -77,7 +77,7 @@ impl Local {
 
 /// Continuous states of a model's effects.
 fn states_of(model: &Model) -> usize {
-    effect_states(model.effects.iter().map(|p| (p.entry.id, p.values.iter().map(|v| v.value).collect())))
+    effect_states(model.placements())
 }
 
 /// Slope of the measured displacement at the start, m/s.
@@ -137,7 +137,16 @@ fn trace<S: Scalar>(
         let trace = balance(viscous, &effects, motion, run.dt, &start.states)?;
         return Ok((filtered(trace, run.filter.as_ref()), scale, offset));
     }
-    let drive = Drive { dt: run.dt, ticks: run.ticks, input: &run.input, added: &run.added, law: run.law };
+    let sensor_noise = run.channel(Channel::Displacement).map_or(0.0, |m| m.noise);
+    let drive = Drive {
+        dt: run.dt,
+        ticks: run.ticks,
+        input: &run.input,
+        added: &run.added,
+        law: run.law,
+        sensor_noise,
+        sharp: model.sharp,
+    };
     let trace = simulate(&baseline, &effects, &drive, &start)?;
     Ok((filtered(trace, run.filter.as_ref()), scale.unwrap_or(S::from(1.0)), offset))
 }
@@ -228,7 +237,11 @@ impl<const N: usize> Sums<N> {
         }
         self.squares += residual * residual;
         self.rows += 1;
-        let jacobian = model.tangent.map(|t| t / measured.noise);
+        let inverse = 1.0 / measured.noise;
+        let mut jacobian = model.tangent;
+        for t in &mut jacobian {
+            *t *= inverse;
+        }
         let block = &mut self.blocks[k / self.block];
         for i in 0..N {
             block[i] += jacobian[i] * residual;

@@ -4,7 +4,7 @@ use super::data::Run;
 use super::evaluate::{Local, normal};
 use super::model::Model;
 use super::normal::Normal;
-use crate::plant::simulate::SimulateError;
+use crate::plant::simulate::{SimulateError, has_corners};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -91,6 +91,19 @@ impl Fit {
             }
             self.converged = before - self.squares <= effort.tolerance * before.min(self.rows as f64);
         }
+        Ok(())
+    }
+
+    /// Takes steps with corners as sharp as they are, where the model has any and they were blurred so far.
+    pub fn sharpen(&mut self, runs: &[Run], effort: Effort) -> Result<(), SimulateError> {
+        if self.model.sharp || !has_corners(self.model.placements()) {
+            return Ok(());
+        }
+        self.model.sharp = true;
+        let mut sharp = Self::resume(self.model.clone(), self.locals.clone(), runs)?;
+        sharp.evaluations += self.evaluations;
+        sharp.improve(runs, effort)?;
+        *self = sharp;
         Ok(())
     }
 

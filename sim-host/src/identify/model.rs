@@ -4,6 +4,9 @@ use super::data::{Channel, Run};
 use crate::plant::effects::{Entry, Role, Yardstick};
 use crate::plant::model::Kind;
 
+/// By how much of its stated value a parameter may change that means something else beside an effect.
+const REDEFINED: f64 = 0.15;
+
 /// One parameter's value and how a fit treats it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Value {
@@ -62,6 +65,8 @@ pub struct Model {
     pub scale: Option<Value>,
     /// The effects, in the order of the registry.
     pub effects: Vec<Placed>,
+    /// Simulated with steps short enough for corners, which a search blurs to find its way.
+    pub sharp: bool,
 }
 
 /// Sizes of the signals, in whose multiples effects state their bounds and starting values.
@@ -158,7 +163,10 @@ impl Model {
     pub fn with(&self, effect: Placed) -> Self {
         let mut model = self.clone();
         for (own, parameter) in model.own.iter_mut().zip(self.kind.parameters()) {
-            own.free |= effect.entry.frees.contains(&parameter.key);
+            if effect.entry.frees.contains(&parameter.key) && !own.free {
+                own.free = true;
+                (own.low, own.high) = (own.value * (1.0 - REDEFINED), own.value * (1.0 + REDEFINED));
+            }
         }
         model.effects.push(effect);
         let place = |p: &Placed| crate::plant::effects::ENTRIES.iter().position(|e| e.id == p.entry.id);
@@ -171,6 +179,11 @@ impl Model {
         let mut model = self.clone();
         model.effects.retain(|p| p.entry.id != id);
         model
+    }
+
+    /// Its effects' identifiers, each with its parameters' values.
+    pub fn placements(&self) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
+        self.effects.iter().map(|p| (p.entry.id, p.values.iter().map(|v| v.value).collect()))
     }
 
     /// The identifiers of its effects.

@@ -13,6 +13,8 @@
 //!                    displacement <--displacement-- x   v --velocity--> d/dt --acceleration--> accelerometer
 //! ```
 
+mod bristle;
+
 use super::model::Kind;
 use crate::scalar::Scalar;
 use std::fmt::Debug;
@@ -208,8 +210,15 @@ pub trait Effect<S: Scalar>: Debug + Send {
     fn fastest(&self) -> f64 {
         0.0
     }
+    /// The rate of its corners, 1/s: steps that long blur them, which is how a fit finds its way, and a verification must
+    /// not. Zero where a step of any length is exact.
+    fn sharpest(&self) -> f64 {
+        0.0
+    }
     /// Its states with the table at rest at this displacement (m).
     fn rest(&self, _displacement: S, _y: &mut [S]) {}
+    /// Told once, before a run, the standard deviation of the noise that the loop puts on the command (unit of u).
+    fn command_noise(&mut self, _noise: f64) {}
     /// The command's mean over one integration step of `h` seconds (unit of u).
     fn command(&mut self, u: S, _h: f64) -> S {
         u
@@ -228,8 +237,8 @@ pub trait Effect<S: Scalar>: Debug + Send {
     }
     /// Derivatives of states that only follow the motion.
     fn follow(&self, _at: &Instant<S>, _y: &[S], _dy: &mut [S]) {}
-    /// Called after each integration step of `h` seconds.
-    fn after(&mut self, _at: &Instant<S>, _h: f64) {}
+    /// Called after each integration step with the displacement reached, m.
+    fn after(&mut self, _displacement: S) {}
     /// What the displacement sensor shows, m.
     fn sense_displacement(&self, displacement: S, _y: &[S]) -> S {
         displacement

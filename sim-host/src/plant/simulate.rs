@@ -38,6 +38,10 @@ pub struct Drive<'a> {
     pub added: &'a [f64],
     /// The controller that ran.
     pub law: Law,
+    /// Standard deviation of the displacement sensor's noise, m, which the controller passes on to the command.
+    pub sensor_noise: f64,
+    /// Steps short enough for corners too; without, corners may be blurred over a step.
+    pub sharp: bool,
 }
 
 /// How a run starts.
@@ -54,6 +58,11 @@ pub struct Start<S> {
 /// Continuous states of these effects together.
 pub fn effect_states<'a>(effects: impl Iterator<Item = (&'a str, Vec<f64>)>) -> usize {
     effects.map(|(id, parameters)| build(id, &parameters).map_or(0, |effect| effect.states())).sum()
+}
+
+/// True where one of these effects has corners that longer steps blur.
+pub fn has_corners<'a>(mut effects: impl Iterator<Item = (&'a str, Vec<f64>)>) -> bool {
+    effects.any(|(id, parameters)| build(id, &parameters).is_some_and(|effect| effect.sharpest() > 0.0))
 }
 
 /// What a simulated run shows, one value a sample.
@@ -119,11 +128,12 @@ pub fn simulate<S: Scalar>(
 }
 
 fn run<S: Scalar, const M: usize>(mut dynamics: Dynamics<S, M>, drive: &Drive, start: &Start<S>) -> Trace<S> {
+    dynamics.command_noise(drive.law.command_noise(drive.sensor_noise, drive.dt / drive.ticks as f64));
     let mut state = dynamics.rest(start);
     let n = drive.input.len();
     let mut trace = Trace::with_capacity(n);
     let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64);
-    let steps = substeps(drive, dynamics.fastest(), dynamics.whole_steps());
+    let steps = substeps(drive, dynamics.fastest(drive.sharp), dynamics.whole_steps());
     let total = drive.ticks * steps;
     let h = drive.dt / total as f64;
     let mut before = dynamics.velocities(&state, h);

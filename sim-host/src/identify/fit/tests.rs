@@ -20,7 +20,7 @@ fn model(values: [f64; 4]) -> Model {
         positive: true,
         free,
     });
-    Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new() }
+    Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), sharp: false }
 }
 
 /// Twelve uniforms less six: near enough to a Gaussian of unit variance.

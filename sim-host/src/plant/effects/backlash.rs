@@ -1,7 +1,7 @@
 //! Lost motion between the actuator, where the LVDT sits, and the table, where the accelerometer sits: the table stays
 //! until the gap is crossed.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -10,7 +10,20 @@ pub const ENTRY: Entry = Entry {
     id: "backlash",
     equation: "x_t = play(x, gap)",
     stage: Stage::Table,
-    parameters: &[Parameter { key: "gap", unit: "m", rigid_unit: "m", meaning: "full width of the lost motion", yardstick: Yardstick::One, low: 1e-6, high: 0.01, starts: &[5e-5, 4e-4], positive: true, role: Role::Shared }],
+    parameters: &[
+        Parameter {
+            key: "gap",
+            unit: "m",
+            rigid_unit: "m",
+            meaning: "full width of the lost motion",
+            yardstick: Yardstick::One,
+            low: 1e-6,
+            high: 0.01,
+            starts: &[5e-5, 4e-4],
+            positive: true,
+            role: Role::Shared,
+        },
+    ],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "the accelerometer goes quiet after each reversal, then spikes; the LVDT shows nothing",
@@ -18,10 +31,13 @@ pub const ENTRY: Entry = Entry {
     test: "accelerometer against the second difference of the LVDT at reversals",
 };
 
+/// The moment of contact is found to within a step: as short as this rate asks for, 1/s.
+const CONTACT: f64 = 3600.0;
+
 /// Lost motion between actuator and table.
 #[derive(Debug, Clone)]
 pub struct Backlash<S> {
-    gap: S,
+    half: S,
     table: Option<S>,
     before: S,
     share: S,
@@ -31,7 +47,7 @@ impl<S: Scalar> Backlash<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
         let &[gap] = parameters else { return None };
-        Some(Self { gap, table: None, before: S::from(0.0), share: S::from(1.0) })
+        Some(Self { half: gap * 0.5, table: None, before: S::from(0.0), share: S::from(1.0) })
     }
 }
 
@@ -39,12 +55,13 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
     fn hooks(&self) -> Hooks {
         Hooks { after: true, velocity: true, ..Hooks::default() }
     }
-    fn after(&mut self, at: &Instant<S>, _h: f64) {
-        let half = self.gap * 0.5;
-        let actuator = at.displacement;
-        let table = self.table.unwrap_or(actuator);
-        let moved = actuator - (actuator - table).clamp(-half, half);
-        let travel = actuator - self.before;
+    fn sharpest(&self) -> f64 {
+        CONTACT
+    }
+    fn after(&mut self, displacement: S) {
+        let table = self.table.unwrap_or(displacement);
+        let moved = displacement - (displacement - table).clamp(-self.half, self.half);
+        let travel = displacement - self.before;
         // The share of this step's travel that the table took part in: 0 inside the gap, 1 in contact.
         self.share = if travel.value().abs() > 1e-12 {
             ((moved - table) / travel).clamp(S::from(0.0), S::from(1.0))
@@ -52,7 +69,7 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
             S::from(0.0)
         };
         self.table = Some(moved);
-        self.before = actuator;
+        self.before = displacement;
     }
     fn sense_velocity(&self, velocity: S, _y: &[S]) -> S {
         velocity * self.share

@@ -10,7 +10,7 @@ pub const ENTRY: Entry = Entry {
     equation: "(1 + mu) x_b'' = -w_b^2 x_b - 2 zeta_b w_b x_b' - mu x''",
     stage: Stage::Table,
     parameters: &[Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the base", yardstick: Yardstick::One, low: 1.0, high: 60.0, starts: &[3.0, 6.0, 12.0, 20.0], positive: true, role: Role::Shared },
-        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of the base", yardstick: Yardstick::One, low: 1e-3, high: 1.0, starts: &[0.05], positive: true, role: Role::Shared },
+        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of the base", yardstick: Yardstick::One, low: 1e-3, high: 1.0, starts: &[0.2], positive: true, role: Role::Shared },
         Parameter { key: "mass_ratio", unit: "1", rigid_unit: "1", meaning: "table mass over base mass", yardstick: Yardstick::One, low: 1e-4, high: 2.0, starts: &[0.02], positive: true, role: Role::Shared }],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],

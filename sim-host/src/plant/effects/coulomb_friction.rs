@@ -1,7 +1,6 @@
-//! Dry friction of the bearings: one size, against the motion.
-//! 
-//! The sign is smoothed over [`SLIP`], far below the speeds of any test, so that the equations stay integrable.
+//! Dry friction of the bearings: one size, against the motion, reached after the contact's bristles have bent.
 
+use super::bristle::Bristles;
 use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
@@ -9,9 +8,23 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "coulomb_friction",
-    equation: "f = Fc tanh(v/v0)",
+    equation: "f = Fc z, dz/dt = (v - |v| z)/s",
     stage: Stage::Table,
-    parameters: &[Parameter { key: "force", unit: "m/s2", rigid_unit: "N", meaning: "friction force per table mass", yardstick: Yardstick::Force, low: 1e-4, high: 4.0, starts: &[0.005, 0.1, 0.6], positive: true, role: Role::Shared }],
+    parameters: &[
+        Parameter {
+            key: "force",
+            unit: "m/s2",
+            rigid_unit: "N",
+            meaning: "sliding friction per table mass",
+            yardstick: Yardstick::Force,
+            low: 1e-4,
+            high: 4.0,
+            starts: &[0.005, 0.1, 0.6],
+            positive: true,
+            role: Role::Shared,
+        },
+        PRESLIDING,
+    ],
     kinds: &[Kind::Servo, Kind::RigidMass, Kind::ForceBalance],
     frees: &[],
     signature: "a step in effort at every reversal, the same size at all speeds",
@@ -19,31 +32,46 @@ pub const ENTRY: Entry = Entry {
     test: "pressure difference; supply pressure or payload changed; amplitude ladder",
 };
 
-/// Speed over which the sign of the velocity is smoothed, m/s.
-pub(super) const SLIP: f64 = 1e-3;
+/// The travel over which a contact bends before it slides.
+pub(super) const PRESLIDING: Parameter = Parameter {
+    key: "presliding",
+    unit: "m",
+    rigid_unit: "m",
+    meaning: "travel over which the contact bends before it slides",
+    yardstick: Yardstick::One,
+    low: 5e-7,
+    high: 2e-3,
+    starts: &[2e-5],
+    positive: true,
+    role: Role::Shared,
+};
 
 /// Dry friction.
 #[derive(Debug, Clone)]
 pub struct CoulombFriction<S> {
     force: S,
+    bristles: Bristles<S>,
 }
 
 impl<S: Scalar> CoulombFriction<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[force] = parameters else { return None };
-        Some(Self { force })
+        let &[force, presliding] = parameters else { return None };
+        Some(Self { force, bristles: Bristles::new(presliding) })
     }
 }
 
 impl<S: Scalar> Effect<S> for CoulombFriction<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { force: true, ..Hooks::default() }
+        Hooks { force: true, after: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
-        (self.force.value() / SLIP).abs()
+        self.bristles.rate(self.force.value())
     }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
-        self.force * (at.velocity / SLIP).tanh()
+        self.force * self.bristles.share(at.displacement)
+    }
+    fn after(&mut self, displacement: S) {
+        self.bristles.settle(displacement);
     }
 }

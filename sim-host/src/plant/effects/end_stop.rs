@@ -9,7 +9,7 @@ pub const ENTRY: Entry = Entry {
     id: "end_stop",
     equation: "f = k max(abs(x) - x_c, 0) sgn(x)",
     stage: Stage::Table,
-    parameters: &[Parameter { key: "position", unit: "m", rigid_unit: "m", meaning: "displacement where the cushion begins", yardstick: Yardstick::Displacement, low: 0.2, high: 1.0, starts: &[0.5, 0.75, 0.92], positive: true, role: Role::Shared },
+    parameters: &[Parameter { key: "position", unit: "m", rigid_unit: "m", meaning: "displacement where the cushion begins", yardstick: Yardstick::Displacement, low: 0.1, high: 2.0, starts: &[0.5, 0.75, 0.92], positive: true, role: Role::Shared },
         Parameter { key: "stiffness", unit: "1/s2", rigid_unit: "1/s2", meaning: "cushion stiffness per table mass", yardstick: Yardstick::One, low: 1.0, high: 1e5, starts: &[30.0, 1000.0], positive: true, role: Role::Shared }],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],

@@ -10,7 +10,7 @@ pub const ENTRY: Entry = Entry {
     equation: "A p_L/m = p; p' = w_h^2 (q/A - v) - 2 zeta_h w_h p; v' = p - f",
     stage: Stage::Actuator,
     parameters: &[Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the table on the oil column", yardstick: Yardstick::One, low: 3.0, high: 150.0, starts: &[12.0, 30.0], positive: true, role: Role::Shared },
-        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of that resonance", yardstick: Yardstick::One, low: 0.005, high: 0.4, starts: &[0.1], positive: true, role: Role::Shared }],
+        Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of that resonance", yardstick: Yardstick::One, low: 0.005, high: 0.4, starts: &[0.2], positive: true, role: Role::Shared }],
     kinds: &[Kind::Servo],
     frees: &[],
     signature: "a resonance between command and table, ringing after every sharp change",

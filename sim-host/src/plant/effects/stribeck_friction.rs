@@ -1,6 +1,7 @@
 //! Dry friction that is larger near standstill and falls as the bearings begin to slide.
 
-use super::coulomb_friction::SLIP;
+use super::bristle::Bristles;
+use super::coulomb_friction::PRESLIDING;
 use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
@@ -8,11 +9,12 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "stribeck_friction",
-    equation: "f = (Fc + (Fs - Fc) exp(-(v/vs)^2)) tanh(v/v0)",
+    equation: "f = (Fc + (Fs - Fc) exp(-(v/vs)^2)) z, dz/dt = (v - |v| z)/s",
     stage: Stage::Table,
     parameters: &[Parameter { key: "force", unit: "m/s2", rigid_unit: "N", meaning: "sliding friction per table mass", yardstick: Yardstick::Force, low: 1e-4, high: 4.0, starts: &[0.02, 0.2], positive: true, role: Role::Shared },
         Parameter { key: "static", unit: "m/s2", rigid_unit: "N", meaning: "friction at standstill per table mass", yardstick: Yardstick::Force, low: 1e-4, high: 8.0, starts: &[0.04, 0.4], positive: true, role: Role::Shared },
-        Parameter { key: "velocity", unit: "m/s", rigid_unit: "m/s", meaning: "speed over which it falls", yardstick: Yardstick::One, low: 1e-3, high: 0.5, starts: &[0.01], positive: true, role: Role::Shared }],
+        Parameter { key: "velocity", unit: "m/s", rigid_unit: "m/s", meaning: "speed over which it falls", yardstick: Yardstick::One, low: 1e-3, high: 0.5, starts: &[0.01], positive: true, role: Role::Shared },
+        PRESLIDING],
     kinds: &[Kind::Servo, Kind::RigidMass, Kind::ForceBalance],
     frees: &[],
     signature: "a step in effort at reversals with a peak on it",
@@ -26,26 +28,30 @@ pub struct StribeckFriction<S> {
     sliding: S,
     standstill: S,
     velocity: S,
+    bristles: Bristles<S>,
 }
 
 impl<S: Scalar> StribeckFriction<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[sliding, standstill, velocity] = parameters else { return None };
-        Some(Self { sliding, standstill, velocity })
+        let &[sliding, standstill, velocity, presliding] = parameters else { return None };
+        Some(Self { sliding, standstill, velocity, bristles: Bristles::new(presliding) })
     }
 }
 
 impl<S: Scalar> Effect<S> for StribeckFriction<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { force: true, ..Hooks::default() }
+        Hooks { force: true, after: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
-        (self.standstill.value().max(self.sliding.value()) / SLIP).abs()
+        self.bristles.rate(self.standstill.value().max(self.sliding.value()))
     }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
         let ratio = at.velocity / self.velocity;
-        let size = self.sliding + (self.standstill - self.sliding) * (-(ratio * ratio)).exp();
-        size * (at.velocity / SLIP).tanh()
+        let size = self.sliding + (self.standstill - self.sliding).max(S::from(0.0)) * (-(ratio * ratio)).exp();
+        size * self.bristles.share(at.displacement)
+    }
+    fn after(&mut self, displacement: S) {
+        self.bristles.settle(displacement);
     }
 }

@@ -30,7 +30,7 @@ pub fn balance<S: Scalar>(
     dt: f64,
     states: &[S],
 ) -> Result<Trace<S>, SimulateError> {
-    let (mounted, used, _) = Mounted::all(effects.iter().map(|p| (p.id, p.parameters.clone())), 0, MOST)?;
+    let (mut mounted, used, _) = Mounted::all(effects.iter().map(|p| (p.id, p.parameters.clone())), 0, MOST)?;
     let n = motion.acceleration.len();
     let at = |k: usize, share: f64| {
         let next = (k + 1).min(n - 1);
@@ -43,10 +43,10 @@ pub fn balance<S: Scalar>(
             velocity_limit: S::from(1.0),
         }
     };
-    let rates = |at: &Instant<S>, y: &[S; MOST]| {
+    let rates = |mounted: &[Mounted<S>], at: &Instant<S>, y: &[S; MOST]| {
         let mut dy = [S::from(0.0); MOST];
         let mut force = S::from(0.0);
-        for m in &mounted {
+        for m in mounted {
             force += m.effect.force(at, &y[m.first..m.last], &mut dy[m.first..m.last]);
         }
         (dy, force)
@@ -60,7 +60,7 @@ pub fn balance<S: Scalar>(
     let h = dt / STEPS as f64;
     for k in 0..n {
         let now = at(k, 0.0);
-        trace.load.push(rates(&now, &y).1 + viscous * now.velocity + motion.acceleration[k]);
+        trace.load.push(rates(&mounted, &now, &y).1 + viscous * now.velocity + motion.acceleration[k]);
         for step in 0..STEPS {
             let share = |part: f64| at(k, (step as f64 + part) / STEPS as f64);
             let moved = |scale: f64, k: &[S; MOST]| {
@@ -68,12 +68,16 @@ pub fn balance<S: Scalar>(
                 moved.iter_mut().zip(k).take(used).for_each(|(y, rate)| *y += *rate * scale);
                 moved
             };
-            let k1 = rates(&share(0.0), &y).0;
-            let k2 = rates(&share(0.5), &moved(0.5 * h, &k1)).0;
-            let k3 = rates(&share(0.5), &moved(0.5 * h, &k2)).0;
-            let k4 = rates(&share(1.0), &moved(h, &k3)).0;
+            let k1 = rates(&mounted, &share(0.0), &y).0;
+            let k2 = rates(&mounted, &share(0.5), &moved(0.5 * h, &k1)).0;
+            let k3 = rates(&mounted, &share(0.5), &moved(0.5 * h, &k2)).0;
+            let k4 = rates(&mounted, &share(1.0), &moved(h, &k3)).0;
             for i in 0..used {
                 y[i] += (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0);
+            }
+            let reached = share(1.0).displacement;
+            for m in &mut mounted {
+                m.effect.after(reached);
             }
         }
     }

@@ -84,13 +84,6 @@ pub(super) struct Dynamics<S, const M: usize> {
     used: usize,
 }
 
-/// The rate of every state, with the motion and force it follows from.
-struct Rates<S, const M: usize> {
-    dy: [S; M],
-    motion: Instant<S>,
-    force: S,
-}
-
 /// Continuous states of a plant with these effects.
 pub(super) fn states_of<S: Scalar>(effects: &[Placed<S>]) -> usize {
     let of = |p: &Placed<S>| build(p.id, &p.parameters).map_or(0, |effect| effect.states());
@@ -111,6 +104,11 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         Ok(Self { baseline: *baseline, mounted, compliance, yields, velocity_limit, used: first })
     }
 
+    /// Tells the effects what noise (unit of u) the loop puts on the command.
+    pub(super) fn command_noise(&mut self, noise: f64) {
+        self.mounted.iter_mut().for_each(|m| m.effect.command_noise(noise));
+    }
+
     /// The state a run starts from.
     pub(super) fn rest(&self, start: &Start<S>) -> State<S, M> {
         let mut y = [S::from(0.0); M];
@@ -125,15 +123,16 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     /// The fastest rate among the effects' equations, 1/s: what the integration step has to resolve.
-    pub(super) fn fastest(&self) -> f64 {
+    pub(super) fn fastest(&self, sharp: bool) -> f64 {
         let oil = self.compliance.oil.map_or(0.0, |(stiffness, damping)| stiffness.value().sqrt() + damping.value());
         let leakage = self.compliance.leakage.map_or(0.0, |c| 1.0 / c.value().max(1e-4));
-        self.mounted.iter().map(|m| m.effect.fastest()).fold(oil.max(leakage.min(2e3)), f64::max)
+        let of = |m: &Mounted<S>| m.effect.fastest().max(if sharp { m.effect.sharpest() } else { 0.0 });
+        self.mounted.iter().map(of).fold(oil.max(leakage.min(2e3)), f64::max)
     }
 
     /// True where an effect advances with whole steps, so that mid-sample must end one.
     pub(super) fn whole_steps(&self) -> bool {
-        self.mounted.iter().any(|m| m.hooks.after)
+        self.mounted.iter().any(|m| m.hooks.after && m.hooks.velocity)
     }
 
     /// Takes the command through what has memory, for a step of `h` seconds.
@@ -146,39 +145,38 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
 
     /// Advances the state by `h` seconds with the classical fourth-order rule; half way by its dense output.
     pub(super) fn advance(&mut self, state: &mut State<S, M>, h: f64, middle: bool) -> Passage<S> {
-        let y = state.y;
         let n = self.used;
-        let at = |scale: f64, k: &[S; M]| {
-            let mut moved = y;
-            for (value, rate) in moved.iter_mut().zip(k).take(n) {
-                *value += *rate * scale;
+        let zero = [S::from(0.0); M];
+        let (mut k1, mut k2, mut k3, mut k4, mut moved) = (zero, zero, zero, zero, state.y);
+        let y = &mut state.y;
+        let shift = |moved: &mut [S; M], y: &[S; M], rate: &[S; M], scale: f64| {
+            for i in 0..n {
+                moved[i] = y[i] + rate[i] * scale;
             }
-            moved
         };
         let (t, u) = (state.time, state.spool);
-        let first = self.rates(t, u, &y, h);
-        let k1 = first.dy;
-        let k2 = self.rates(t + 0.5 * h, u, &at(0.5 * h, &k1), h).dy;
-        let k3 = self.rates(t + 0.5 * h, u, &at(0.5 * h, &k2), h).dy;
-        let k4 = self.rates(t + h, u, &at(h, &k3), h).dy;
+        let (start, force) = self.rates(t, u, y, h, &mut k1);
+        shift(&mut moved, y, &k1, 0.5 * h);
+        self.rates(t + 0.5 * h, u, &moved, h, &mut k2);
+        shift(&mut moved, y, &k2, 0.5 * h);
+        self.rates(t + 0.5 * h, u, &moved, h, &mut k3);
+        shift(&mut moved, y, &k3, h);
+        self.rates(t + h, u, &moved, h, &mut k4);
         let middle = middle.then(|| {
-            let mut half = y;
             for i in 0..n {
-                half[i] += (k1[i] * 5.0 + (k2[i] + k3[i]) * 4.0 - k4[i]) * (h / 24.0);
+                moved[i] = y[i] + (k1[i] * 5.0 + (k2[i] + k3[i]) * 4.0 - k4[i]) * (h / 24.0);
             }
-            self.velocities_at(t + 0.5 * h, u, &half, h)
+            self.velocities_at(t + 0.5 * h, u, &moved, h)
         });
         for i in 0..n {
-            state.y[i] += (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0);
+            y[i] += (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0);
         }
         state.time += h;
-        if self.whole_steps() {
-            let motion = self.rates(state.time, u, &state.y, h).motion;
-            for m in self.mounted.iter_mut().filter(|m| m.hooks.after) {
-                m.effect.after(&motion, h);
-            }
+        let displacement = state.y[DISPLACEMENT];
+        for m in self.mounted.iter_mut().filter(|m| m.hooks.after) {
+            m.effect.after(displacement);
         }
-        Passage { start: first.motion, force: first.force, middle }
+        Passage { start, force, middle }
     }
 
     /// The velocity whose difference the accelerometer shows, and the table's own.
@@ -187,7 +185,7 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     fn velocities_at(&self, time: f64, command: S, y: &[S; M], h: f64) -> (S, S) {
-        let motion = self.rates(time, command, y, h).motion;
+        let motion = self.rates(time, command, y, h, &mut [S::from(0.0); M]).0;
         let mut sensed = motion.velocity;
         for m in self.mounted.iter().filter(|m| m.hooks.velocity) {
             sensed = m.effect.sense_velocity(sensed, &y[m.first..m.last]);
@@ -210,9 +208,8 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         self.mounted.iter().find_map(|m| m.effect.supply_pressure(&state.y[m.first..m.last]))
     }
 
-    /// Derivatives of every state, with the motion and the force they imply.
-    fn rates(&self, time: f64, command: S, y: &[S; M], h: f64) -> Rates<S, M> {
-        let mut dy = [S::from(0.0); M];
+    /// Derivatives of every state into `dy`; the motion and the force (m/s2) they imply.
+    fn rates(&self, time: f64, command: S, y: &[S; M], h: f64, dy: &mut [S; M]) -> (Instant<S>, S) {
         let mut spool = command;
         for m in self.mounted.iter().filter(|m| m.hooks.valve) {
             spool = m.effect.valve(spool, &y[m.first..m.last], &mut dy[m.first..m.last]);
@@ -242,14 +239,14 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         match self.baseline {
             Baseline::Servo { b1, b0, a1, .. } => {
                 dy[SPEED] = -a1 * y[SPEED] + (b0 - b1 * a1) * spool - force;
-                self.yielding(flow, force, y, &mut dy, h);
+                self.yielding(flow, force, y, dy, h);
             }
             Baseline::RigidMass { mass, viscous, gain } => {
                 dy[SPEED] = (gain * spool - viscous * y[SPEED]) / mass - force;
             }
             Baseline::ForceBalance { .. } => {}
         }
-        Rates { dy, motion: at, force }
+        (at, force)
     }
 
     /// The flow the valve lets through, as piston velocity, for the demand `w`.

@@ -29,6 +29,16 @@ impl Law {
         !matches!(self, Self::Recorded)
     }
 
+    /// Standard deviation of the command (unit of u) that white noise of the displacement sensor (m) causes, at a
+    /// controller period of `tick` seconds.
+    pub fn command_noise(&self, sensor_noise: f64, tick: f64) -> f64 {
+        match *self {
+            Self::Pi { kp, .. } => kp.abs() * sensor_noise,
+            Self::Cascade { kp, kv } => (kv * sensor_noise).abs() * ((kp + 1.0 / tick).powi(2) + tick.powi(-2)).sqrt(),
+            Self::Recorded => 0.0,
+        }
+    }
+
     /// 1 where the input is interpolated between samples, 0 where it is held.
     pub(super) fn between_samples(&self) -> f64 {
         if matches!(self, Self::Recorded) { 0.0 } else { 1.0 }

@@ -19,7 +19,15 @@ fn paper<S: Scalar>() -> Baseline<S> {
 
 fn run<S: Scalar>(effects: &[Placed<S>]) -> Trace<S> {
     let input = reference(1200);
-    let drive = Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Pi { kp: 6.0, ki: 1.0 } };
+    let drive = Drive {
+        dt: DT,
+        ticks: 1,
+        input: &input,
+        added: &[],
+        law: Law::Pi { kp: 6.0, ki: 1.0 },
+        sensor_noise: 1e-5,
+        sharp: false,
+    };
     let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
     simulate(&paper(), effects, &drive, &start).unwrap()
 }
@@ -64,7 +72,8 @@ fn without_effects_it_is_the_papers_plant() {
     // The exact solution of one step: z settles as one exponential, x is its integral.
     let (b1, b0, a1, u) = (0.69, 138.0, 57.65, 0.05);
     let input = vec![u; 200];
-    let drive = Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Recorded };
+    let drive =
+        Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Recorded, sensor_noise: 0.0, sharp: true };
     let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
     let trace = simulate::<f64>(&paper(), &[], &drive, &start).unwrap();
     let settled = (b0 - b1 * a1) * u / a1;
@@ -79,7 +88,8 @@ fn without_effects_it_is_the_papers_plant() {
 #[test]
 fn an_unknown_effect_is_refused_by_name() {
     let effects = [Placed { id: "phlogiston", parameters: vec![1.0] }];
-    let drive = Drive { dt: DT, ticks: 1, input: &[0.0], added: &[], law: Law::Recorded };
+    let drive =
+        Drive { dt: DT, ticks: 1, input: &[0.0], added: &[], law: Law::Recorded, sensor_noise: 0.0, sharp: true };
     let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
     let refused = simulate::<f64>(&paper(), &effects, &drive, &start);
     assert!(matches!(refused, Err(SimulateError::UnknownEffect { id, count: 1 }) if id == "phlogiston"));

@@ -52,6 +52,9 @@ const SLOW: f64 = 8.0;
 /// Power below this part of the strongest line's is not used.
 const RANGE: f64 = 1e-5;
 
+/// How far above its noise the first channel's power must stand.
+const ABOVE_NOISE: f64 = 10.0;
+
 /// Fewest coherent bins from which anything is said.
 const FEWEST: usize = 3;
 
@@ -83,6 +86,10 @@ pub(in crate::recording::check) fn coherent_bins(
     let (mut bins, mut strange, mut signal) = (Vec::new(), 0, 0);
     for k in (0..spectra.frequency.len()).filter(used) {
         if derived(k) < RANGE * strongest.0 || spectra.output[k] < RANGE * strongest.1 {
+            continue;
+        }
+        // A loop carries its sensor's noise to the table: where displacement is noise, what follows it is no motion.
+        if spectra.input[k] < ABOVE_NOISE * input_floor {
             continue;
         }
         let coherence = spectra.coherence(k);

@@ -1,0 +1,83 @@
+//! The stated model fitted: from several starts, and within reach of what was stated.
+
+use super::fit::{Effort, Fit};
+use super::model::Model;
+use super::prepare::Prepared;
+use crate::plant::model::Kind;
+use crate::plant::simulate::SimulateError;
+
+/// chi2 above which a fit from the stated values may have missed the best.
+const POOR: f64 = 4.0;
+/// Change of a value, as a share of what was stated, that makes one think of missing physics first.
+const FAR: f64 = 0.25;
+/// The parameter that a run feels only once it is reached.
+const LIMIT: &str = "velocity_limit";
+
+/// Share of a stated value beyond which a diagnosis does not look for it.
+const BELIEVED: f64 = 0.4;
+
+/// Holds the values that may be fitted within two fifths of what was stated. A diagnosis asks what a model that is
+/// roughly right leaves out; left alone, its values go to wherever they hide that best. [`crate::identify`] proper does
+/// not do this, nor does a force balance, whose terms are all there is.
+pub fn believe(model: &mut Model) {
+    if model.kind == Kind::ForceBalance {
+        return;
+    }
+    for value in model.own.iter_mut().filter(|v| v.free && v.value != 0.0) {
+        let reach = BELIEVED * value.value.abs();
+        (value.low, value.high) = (value.value - reach, value.value + reach);
+    }
+}
+
+/// The stated model with the values it lists in `fit`, fitted: from the stated values and, where those leave a misfit,
+/// from a velocity limit at the largest speed seen, for a limit that is never reached has no slope to follow.
+pub fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
+    let runs = &prepared.fit;
+    let mut fit = Fit::begin(prepared.model.clone(), runs)?;
+    fit.improve(runs, Effort::FULL)?;
+    if fit.chi2() < POOR {
+        return Ok(fit);
+    }
+    let mut limited = prepared.model.clone();
+    let parameters = limited.kind.parameters();
+    let limit = limited.own.iter_mut().zip(parameters).find(|(value, p)| p.key == LIMIT && value.free);
+    if let Some((value, _)) = limit {
+        value.value = prepared.yardsticks.speed.clamp(value.low, value.high);
+        let mut other = Fit::begin(limited, runs)?;
+        other.improve(runs, Effort::FULL)?;
+        if other.squares < fit.squares {
+            fit = other;
+        }
+    }
+    Ok(fit)
+}
+
+/// The stated model fitted with no value further than a quarter from what was stated; none where `free` went no further.
+/// A fit far from what was stated bends the model to hide what is missing.
+pub fn fit_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, SimulateError> {
+    let far = |(stated, fitted): (&super::model::Value, &super::model::Value)| {
+        stated.free && (fitted.value - stated.value).abs() > FAR * stated.value.abs()
+    };
+    if !prepared.model.own.iter().zip(&free.model.own).any(far) {
+        return Ok(None);
+    }
+    let mut near = free.model.clone();
+    for (value, stated) in near.own.iter_mut().zip(&prepared.model.own).filter(|(value, _)| value.free) {
+        let reach = FAR * stated.value.abs();
+        (value.low, value.high) = (stated.value - reach, stated.value + reach);
+        value.value = value.value.clamp(value.low, value.high);
+    }
+    let mut fit = Fit::resume(near, free.locals.clone(), &prepared.fit)?;
+    fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-4 })?;
+    fit.model.own = with_bounds_of(&fit.model, &prepared.model);
+    Ok(Some(fit))
+}
+
+fn with_bounds_of(model: &Model, other: &Model) -> Vec<super::model::Value> {
+    let bounded = |(value, other): (&super::model::Value, &super::model::Value)| super::model::Value {
+        low: other.low,
+        high: other.high,
+        ..*value
+    };
+    model.own.iter().zip(&other.own).map(bounded).collect()
+}
