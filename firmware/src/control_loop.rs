@@ -4,11 +4,11 @@
 //! relay. This file turns codes into the core's units and back, feeds it the reference, and passes on what only the
 //! board can see.
 
-use shakedown_core::link::{Cause, Record, Scale, Setup, Source};
-use shakedown_core::{Command, Controller, Mode, Refused, Relay, Request, Sample, State, Trip};
+use shakedown_core::link::{Cause, Record, Setup};
+use shakedown_core::{Command, Controller, Refused, Relay, Request, Sample, State, Trip};
 
-use crate::output::Output;
 use crate::queues::{Entry, LoopEnd, Order, Standing};
+use crate::wires::Wires;
 
 /// What the board noticed since the last tick; the default is nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,46 +36,6 @@ pub struct Outcome {
     pub new_setup: bool,
     /// The standing is another than in the last tick.
     pub changed: bool,
-}
-
-/// The wiring worked out, and what of it the mode reads.
-#[derive(Debug, Clone, Copy)]
-struct Wires {
-    /// The lowest code that is a reading, and how far above it the highest lies.
-    low: u32,
-    span: u32,
-    displacement: Scale,
-    acceleration: Scale,
-    external: Scale,
-    reference: Scale,
-    output: Output,
-    streamed: bool,
-    guards: bool,
-}
-
-impl Wires {
-    fn new(setup: &Setup) -> Self {
-        let wiring = &setup.wiring;
-        let full = u32::from(wiring.full_scale);
-        let (low, span) = if wiring.rails_are_faults { (1, full.saturating_sub(2)) } else { (0, u32::from(u16::MAX)) };
-        let streamed = wiring.source == Source::Streamed;
-        Self {
-            low,
-            span,
-            displacement: wiring.displacement,
-            acceleration: wiring.acceleration,
-            external: wiring.external,
-            reference: wiring.reference,
-            output: Output::new(wiring),
-            streamed,
-            guards: setup.control.mode == Mode::Guard,
-        }
-    }
-
-    #[inline]
-    fn read(&self, scale: &Scale, code: u16) -> f32 {
-        if u32::from(code).wrapping_sub(self.low) > self.span { f32::NAN } else { scale.to_si(code) }
-    }
 }
 
 /// Everything that decides the output.

@@ -56,9 +56,9 @@ pub fn zero_flow(setup: &Setup, displacement: f32) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Loop;
     use crate::defaults;
     use crate::queues::Queues;
-    use crate::Loop;
     use proptest::prelude::*;
     use shakedown_core::Controller;
     use shakedown_core::link::Scale;

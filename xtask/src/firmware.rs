@@ -40,6 +40,8 @@ pub(crate) fn replay(words: &[String]) -> Result<(), Problem> {
     no_panic()?;
     bare("shakedown-second-opinion", &[])?;
     beside_image()?;
+    execute(&mut command(&["cargo", "test", "--locked", "--package", "shakedown-firmware", "--lib"]))?;
+    execute(&mut command(&["cargo", "build", "--locked", "--package", "shakedown", "--bin", "shakedown"]))?;
     test(words, &[])
 }
 

@@ -110,12 +110,28 @@ pub struct Supervisor {
 impl Supervisor {
     /// Off, and never tripped.
     pub const fn off() -> Self {
-        Self { state: State::Off, trip: None, presence: 0.0, command: 0.0, relay: Relay::Open, steady: false, changes: 0 }
+        Self {
+            state: State::Off,
+            trip: None,
+            presence: 0.0,
+            command: 0.0,
+            relay: Relay::Open,
+            steady: false,
+            changes: 0,
+        }
     }
 
     /// A test that needs no arming and is never stopped: that of a bare law.
     pub const fn unguarded() -> Self {
-        Self { state: State::Running, trip: None, presence: 1.0, command: 0.0, relay: Relay::Closed, steady: true, changes: 0 }
+        Self {
+            state: State::Running,
+            trip: None,
+            presence: 1.0,
+            command: 0.0,
+            relay: Relay::Closed,
+            steady: true,
+            changes: 0,
+        }
     }
 
     /// Where the test stands.

@@ -5,11 +5,11 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use std::path::Path;
 use common::{bench::Bench, near_field, seen::Seen, setup};
 use shakedown_core::Mode;
 use shakedown_core::link::Setup;
 use shakedown_replay::{Tick, World};
+use std::path::Path;
 
 const SECONDS: usize = 60;
 const RUNS: usize = 3;

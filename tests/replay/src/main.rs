@@ -132,7 +132,8 @@ fn page(ran: &Ran<Seen>, table: Table) -> Page {
             ..Plot::default()
         })
     };
-    let displacement = rows.iter().map(|row| 1e3 * f64::from(wiring.displacement.to_si(row.record.inputs[1]))).collect();
+    let displacement =
+        rows.iter().map(|row| 1e3 * f64::from(wiring.displacement.to_si(row.record.inputs[1]))).collect();
     let reference = rows.iter().map(|row| 1e3 * f64::from(row.record.reference)).collect();
     let fitted = rows.iter().map(|row| 1e3 * f64::from(row.record.fitted)).collect();
     let output = rows.iter().map(|row| f64::from(row.record.output)).collect();

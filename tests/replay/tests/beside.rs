@@ -33,8 +33,8 @@ const MODES: [(u64, &str); 4] =
 const STEP: [f64; 2] = [250.0, 600.0];
 
 fn marks() -> Vec<Mark> {
-    let image = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../target/thumbv7em-none-eabihf/firmware/shakedown-beside");
+    let image =
+        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware/shakedown-beside");
     assert!(image.exists(), "{} is missing: run `cargo xtask beside`", image.display());
     shakedown_replay::marks(&image).unwrap()
 }
@@ -67,7 +67,9 @@ fn no_law_costs_more_than_a_tenth_above_the_same_in_c() {
     for (ours, theirs, what) in PAIRS {
         let ours = steps[&ours];
         let Some(&theirs) = steps.get(&theirs) else {
-            println!("SKIPPED: {what}: no C compiler for the target (arm-none-eabi-gcc); `cargo xtask setup` installs it");
+            println!(
+                "SKIPPED: {what}: no C compiler for the target (arm-none-eabi-gcc); `cargo xtask setup` installs it"
+            );
             continue;
         };
         println!("{ours:6.1} {theirs:6.1}  ratio {:.3}  {what}", ours / theirs);

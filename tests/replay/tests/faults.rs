@@ -136,5 +136,8 @@ fn a_dead_converter_ends_in_a_reset_and_a_trip() {
     let opened = outcome.opened_after.expect("the relay stayed closed");
     assert!(opened <= 70, "the relay opened after {opened} ms");
     assert_eq!(cause(&outcome), Some(Cause::Restarted));
-    assert!(outcome.seen.codes.iter().skip(AT + opened + 10).all(|codes| !codes.relay), "only an order closes it again");
+    assert!(
+        outcome.seen.codes.iter().skip(AT + opened + 10).all(|codes| !codes.relay),
+        "only an order closes it again"
+    );
 }

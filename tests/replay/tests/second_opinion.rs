@@ -10,8 +10,8 @@ use std::process::{Child, Command, Stdio};
 use common::{bench::Bench, near_field, setup};
 use shakedown_core::link::Setup;
 use shakedown_core::{Controller, Mode, Request};
-use shakedown_firmware::queues::{DeskEnd, Order, Point, Queues};
 use shakedown_firmware::Loop;
+use shakedown_firmware::queues::{DeskEnd, Order, Point, Queues};
 use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
 
 const SECONDS: usize = 60;

@@ -8,8 +8,8 @@ mod pipe;
 mod target {
     use shakedown_core::Controller;
     use shakedown_core::link::Setup;
-    use shakedown_firmware::queues::{Order, Point, Queues};
     use shakedown_firmware::Loop;
+    use shakedown_firmware::queues::{Order, Point, Queues};
     use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
 
     use super::pipe::{Pipe, exit};

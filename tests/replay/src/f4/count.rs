@@ -58,8 +58,7 @@ pub fn marks(elf: &Path) -> Result<Vec<Mark>, ReplayError> {
     let board = Box::new(Stm32f427Bench::new().map_err(|error| emulator(&error))?);
     let session = Session::new(board, 0, VirtualNanos(STRIDE)).map_err(|error| emulator(&error))?;
     let images = [image];
-    let finished =
-        emulator::run(session, &Start::new(&images), Marks::default()).map_err(|error| emulator(&error))?;
+    let finished = emulator::run(session, &Start::new(&images), Marks::default()).map_err(|error| emulator(&error))?;
     if finished.driver.ended() {
         Ok(finished.driver.0)
     } else {

@@ -4,8 +4,8 @@
 use shakedown::device::Telemetry;
 use shakedown_core::link::Setup;
 use shakedown_core::{Controller, Request, State};
-use shakedown_firmware::queues::{Entry, Order, Point, Queues};
 use shakedown_firmware::Loop;
+use shakedown_firmware::queues::{Entry, Order, Point, Queues};
 
 use super::bench::Bench;
 use super::seen::Codes;
