@@ -1,10 +1,10 @@
 //! What the tests of the image share: a bench around the board, a host at its line, and the same firmware on the host.
 #![allow(dead_code, reason = "each test uses its part")]
 
-pub mod twin;
+pub(crate) mod twin;
 
-pub use shakedown_replay::bench::near_field;
-pub use shakedown_replay::{bench, seen};
+#[allow(unused_imports, reason = "each test uses its part")]
+pub(crate) use shakedown_replay::{bench, bench::near_field, seen};
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use shakedown_core::link::Setup;
 use shakedown_firmware::defaults;
 
 /// The image under test; `cargo xtask firmware` builds it.
-pub fn image() -> PathBuf {
+pub(crate) fn image() -> PathBuf {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("../../target/thumbv7em-none-eabihf/firmware/shakedown-firmware");
     assert!(path.exists(), "{} is missing: run `cargo xtask firmware` first", path.display());
@@ -21,7 +21,7 @@ pub fn image() -> PathBuf {
 }
 
 /// The setup for a mode: the paper's gains, every part of the core at work.
-pub fn setup(mode: Mode) -> Setup {
+pub(crate) fn setup(mode: Mode) -> Setup {
     let mut setup = defaults::setup();
     setup.control.mode = mode;
     setup

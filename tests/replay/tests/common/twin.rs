@@ -11,9 +11,9 @@ use super::bench::Bench;
 use super::seen::Codes;
 
 /// What the twin did, by tick from the device's reset.
-pub struct Twin {
-    pub codes: Vec<Codes>,
-    pub entries: Vec<Entry>,
+pub(crate) struct Twin {
+    pub(crate) codes: Vec<Codes>,
+    pub(crate) entries: Vec<Entry>,
 }
 
 /// Ticks at which the state became another, with the state before and the one it became.
@@ -23,7 +23,7 @@ fn changes(telemetry: &Telemetry) -> Vec<(u32, State, State)> {
 }
 
 /// Runs `ticks` of the twin. `spoil` may touch an output code on its way to the bench and the log.
-pub fn run(
+pub(crate) fn run(
     setup: Setup,
     record: &[f32],
     telemetry: &Telemetry,
