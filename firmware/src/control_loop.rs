@@ -158,14 +158,14 @@ impl<'a> Loop<'a> {
         let [reference, displacement, acceleration, external] = inputs;
         let wires = &self.wires;
         let mut sample = Sample {
-            displacement: wires.read(&wires.displacement, displacement),
-            acceleration: wires.read(&wires.acceleration, acceleration),
+            displacement: wires.read(wires.displacement, displacement),
+            acceleration: wires.read(wires.acceleration, acceleration),
             ..Sample::default()
         };
         if wires.guards {
-            sample.external = wires.read(&wires.external, external);
+            sample.external = wires.read(wires.external, external);
         }
-        sample.reference = if wires.streamed { self.next_point() } else { wires.read(&wires.reference, reference) };
+        sample.reference = if wires.streamed { self.next_point() } else { wires.read(wires.reference, reference) };
         sample
     }
 

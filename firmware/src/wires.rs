@@ -44,7 +44,7 @@ impl Wires {
 
     /// What `code` stands for; no number where it tells nothing.
     #[inline]
-    pub(crate) fn read(&self, scale: &Scale, code: u16) -> f32 {
+    pub(crate) fn read(&self, scale: Scale, code: u16) -> f32 {
         if u32::from(code).wrapping_sub(self.low) > self.span { f32::NAN } else { scale.to_si(code) }
     }
 }

@@ -26,7 +26,8 @@ impl Input {
     pub(super) fn accept(&mut self, reference: f32, leap: f32, brake: f32) {
         let step = reference - self.displacement;
         // True of no step but one to a finite reference.
-        self.held = !(step.abs() <= leap);
+        let near = step.abs() <= leap;
+        self.held = !near;
         if !self.held {
             self.step = step;
             self.displacement = reference;
