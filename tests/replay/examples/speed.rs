@@ -1,5 +1,6 @@
 //! Ticks a second of the image in the loop, on one core: ticks over the processor time of the fastest of several runs, so
 //! that what else the machine does counts less. Arguments: image, run by number.
+#![allow(clippy::unwrap_used, clippy::large_types_passed_by_value, reason = "shares the tests' helpers")]
 #![allow(clippy::print_stdout, reason = "its only output")]
 
 #[path = "../tests/common/mod.rs"]

@@ -108,7 +108,7 @@ fn summary(ran: &Ran<Seen>) -> (Table, serde_json::Value) {
         ("resets", ran.resets.len() as u64),
     ];
     let rows = facts.iter().map(|(name, value)| vec![(*name).to_owned(), value.to_string()]).collect();
-    let columns = vec!["".to_owned(), "image".to_owned()];
+    let columns = vec![String::new(), "image".to_owned()];
     let json = serde_json::json!({
         "version": env!("CARGO_PKG_VERSION"), "ticks": facts[0].1, "test_ticks": facts[1].1, "instructions_a_tick": median,
         "stack_bytes": ran.stack, "missing_records": missing, "resets": ran.resets.len(),

@@ -1,4 +1,10 @@
 //! The core's laws beside the same laws in C and beside `idsp`'s, in instructions a step on the same emulated processor.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

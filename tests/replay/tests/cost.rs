@@ -1,6 +1,12 @@
 //! What the image costs, against golden figures: more than 3 % above any of them fails, and so does any bound.
 //!
 //! `UPDATE_GOLDEN=1 cargo xtask replay cost` writes the figures anew; the difference belongs into the change that made it.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
 
 mod common;
 

@@ -1,4 +1,10 @@
 //! `shakedown device` against the image, through a pseudo-terminal: what the recording says is what the device did.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
 
 mod common;
 

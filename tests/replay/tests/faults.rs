@@ -1,5 +1,11 @@
 //! Faults in the loop: each ends in the state that `docs/commissioning.md` says, with the relay open in the time it says,
 //! and with every record of telemetry accounted for.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
 
 mod common;
 

@@ -1,4 +1,10 @@
 //! The firmware's loop on QEMU's Cortex-M4F, closed over the same bench, gives the codes that the host gives.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
 
 mod common;
 
