@@ -194,24 +194,26 @@ fn each_sees_further_than_the_last() {
 }
 
 #[test]
-fn a_limit_lowered_mid_run_is_kept_from_that_tick_and_the_preview_bends_to_it() {
+fn a_limit_lowered_mid_run_is_kept_from_that_tick_and_both_modifiers_bend_to_it() {
     let lowered = 0.6 * LIMIT;
-    let run = |from: usize| {
-        let mut modifier = modifiers(&limits()).unwrap().pop().unwrap();
+    let run = |which: usize, delay: usize, set: f32, from: usize| {
+        let mut modifier = modifiers(&Limits::new(RATE, set, STROKE)).unwrap().swap_remove(which);
         let reference = strong_motion();
         let output: Vec<f32> = reference
             .iter()
             .enumerate()
-            .map(|(k, x)| (modifier.step)(*x, if k < from { LIMIT } else { lowered }))
+            .map(|(k, x)| (modifier.step)(*x, if k < from { set } else { lowered }))
             .collect();
         let late = &output[from..];
         let fastest = late.windows(2).map(|w| (w[1] - w[0]).abs() * RATE).fold(0.0, f32::max);
         assert!(fastest <= lowered * 1.0001 + 1e-5, "{fastest}");
-        acceleration_error(&reference[4000..5700], &output[4000..], 200)
+        acceleration_error(&reference[4000..5700], &output[4000..], delay)
     };
-    // Two seconds after the change the string is the one it would have been with the lower limit from the start.
-    let (from_the_start, mid_run) = (run(0), run(2000));
-    assert!((mid_run / from_the_start - 1.0).abs() < 0.02, "{mid_run} against {from_the_start}");
+    for (which, delay) in [(1, 0), (2, 200)] {
+        // Two seconds after the change the motion is the one of a modifier that was set to the lower limit from the start.
+        let (from_the_start, mid_run) = (run(which, delay, lowered, 0), run(which, delay, LIMIT, 2000));
+        assert!((mid_run / from_the_start - 1.0).abs() < 0.005, "{which}: {mid_run} against {from_the_start}");
+    }
 }
 
 #[test]

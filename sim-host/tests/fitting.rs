@@ -119,19 +119,20 @@ fn online_modifiers_keep_their_promises_on_records() {
 }
 
 #[test]
-#[ignore = "known to fail: 5.44 % against the 5 % that is asked"]
 fn the_spectrum_of_kobe_is_kept() {
     let Some(motion) = prepared("RSN1106_KOBE_KJM000.AT2", Some("0.74g")) else { return };
     let band = Band { shortest: 0.05, longest: 0.5, damping: 0.05, tolerance: 0.05 };
     let limits = Limits::table(VELOCITY, STROKE);
     let found = modify(&motion, &limits, Method::Spectrum(band), |line| eprintln!("{line}")).unwrap();
-    assert!(peak(&found.motion.velocity) <= VELOCITY * (1.0 + 1e-4), "{}", peak(&found.motion.velocity));
+    let (x, v, _) = found.motion.peaks();
+    assert!(v <= VELOCITY * (1.0 + 1e-4) && x <= STROKE * (1.0 + 1e-4), "{v} m/s, {x} m");
+    assert!(found.motion.displacement[found.motion.len() - 1].abs() < 1e-4);
     // Judged by the independent spectrum, at periods the fit was not told.
     let periods = spectrum::periods(0.05, 0.5, 101);
     let of = |m: &Motion| spectrum::response_spectrum(&m.acceleration, m.dt, 0.05, &periods).unwrap().s_a;
     let (asked, got) = (of(&motion), of(&found.motion));
     let worst = asked.iter().zip(&got).map(|(a, b)| (b / a - 1.0).abs()).fold(0.0, f64::max);
-    println!("Kobe 0.74 g, S_a (5 %) over 0.05 to 0.5 s: within {:.2} %", 100.0 * worst);
+    println!("Kobe 0.74 g, S_a (5 %) over 0.05 to 0.5 s: within {:.2} % at {v:.4} m/s and {x:.4} m", 100.0 * worst);
     assert!(worst <= 0.05, "{worst}");
 }
 
@@ -200,20 +201,38 @@ fn the_causal_modifier_beats_clipping_on_generated_records() {
     assert!(compared >= 8);
 }
 
+const METHODS: [(&str, Method); 5] = [
+    ("clip", Method::Clip),
+    ("taut", Method::Taut),
+    ("convex", Method::Convex(Norm::Two)),
+    ("causal", Method::Causal),
+    ("preview", Method::Preview(0.5)),
+];
+
 /// Strong PI on the paper's plant follows a fitted record without the spikes that saturation brings.
 #[test]
 fn fitted_records_leave_no_spike_in_the_closed_loop() {
     let limits = Limits::table(VELOCITY, STROKE);
-    println!("{:12} {:14} {:>8} {:>8} {:>9}", "record", "given", "peak g", "spike", "saturated");
+    println!("{:22} {:14} {:>8} {:>8} {:>9}", "record", "given", "peak g", "spike", "saturated");
+    let mut given: Vec<(String, Motion)> = Vec::new();
     for (name, file, scale, _) in RECORDS {
         let Some(motion) = prepared(file, scale) else { return };
+        given.push((name.into(), motion));
+    }
+    for recipe in generate::RECIPES {
+        for seed in 1..=2 {
+            let motion = Recipe::fitting(None).apply(&recipe.generate(seed).unwrap()).unwrap();
+            given.push((format!("{} {seed}", recipe.name), motion));
+        }
+    }
+    for (name, motion) in given {
         let setup = Setup::paper(Named::Strong);
         let asked = peak(&motion.acceleration);
         let spike = |label: &str, given: &Motion| {
             let trace = setup.play(given).unwrap().trace;
             let found = peak(&trace.acceleration);
             println!(
-                "{name:12} {label:14} {:8.3} {:8.3} {:7.2} s",
+                "{name:22} {label:14} {:8.3} {:8.3} {:7.2} s",
                 found / 9.80665,
                 found / asked,
                 trace.saturated_s()
@@ -221,8 +240,7 @@ fn fitted_records_leave_no_spike_in_the_closed_loop() {
             found / asked
         };
         spike("as it is", &motion);
-        let methods = [("clip", Method::Clip), ("convex", Method::Convex(Norm::Two)), ("causal", Method::Causal)];
-        for (label, method) in methods.into_iter().chain([("preview", Method::Preview(0.5))]) {
+        for (label, method) in METHODS {
             let given = modify(&motion, &limits, method, |_| {}).unwrap().motion;
             let ratio = spike(label, &given);
             assert!(ratio <= 1.05 || label == "clip", "{name} {label}: {ratio}");

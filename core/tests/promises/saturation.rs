@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use shakedown_core::control::{Blocked, InnerLoop};
 use shakedown_core::saturation::{Detection, Detector, Evidence};
 use shakedown_core::settings::Gains;
-use shakedown_core::{Controller, Mode, Sample, Settings};
+use shakedown_core::{Controller, Mode, Modification, Sample, Settings};
 
 use crate::table::Table;
 
@@ -183,6 +183,36 @@ fn any_evidence_leaves_a_limit_between_floor_and_set() {
         let seen = Evidence { velocity: next(), acceleration: 0.5 * next(), error: next(), demand: 3.0 * next() };
         detector.advance(&mut state, seen);
         assert!(state.limit() <= 0.242 && state.limit() >= 0.25 * 0.242 * 0.999);
+    }
+}
+
+/// The fastest the modified reference moves in the last 2 s of 8 s, m/s, on a table that can do 0.15 m/s.
+fn fastest_reference(modification: Modification, saturation: Option<Detection>) -> f32 {
+    let mut controller = Controller::new(&Settings { modification, saturation, ..settings() }).unwrap();
+    let mut table = Table::new(1000.0).noisy();
+    table.limits = (0.15, 0.15);
+    let (mut before, mut allowed, mut fastest) = (0.0f32, 0.242f32, 0.0f32);
+    for k in 0..8000 {
+        let reference = 0.08 * (std::f64::consts::TAU * f64::from(k) * 1e-3).sin();
+        let command = controller.step(&table.sample(reference));
+        let speed = (command.reference - before).abs() * 1000.0;
+        assert!(speed <= allowed.max(command.status.velocity_limit) + 2e-5, "{k}: {speed} of {allowed}");
+        (before, allowed) = (command.reference, command.status.velocity_limit);
+        if k >= 6000 {
+            fastest = fastest.max(speed);
+        }
+        table.advance(f64::from(command.valve));
+    }
+    fastest
+}
+
+/// What detection finds out reaches the modifier: it asks for what this table can do, not for what it was set to.
+#[test]
+fn a_limit_that_was_detected_slows_both_modifiers() {
+    for modification in [Modification::Causal, Modification::Preview { seconds: 0.2 }] {
+        let (seen, blind) =
+            (fastest_reference(modification, Some(Detection::default())), fastest_reference(modification, None));
+        assert!(seen < 0.2 && blind > 0.24, "{modification:?}: {seen} m/s with detection, {blind} without");
     }
 }
 

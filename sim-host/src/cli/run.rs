@@ -11,8 +11,10 @@ use serde_json::json;
 use shakedown::closed_loop::published::Named;
 use shakedown::closed_loop::scenario::{Conditioning, NamedRecipe, RecordSource, Scenario};
 use shakedown::closed_loop::trial::{Scores, Seen, Setup, Trial};
+use shakedown::motion::Motion;
 use shakedown::motion::condition::{Step, peak_acceleration};
-use shakedown::motion::{Motion, fit_area};
+use shakedown::motion::fit::FitError;
+use shakedown::motion::fit::named::{self, Fit};
 use shakedown::plant::sensors::{GRAVITY, SensorModel};
 use shakedown_core::settings::Modification;
 use std::path::PathBuf;
@@ -23,13 +25,14 @@ use std::time::Instant;
 #[command(after_help = "Examples:
   shakedown run                                          a generated near-field motion, the gains in use
   shakedown run --record kobe.AT2 --controller strong --report kobe.html
-  shakedown run --record kobe.AT2 --controller strong --fit peak-kept --scale-to 0.74g
+  shakedown run --record kobe.AT2 --controller strong --fit convex --scale-to 0.74g
+  shakedown run --record kobe.AT2 --controller strong --modification preview
   shakedown run --record a.txt --dt 0.005 --unit g --modification causal --trace a.csv
   shakedown run SCENARIO.toml --json -
 
 A scenario names all of this in a file:
   controller = \"strong\"
-  fit = \"record-scaled\"
+  fit = \"convex\"
   [record]
   file = \"kobe.AT2\"
   [sensors]
@@ -50,9 +53,10 @@ pub(crate) struct Args {
     /// Scales the motion to a peak acceleration, such as 0.74g or 3m/s2.
     #[arg(long, value_name = "PEAK")]
     scale_to: Option<String>,
-    /// Brings the motion within the velocity limit beforehand (Fig. 13).
-    #[arg(long, value_enum)]
-    fit: Option<Fit>,
+    /// Brings the motion within the table's limits beforehand: any method of `modify` by its name, or the paper's
+    /// choices of Fig. 13 (peak-kept, peak-scaled, record-scaled, time-compressed).
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Fit::names()))]
+    fit: Option<String>,
     /// How the core modifies the reference online [default: clip for `modified`, else off].
     #[arg(long, value_enum)]
     modification: Option<Online>,
@@ -70,19 +74,6 @@ enum Recipe {
     Plain,
 }
 
-/// The choices of Fig. 13.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Fit {
-    /// The peak is kept and the duration cut (Eq. 10).
-    PeakKept,
-    /// Each pulse is scaled as far as it must be.
-    PeakScaled,
-    /// The whole record is scaled.
-    RecordScaled,
-    /// The whole record runs faster.
-    TimeCompressed,
-}
-
 /// The core's modifiers.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Online {
@@ -91,6 +82,8 @@ enum Online {
     Clip,
     /// Drift-free, within the stroke, without preview.
     Causal,
+    /// The same with half a second of preview: the table follows half a second late.
+    Preview,
 }
 
 impl Args {
@@ -119,20 +112,9 @@ impl Args {
             Some(Recipe::Table1) => Conditioning::Named(NamedRecipe::Table1),
             Some(Recipe::Plain) => Conditioning::Named(NamedRecipe::Plain),
         };
-        scenario.fit = self.fit.map(Fit::choice).or(scenario.fit);
+        scenario.fit = self.fit.as_deref().and_then(Fit::parse).or(scenario.fit);
         scenario.modification = self.modification.map(Online::modification).or(scenario.modification);
         Ok(scenario)
-    }
-}
-
-impl Fit {
-    fn choice(self) -> fit_area::Choice {
-        match self {
-            Self::PeakKept => fit_area::Choice::PeakKept,
-            Self::PeakScaled => fit_area::Choice::PeakScaled,
-            Self::RecordScaled => fit_area::Choice::RecordScaled,
-            Self::TimeCompressed => fit_area::Choice::TimeCompressed,
-        }
     }
 }
 
@@ -142,6 +124,7 @@ impl Online {
             Self::Off => Modification::Off,
             Self::Clip => Modification::Clip,
             Self::Causal => Modification::Causal,
+            Self::Preview => Modification::Preview { seconds: named::PREVIEW as f32 },
         }
     }
 }
@@ -175,11 +158,18 @@ fn motion(scenario: &Scenario, setup: &Setup) -> Result<Played, Failure> {
     }
     let fitted = match scenario.fit {
         None => original.clone(),
-        Some(choice) => {
-            fit_area::fit(&original, setup.plant.velocity_limit, choice).map_err(|e| refuse("fit: ", e.to_string()))?
-        }
+        Some(fit) => fitted(fit, &original, setup, &record.name).map_err(|e| refuse("fit: ", e.to_string()))?,
     };
     Ok(Played { name: record.name, original, fitted })
+}
+
+/// The motion brought within the plant's speed and the settings' stroke.
+fn fitted(fit: Fit, original: &Motion, setup: &Setup, name: &str) -> Result<Motion, FitError> {
+    let spinner = progress::spinner(format!("fitting {name}"));
+    let tell = |line: &str| spinner.set_message(format!("{name}: {line}"));
+    let fitted = fit.apply(original, setup.plant.velocity_limit, f64::from(setup.settings.stroke), tell);
+    spinner.finish_and_clear();
+    fitted
 }
 
 /// A test, with the same test on ideal sensors, which tells the motion's errors from the sensors'.

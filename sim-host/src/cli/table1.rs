@@ -1,5 +1,6 @@
 //! `shakedown table1`: the paper's Table 1, side by side with the paper's figures.
 
+mod fitted;
 mod notes;
 mod records;
 
@@ -8,6 +9,7 @@ use super::{Failure, present, progress};
 use records::Source;
 use serde_json::json;
 use shakedown::closed_loop::published::{Event, Named};
+use shakedown::closed_loop::table1::fitted::{self as fits, FittedRow};
 use shakedown::closed_loop::table1::{Case, Check, Reading, Row, checks, rows};
 use shakedown::closed_loop::trial::Scores;
 use shakedown::plant::sensors::GRAVITY;
@@ -36,26 +38,28 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let cases = sources.iter().map(Source::case).collect::<Result<Vec<_>, _>>()?;
     let asked: Vec<(Named, Reading)> =
         Named::ALL.iter().flat_map(|&named| Reading::apply_to(named).iter().map(move |&r| (named, r))).collect();
-    let bar = progress::bar((cases.len() * asked.len()) as u64, "rows");
+    let bar = progress::bar((cases.len() * (asked.len() + fits::ROWS.len())) as u64, "rows");
     let rows = rows(&cases, &asked, || bar.inc(1)).map_err(|e| Failure::Work(format!("table1: {e}")))?;
+    let fitted = fits::rows(&cases, || bar.inc(1)).map_err(|e| Failure::Work(format!("table1: {e}")))?;
     bar.finish_and_clear();
     let real = sources.iter().all(|source| source.path().is_some());
     let held = if real { checks(&rows) } else { Vec::new() };
-    let sections = sections(&cases, &rows, &held, real);
+    let sections = sections(&cases, &rows, &fitted, &held, real);
     if !args.outputs.quiet() {
         sections.iter().for_each(present::print_section);
     }
     let inputs: Vec<PathBuf> = sources.iter().filter_map(|s| s.path().map(PathBuf::from)).collect();
-    args.outputs.write_json(json(&cases, &rows, &held), &inputs)?;
+    args.outputs.write_json(json(&cases, &rows, &fitted, &held), &inputs)?;
     let lead = "Eight controllers on three records: the control core against the paper's plant, sensors off. Each figure \
-                stands beside the paper's; none was tuned toward it.";
+                stands beside the paper's; none was tuned toward it. Beside them, what Strong does with records fitted to \
+                the table.";
     let mut page = Page { title: "Table 1".into(), lead: lead.into(), sections, ..Page::default() };
     args.outputs.write_report(&mut page, &inputs)
 }
 
 /// The page, record by record, then what is held to bounds and what the figures mean.
-fn sections(cases: &[Case], rows: &[Row], held: &[Check], real: bool) -> Vec<Section> {
-    let mut sections: Vec<Section> = cases.iter().map(|case| section(case, rows)).collect();
+fn sections(cases: &[Case], rows: &[Row], fitted: &[FittedRow], held: &[Check], real: bool) -> Vec<Section> {
+    let mut sections: Vec<Section> = cases.iter().map(|case| section(case, rows, fitted)).collect();
     if !held.is_empty() {
         let items = vec![Item::Table(check_table(held))];
         sections.push(Section { heading: "Figures held to bounds".into(), items });
@@ -65,7 +69,7 @@ fn sections(cases: &[Case], rows: &[Row], held: &[Check], real: bool) -> Vec<Sec
     sections
 }
 
-fn section(case: &Case, rows: &[Row]) -> Section {
+fn section(case: &Case, rows: &[Row], fitted: &[FittedRow]) -> Section {
     let here: Vec<&Row> = rows.iter().filter(|row| row.event == case.event).collect();
     let (x, v, _) = case.motion.peaks();
     let mut items = vec![
@@ -79,6 +83,7 @@ fn section(case: &Case, rows: &[Row]) -> Section {
         )),
         Item::Table(figures(&here)),
         Item::Table(windows(case, &here)),
+        Item::Table(fitted::table(case, fitted)),
     ];
     items.extend([Named::Current, Named::Strong, Named::Modified].iter().filter_map(|&named| {
         let row = here.iter().find(|row| row.named == named)?;
@@ -238,8 +243,9 @@ fn row_json(case: &Case, row: &Row) -> serde_json::Value {
     value
 }
 
-/// `rows` holds the 24 rows of the paper; the other reading of the acceleration loop stands under `other_reading`.
-fn json(cases: &[Case], rows: &[Row], held: &[Check]) -> serde_json::Value {
+/// `rows` holds the 24 rows of the paper; the other reading of the acceleration loop stands under `other_reading`, Strong
+/// on fitted records under `fitted_rows`.
+fn json(cases: &[Case], rows: &[Row], fitted: &[FittedRow], held: &[Check]) -> serde_json::Value {
     let of = |reading: Reading| -> Vec<serde_json::Value> {
         let found = |row: &&Row| row.reading == reading;
         let case = |event: Event| cases.iter().find(|case| case.event == event);
@@ -250,5 +256,6 @@ fn json(cases: &[Case], rows: &[Row], held: &[Check]) -> serde_json::Value {
                "paper": c.paper, "deviation": c.deviation(), "bound": c.bound, "holds": c.holds()})
     };
     json!({"rows": of(Reading::Tracking), "other_reading": of(Reading::Damping),
+           "fitted_rows": fitted.iter().map(fitted::json).collect::<Vec<_>>(),
            "checks": held.iter().map(check).collect::<Vec<_>>()})
 }

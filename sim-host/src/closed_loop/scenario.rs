@@ -5,8 +5,9 @@
 //! controller = "strong"           # a name of Table 1; or settings = "core.toml", the control core's own settings
 //! conditioning = "table1"         # or "plain", or a list of steps: [{ do = "scale", factor = 0.5 }]
 //! scale_to = "0.74g"              # peak acceleration, after conditioning
-//! fit = "peak-kept"               # Fig. 13: "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"
-//! modification = "causal"         # online, in the core: "off", "clip" (Eq. 10) or "causal"
+//! fit = "convex"                  # beforehand: "clip", "taut", "convex", "spectrum", "causal" or "preview", or Fig. 13:
+//!                                 # "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"
+//! modification = "causal"         # online, in the core: "off", "clip" (Eq. 10), "causal" or { preview = { seconds = 0.5 } }
 //! rate_hz = 1000.0                # control rate
 //! steps = 10                      # plant steps in a tick
 //!
@@ -26,7 +27,7 @@ use super::named;
 use super::published::Named;
 use super::trial::Setup;
 use crate::motion::condition::Recipe;
-use crate::motion::fit_area::Choice;
+use crate::motion::fit::named::Fit;
 use crate::plant::paper::Paper;
 use crate::plant::sensors::SensorModel;
 use serde::Deserialize;
@@ -48,8 +49,8 @@ pub struct Scenario {
     pub conditioning: Conditioning,
     /// Peak acceleration with its unit, after conditioning.
     pub scale_to: Option<String>,
-    /// How the motion is brought within the velocity limit beforehand.
-    pub fit: Option<Choice>,
+    /// How the motion is brought within the table's limits beforehand.
+    pub fit: Option<Fit>,
     /// How the core modifies the reference; without it, as the controller says.
     pub modification: Option<Modification>,
     /// Control rate, Hz; without it 1 kHz, or the settings' rate.
@@ -235,6 +236,9 @@ mod tests {
         assert_eq!(setup.settings.displacement.proportional, 10.0);
         assert_eq!(setup.settings.modification, Modification::Causal);
         assert_eq!(scenario.recipe(1000.0).steps.len(), Recipe::table1(1000.0).steps.len() - 1);
+        let preview = read("fit = \"taut\"\nmodification = { preview = { seconds = 0.25 } }").unwrap();
+        assert_eq!(preview.fit, Fit::parse("taut"));
+        assert_eq!(preview.setup().unwrap().settings.modification, Modification::Preview { seconds: 0.25 });
         assert_eq!(read("").unwrap().setup().unwrap().settings.displacement.proportional, 3.70205);
     }
 
@@ -248,7 +252,8 @@ mod tests {
     fn what_is_wrong_is_named_with_its_line() {
         let message = |text: &str| read(text).unwrap_err().to_string();
         assert!(message("name = \"x\"\nvelocity = 1\n").contains("test.toml, line 2: unknown field `velocity`"));
-        assert!(message("fit = \"cut\"").contains("line 1"));
+        let fit = message("fit = \"cut\"");
+        assert!(fit.contains("line 1") && fit.contains("expected one of clip taut convex"), "{fit}");
         assert!(message("controller = \"strong\"\nsettings = \"a.toml\"").contains("exclude each other"));
         let setup = |text: &str| read(text).unwrap().setup().unwrap_err().to_string();
         assert!(setup("controller = \"fast\"").contains("`fast`: expected one of current strong"));

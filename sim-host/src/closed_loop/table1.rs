@@ -1,5 +1,7 @@
 //! The paper's Table 1, run: eight controllers, three records, every figure beside the paper's.
 
+pub mod fitted;
+
 use super::named::RATE;
 use super::published::{Event, Figures, Gains, Named};
 use super::trial::{Scores, Seen, Setup, Trial, TrialError, strong_and_weak, table1_motion};

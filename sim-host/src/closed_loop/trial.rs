@@ -8,7 +8,7 @@ use crate::motion::resample::Interpolation;
 use crate::motion::{Motion, Record};
 use crate::plant::paper::{FixedStep, Paper};
 use crate::plant::sensors::{SensorModel, Sensors};
-use shakedown_core::{Controller, Settings};
+use shakedown_core::{Controller, Modification, Settings};
 
 /// Everything of a test but its motion.
 #[derive(Debug, Clone)]
@@ -47,12 +47,24 @@ impl Setup {
 
     /// The same with another law at the settings' rate.
     pub fn play_with(&self, law: &mut impl Law, motion: &Motion) -> Result<Trial, TrialError> {
-        let wanted = self.at_rate(motion)?;
+        let lag = self.lag();
+        let (wanted, played) = {
+            let motion = self.at_rate(motion)?;
+            (late(&motion, lag, 0), late(&motion, 0, lag))
+        };
         let clock = Clock::new(self.rate(), self.steps).map_err(ClosedLoopError::from)?;
-        let start = wanted.displacement.first().copied().unwrap_or(0.0);
+        let start = played.displacement.first().copied().unwrap_or(0.0);
         let mut plant = FixedStep::new(self.plant, clock.plant_step(), start).map_err(ClosedLoopError::from)?;
-        let trace = run(&mut plant, law, &mut Sensors::new(self.sensors.clone()), &wanted.displacement, clock);
-        Ok(Trial { played: wanted.clone(), wanted, trace })
+        let trace = run(&mut plant, law, &mut Sensors::new(self.sensors.clone()), &played.displacement, clock);
+        Ok(Trial { wanted, played, lag, trace })
+    }
+
+    /// By how many ticks the core answers the reference late: what its modifier looks ahead.
+    fn lag(&self) -> usize {
+        match self.settings.modification {
+            Modification::Preview { seconds } => (seconds * self.settings.rate).round() as usize,
+            _ => 0,
+        }
     }
 }
 
@@ -65,6 +77,9 @@ pub enum TrialError {
     /// The motion could not be brought to the control rate.
     #[error("motion: {0}")]
     Condition(#[from] crate::motion::condition::ConditionError),
+    /// The motion could not be fitted to the table.
+    #[error("fit: {0}")]
+    Fit(#[from] crate::motion::fit::FitError),
     /// A signal could not be filtered.
     #[error("response: {0}")]
     Filter(#[from] crate::motion::filter::FilterError),
@@ -78,8 +93,11 @@ pub enum TrialError {
 pub struct Trial {
     /// What the table was asked for, at the control rate, before any fit and any modification.
     pub wanted: Motion,
-    /// What was played to the core, at the control rate: the same, unless it was fitted beforehand.
+    /// What was played to the core, at the control rate: the same, unless it was fitted beforehand; where the core
+    /// looks ahead, what is wanted is this so much later, and both rest for as long.
     pub played: Motion,
+    /// How many ticks later.
+    lag: usize,
     /// What it did.
     pub trace: Trace,
 }
@@ -139,8 +157,8 @@ impl Trial {
     /// faster) has nothing to be held against sample by sample, and stays as it is.
     #[must_use]
     pub fn fitted_from(mut self, original: &Motion) -> Self {
-        if original.dt == self.played.dt && original.len() == self.played.len() {
-            self.wanted = original.clone();
+        if original.dt == self.played.dt && original.len() + self.lag == self.played.len() {
+            self.wanted = late(original, self.lag, 0);
         }
         self
     }
@@ -160,6 +178,22 @@ impl Trial {
         let velocity = rates(&trace.commanded);
         let acceleration = rates(&velocity);
         Motion { dt: trace.dt, displacement: trace.commanded.clone(), velocity, acceleration }
+    }
+}
+
+/// The motion after resting where it begins for `before` samples, and where it ends for `after`.
+fn late(motion: &Motion, before: usize, after: usize) -> Motion {
+    let held = |signal: &[f64], first: f64, last: f64| {
+        let rest = |value: f64, count: usize| std::iter::repeat_n(value, count);
+        rest(first, before).chain(signal.iter().copied()).chain(rest(last, after)).collect()
+    };
+    let x = &motion.displacement;
+    let (first, last) = (x.first().copied().unwrap_or(0.0), x.last().copied().unwrap_or(0.0));
+    Motion {
+        dt: motion.dt,
+        displacement: held(x, first, last),
+        velocity: held(&motion.velocity, 0.0, 0.0),
+        acceleration: held(&motion.acceleration, 0.0, 0.0),
     }
 }
 

@@ -66,11 +66,34 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
             gain < CHANCE || explains(best) || (left < SETTLED && foresees(prepared, &search.baseline, best)?);
         parents = grown.iter().take(BEAM).cloned().collect();
         search.grown.push(grown);
+        eliminate(&mut search.grown, runs)?;
         if settled {
             break;
         }
     }
     Ok(search)
+}
+
+/// Takes effects out of the best models of the last size, one at a time: a companion may have led the other to where it
+/// belongs. What does better than before without it takes its place among the smaller models.
+fn eliminate(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), SimulateError> {
+    let Some(([.., smaller], larger)) = grown.split_last_mut().map(|(larger, rest)| (rest, larger)) else {
+        return Ok(());
+    };
+    let Some(least) = smaller.first().map(|best| best.squares) else { return Ok(()) };
+    // An effect that freed one of the model's own parameters leaves more behind than it brought.
+    let bare = |id: &&str| crate::plant::effects::entry(id).is_some_and(|entry| entry.frees.is_empty());
+    let out = |fit: &Fit| fit.model.ids().into_iter().filter(bare).map(|id| (fit.clone(), id)).collect::<Vec<_>>();
+    let pairs: Vec<_> = larger.iter().take(BEAM).flat_map(out).collect();
+    let refit = |(fit, id): (Fit, &str)| -> Result<Fit, SimulateError> {
+        let mut fit = Fit::resume(fit.model.without(id), fit.locals, runs)?;
+        fit.improve(runs, Effort { steps: 6, tolerance: 1e-4 })?;
+        Ok(fit)
+    };
+    let refitted = pairs.into_par_iter().map(refit).collect::<Result<Vec<_>, _>>()?;
+    smaller.extend(refitted.into_iter().filter(|fit| fit.squares < least));
+    best_of_each_set(smaller);
+    Ok(())
 }
 
 /// True where no more is left than noise leaves.

@@ -42,6 +42,7 @@ impl Local {
             high: value + reach,
             positive: false,
             free,
+            prior: None,
         };
         let slope = run.moving_start.then(|| initial_slope(run)).flatten().unwrap_or(0.0);
         let has_pressure = run.channel(Channel::PressureDifference).is_some_and(|m| m.judged);

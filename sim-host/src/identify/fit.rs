@@ -183,6 +183,13 @@ fn assemble(model: &Model, locals: &[Local], runs: &[Run]) -> Result<Normal, Sim
         sum.add(&part?, shared, place);
         place += count;
     }
+    let free = model.values().filter(|v| v.free);
+    for (i, (value, prior)) in free.enumerate().filter_map(|(i, v)| Some((i, (v, v.prior?)))) {
+        let away = (prior.mean - value.coordinate()) / prior.std;
+        sum.squares += away * away;
+        sum.gradient[i] += away / prior.std;
+        sum.matrix[(i, i)] += prior.std.powi(-2);
+    }
     // A model that runs away is as bad as can be, not an error.
     if !sum.squares.is_finite() {
         sum.squares = f64::INFINITY;

@@ -4,8 +4,8 @@ use super::data::{Channel, Run};
 use crate::plant::effects::{Entry, Role, Yardstick};
 use crate::plant::model::Kind;
 
-/// By how much of its stated value a parameter may change that means something else beside an effect.
-const REDEFINED: f64 = 0.15;
+/// By what share of its stated value a positive parameter may well change that means something else beside an effect.
+const REDEFINED: f64 = 0.02;
 
 /// One parameter's value and how a fit treats it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,12 +20,23 @@ pub struct Value {
     pub positive: bool,
     /// A fit may move it.
     pub free: bool,
+    /// What is known of it beforehand.
+    pub prior: Option<Prior>,
+}
+
+/// What is known of a value before a fit: where its coordinate is, and how surely.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prior {
+    /// The coordinate.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub std: f64,
 }
 
 impl Value {
     /// A value that no fit moves.
     pub fn fixed(value: f64) -> Self {
-        Self { value, low: value, high: value, positive: false, free: false }
+        Self { value, low: value, high: value, positive: false, free: false, prior: None }
     }
 
     /// The coordinate a fit works in.
@@ -152,6 +163,7 @@ impl Placed {
                 high: parameter.high * size,
                 positive: parameter.positive,
                 free: parameter.role == Role::Shared,
+                prior: None,
             });
         }
         (rest == 0).then_some(Self { entry, values })
@@ -165,7 +177,7 @@ impl Model {
         for (own, parameter) in model.own.iter_mut().zip(self.kind.parameters()) {
             if effect.entry.frees.contains(&parameter.key) && !own.free {
                 own.free = true;
-                (own.low, own.high) = (own.value * (1.0 - REDEFINED), own.value * (1.0 + REDEFINED));
+                own.prior = Some(Prior { mean: own.coordinate(), std: REDEFINED });
             }
         }
         model.effects.push(effect);

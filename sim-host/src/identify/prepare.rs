@@ -6,6 +6,7 @@ use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Entry, Role, entry};
 use crate::plant::model::Kind;
 use crate::plant::simulate::{Law, MeasuredMotion};
+use crate::recording::check::Skew;
 use crate::recording::{self, Experiment, Use};
 
 /// Why an experiment cannot be fitted.
@@ -112,16 +113,16 @@ fn pressure_scale(stated: &recording::Model) -> Value {
     {
         return Value::fixed(mass / area);
     }
-    Value { value: 1.0, low: f64::NEG_INFINITY, high: f64::INFINITY, positive: false, free: true }
+    Value { value: 1.0, low: f64::NEG_INFINITY, high: f64::INFINITY, positive: false, free: true, prior: None }
 }
 
 /// One of a model's own parameters; a velocity limit that is not given lies far above what the runs reach.
 fn own_value(given: Option<f64>, positive: bool, free: bool, yardsticks: &Yardsticks) -> Value {
     let value = given.unwrap_or(if positive { 1e3 * yardsticks.speed } else { 1.0 });
     if positive {
-        Value { value, low: value * 0.1, high: value * 10.0, positive, free }
+        Value { value, low: value * 0.1, high: value * 10.0, positive, free, prior: None }
     } else {
-        Value { value, low: f64::NEG_INFINITY, high: f64::INFINITY, positive, free }
+        Value { value, low: f64::NEG_INFINITY, high: f64::INFINITY, positive, free, prior: None }
     }
 }
 
@@ -167,7 +168,8 @@ fn of_recording(run: &recording::Run, model: &recording::Model) -> Result<Run, P
     })
 }
 
-/// The measured motion that drives a force balance: what is not measured follows from what is.
+/// The measured motion that drives a force balance: what is not measured follows from what is, and an acceleration that
+/// comes later than the displacement's is moved back to it.
 fn motion_of(run: &recording::Run) -> Result<MeasuredMotion, PrepareError> {
     use recording::Channel as C;
     let of = |channel| run.channel(channel).and_then(filled);
@@ -179,8 +181,21 @@ fn motion_of(run: &recording::Run) -> Result<MeasuredMotion, PrepareError> {
     };
     let displacement = of(C::Displacement).ok_or_else(missing)?;
     let velocity = of(C::Velocity).unwrap_or_else(|| slope(&displacement));
-    let acceleration = of(C::Acceleration).unwrap_or_else(|| slope(&velocity));
+    let late = Skew::of(run).filter(|skew| skew.matters(run.dt) && skew.is_delay()).map_or(0.0, |skew| skew.delay_s);
+    let acceleration = of(C::Acceleration).map_or_else(|| slope(&velocity), |a| earlier(&a, late / run.dt));
     Ok(MeasuredMotion { displacement, velocity, acceleration })
+}
+
+/// A series as it was `by` samples earlier, by cubic interpolation; its ends are held.
+fn earlier(series: &[f64], by: f64) -> Vec<f64> {
+    let last = series.len().saturating_sub(1) as f64;
+    let at = |k: f64| series.get(k.clamp(0.0, last) as usize).copied().unwrap_or(0.0);
+    let between = |place: f64| {
+        let (k, t) = (place.floor(), place - place.floor());
+        let (a, b, c, d) = (at(k - 1.0), at(k), at(k + 1.0), at(k + 2.0));
+        b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
+    };
+    (0..series.len()).map(|k| between(k as f64 + by)).collect()
 }
 
 /// The channels a run is compared with. A channel is judged where its noise is known; where neither displacement nor

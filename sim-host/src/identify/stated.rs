@@ -18,9 +18,9 @@ const BELIEVED: f64 = 0.4;
 
 /// Holds the values that may be fitted within two fifths of what was stated. A diagnosis asks what a model that is
 /// roughly right leaves out; left alone, its values go to wherever they hide that best. [`crate::identify`] proper does
-/// not do this, nor does a force balance, whose terms are all there is.
+/// not do this, nor is it done to masses and dashpots, on which residuals depend almost linearly.
 pub fn believe(model: &mut Model) {
-    if model.kind == Kind::ForceBalance {
+    if model.kind != Kind::Servo {
         return;
     }
     for value in model.own.iter_mut().filter(|v| v.free && v.value != 0.0) {

@@ -8,13 +8,14 @@
 //! - [`convex`]: displacement, acceleration, jerk and the force-dependent flow limit too, as a quadratic or cone program.
 //! - [`spectrum`]: keeps the response spectrum over a band of periods rather than the waveform.
 //! - [`online`]: the core's own modifiers, run over a record.
-//! - [`method`]: all of them by name, from a motion to the motion that is written.
+//! - [`method`]: all of them, from a motion to the motion that is written; [`named`]: by the names that users give.
 //! - [`certificate`]: what was given up and where, a proof that no motion does better, and the smallest relaxation that
 //!   would meet a target.
 
 pub mod certificate;
 pub mod convex;
 pub mod method;
+pub mod named;
 pub mod online;
 pub mod spectrum;
 pub mod taut;

@@ -156,7 +156,7 @@ impl Oscillator {
 
 /// State of an oscillator `(w, damping)` after `h` s, from a state, under an acceleration running straight from one value
 /// to another: the particular solution `-(a + s t) / w^2 + 2 z s / w^3` and the free vibration that meets the start.
-fn advance((w, z, h): (f64, f64, f64), (x0, v0): (f64, f64), (a0, a1): (f64, f64)) -> (f64, f64) {
+pub(super) fn advance((w, z, h): (f64, f64, f64), (x0, v0): (f64, f64), (a0, a1): (f64, f64)) -> (f64, f64) {
     let slope = (a1 - a0) / h;
     let particular = |a: f64| -a / (w * w) + 2.0 * z * slope / (w * w * w);
     let particular_velocity = -slope / (w * w);

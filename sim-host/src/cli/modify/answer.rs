@@ -68,7 +68,7 @@ impl Answer {
                            "deviation": o.deviation()})
                 })
                 .collect();
-            json!({"deviation": found.deviation, "smallest_tolerance": found.smallest_tolerance,
+            json!({"deviation": found.deviation, "deviation_bound": found.bound,
                    "rounds": found.rounds, "ordinates": ordinates})
         });
         Ok(json!({

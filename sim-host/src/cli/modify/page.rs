@@ -2,6 +2,7 @@
 
 use super::super::Failure;
 use super::answer::Answer;
+use shakedown::motion::fit::certificate::Stretch;
 use shakedown::motion::fit::method::Method;
 use shakedown::motion::spectrum::{periods, response_spectrum};
 use shakedown::motion::{Motion, STANDARD_GRAVITY};
@@ -109,7 +110,7 @@ fn given_up(answer: &Answer) -> Section {
                 format!("{:.2}", s.to),
                 format!("{:.1}", 100.0 * s.share),
                 format!("{:.3}", s.peak / STANDARD_GRAVITY),
-                if s.limits.is_empty() { "none: making good".into() } else { s.limits.join(", ") },
+                touched(s),
             ]
         })
         .collect();
@@ -125,6 +126,11 @@ fn given_up(answer: &Answer) -> Section {
     }
     items.extend(missed_periods(answer));
     Section { heading: "What was given up, and where".into(), items }
+}
+
+/// The limits that a stretch touches, in words.
+fn touched(stretch: &Stretch) -> String {
+    if stretch.limits.is_empty() { "none: making good".into() } else { stretch.limits.join(", ") }
 }
 
 /// Periods whose ordinate could not be kept.
@@ -153,10 +159,14 @@ fn missed_periods(answer: &Answer) -> Option<Item> {
             .into(),
         rows,
         caption: format!(
-            "Periods that miss {:.1} %. With the reference's peaks kept where they are the whole band needs {:.1} %; the \
-             last column is the factor on the velocity limit without which no motion at all reaches that period alone.",
+            "Periods that miss {:.1} %. The smallest tolerance met is {:.1} %{}; the last column is the factor on the \
+             velocity limit without which no motion at all reaches that period alone.",
             100.0 * band.tolerance,
-            100.0 * found.smallest_tolerance
+            100.0 * found.deviation,
+            found.bound.map_or_else(String::new, |bound| format!(
+                ", and with the spectrum's peaks where this motion has them none under {:.1} % can be",
+                100.0 * bound
+            ))
         ),
     }))
 }
@@ -167,7 +177,7 @@ fn in_time(answer: &Answer) -> Section {
         .stretches()
         .iter()
         .filter(|s| s.share > 0.01)
-        .map(|s| Band { from: s.from, to: s.to, label: s.limits.join(", ") })
+        .map(|s| Band { from: s.from, to: s.to, label: touched(s) })
         .collect();
     let error: Vec<f64> =
         before.acceleration.iter().zip(&after.acceleration).map(|(a, b)| (b - a) / STANDARD_GRAVITY).collect();

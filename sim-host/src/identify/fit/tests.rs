@@ -19,6 +19,7 @@ fn model(values: [f64; 4]) -> Model {
         high: 5.0 * value,
         positive: true,
         free,
+        prior: None,
     });
     Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), sharp: false }
 }

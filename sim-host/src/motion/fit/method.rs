@@ -9,7 +9,7 @@ use super::super::record::central_difference;
 use super::super::{Motion, peak};
 use super::online::{self, Modifier};
 use super::spectrum::{self, Band, SpectrumFit};
-use super::{FitError, Fitted, Limits, Norm, Reference, convex, steepest, taut};
+use super::{FitError, Limits, Norm, Reference, convex, steepest, taut};
 
 /// How a record is fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,11 +61,10 @@ pub fn modify(
         if repetition > 0 {
             progress("tightening the limits to what integration makes of the samples");
         }
-        let (fitted, spectrum) = fit(&reference, &tightened, method, &mut progress)?;
+        let (drive, proven, spectrum) = fit(motion, &reference, &tightened, method, &mut progress)?;
         if repetition == 0 {
-            bound = fitted.bound;
+            bound = proven;
         }
-        let drive = drive(motion, &reference, &fitted.velocity);
         let Some(next) = tighter(&drive, limits, &tightened, method) else {
             return Ok(Modified { motion: drive, bound, spectrum, tightened });
         };
@@ -77,12 +76,14 @@ pub fn modify(
     Err(FitError::Solver("the limits were not met after tightening".into()))
 }
 
+/// The motion as it is written, the bound proven, and the spectrum where it was kept.
 fn fit(
+    motion: &Motion,
     reference: &Reference,
     limits: &Limits,
     method: Method,
     progress: &mut impl FnMut(&str),
-) -> Result<(Fitted, Option<SpectrumFit>), FitError> {
+) -> Result<(Motion, Option<f64>, Option<SpectrumFit>), FitError> {
     let fitted = match method {
         Method::Clip => online::fit(reference, limits, Modifier::Clip),
         Method::Causal => online::fit(reference, limits, Modifier::Causal),
@@ -93,13 +94,13 @@ fn fit(
             convex::fit(reference, limits, norm)
         }
         Method::Spectrum(band) => {
-            let found = spectrum::fit(reference, limits, &band, |round, deviation| {
+            let found = spectrum::fit(motion, limits, &band, |round, deviation| {
                 progress(&format!("round {round}: S_a within {:.1} %", 100.0 * deviation));
             })?;
-            return Ok((found.fitted.clone(), Some(found)));
+            return Ok((found.motion.clone(), None, Some(found)));
         }
-    };
-    Ok((fitted?, None))
+    }?;
+    Ok((drive(motion, reference, &fitted.velocity), fitted.bound, None))
 }
 
 /// The motion whose acceleration is the reference's less the slope of what was given up.

@@ -19,7 +19,7 @@ pub const ENTRY: Entry = Entry {
             yardstick: Yardstick::One,
             low: 1e-6,
             high: 0.01,
-            starts: &[5e-5, 4e-4],
+            starts: &[4e-5, 1e-4, 2e-4, 5e-4],
             positive: true,
             role: Role::Shared,
         },

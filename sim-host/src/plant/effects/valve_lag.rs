@@ -11,7 +11,7 @@ pub const ENTRY: Entry = Entry {
     stage: Stage::Valve,
     parameters: &[Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "natural frequency of the spool", yardstick: Yardstick::One, low: 2.0, high: 300.0, starts: &[12.0, 35.0, 90.0], positive: true, role: Role::Shared },
         Parameter { key: "damping", unit: "1", rigid_unit: "1", meaning: "damping ratio of the spool", yardstick: Yardstick::One, low: 0.35, high: 2.0, starts: &[0.7], positive: true, role: Role::Shared }],
-    kinds: &[Kind::Servo],
+    kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "phase lost and, above its frequency, amplitude too",
     mistaken_for: &["command_delay", "acceleration_lag", "displacement_lag"],

@@ -22,6 +22,9 @@ pub(super) use agreement::{Bin, coherent_bins, delay_over};
 /// A link is sound while one channel is between these multiples of what the other says it should be.
 const SOUND_GAIN: std::ops::Range<f64> = 0.4..2.5;
 
+/// How well one sign and one delay must explain the phases before a sign is called turned.
+const IN_STEP: f64 = 0.85;
+
 /// The same for reference and displacement, between which the whole loop stands.
 const SOUND_TRACKING: std::ops::Range<f64> = 0.25..4.0;
 
@@ -171,6 +174,10 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
     let band = format!("{:.1} to {:.1} Hz", a.from_hz, a.to_hz);
     if a.unrelated {
         return State::Broken(format!("{to} has nothing in common with the {derivative} of {from} ({band})"));
+    }
+    // A sensor that is turned round is so at every frequency; one that tilts with the table is not.
+    if a.turned && a.in_step < IN_STEP {
+        return State::Unknown;
     }
     if a.turned {
         return State::Broken(format!("{to} runs against the {derivative} of {from} ({band})"));

@@ -61,6 +61,11 @@ impl Skew {
     pub fn matters(&self, dt: f64) -> bool {
         self.delay_s.abs() > (0.5 * dt).max(5.0 * self.std_s)
     }
+
+    /// True where the gain does not fall with the delay, so that a shift undoes it.
+    pub fn is_delay(&self) -> bool {
+        self.roll_off > 0.8
+    }
 }
 
 fn wrapped(phase: f64) -> f64 {
@@ -72,7 +77,7 @@ pub(super) fn check(run: &Run) -> Option<Finding> {
     let skew = Skew::of(run).filter(|s| s.matters(run.dt))?;
     let (ms, samples) = (1e3 * skew.delay_s.abs(), skew.delay_s.abs() / run.dt);
     let order = if skew.delay_s > 0.0 { "after" } else { "before" };
-    let shape = if skew.roll_off > 0.8 {
+    let shape = if skew.is_delay() {
         "its gain does not fall with it, so the channels were sampled or filtered apart"
     } else {
         "its gain falls with it, as a sensor's lag or a filter makes it"
@@ -83,6 +88,6 @@ pub(super) fn check(run: &Run) -> Option<Finding> {
              ({:.1} to {:.1} Hz); {shape}",
             skew.from_hz, skew.to_hz
         ),
-        format!("shift the acceleration by {:+.5} s, or let the diagnosis estimate the lag", -skew.delay_s),
+        format!("shift the acceleration by {:+.5} s, as a force balance does by itself", -skew.delay_s),
     ))
 }
