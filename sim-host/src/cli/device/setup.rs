@@ -19,13 +19,11 @@ impl Get {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
         let setup = session.setup().map_err(failed)?;
         let text = toml::to_string(&setup).map_err(|e| Failure::Work(e.to_string()))?;
-        match &self.out {
-            Some(path) => write_whole(path, text.as_bytes()),
-            None => {
-                print(&text);
-                Ok(())
-            }
+        if let Some(path) = &self.out {
+            return write_whole(path, text.as_bytes());
         }
+        print(&text);
+        Ok(())
     }
 }
 
