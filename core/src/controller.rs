@@ -55,6 +55,8 @@ pub struct Controller {
     /// Whether every needed channel has been read at least once.
     begun: bool,
     tracker: Tracker,
+    /// Whether the last tick ran whole: nothing missing, fading or blending, no change asked for since.
+    quiet: bool,
     modifier: ModifierState,
 }
 
@@ -78,6 +80,7 @@ impl Controller {
             blending: false,
             begun: false,
             tracker: Tracker::new(tracking(settings)?.as_ref()),
+            quiet: false,
             modifier: config.modifier.start(0.0),
             config,
         })
@@ -104,6 +107,7 @@ impl Controller {
         }
         self.blend.pending = self.begun;
         self.blending = self.begun;
+        self.quiet = false;
         self.config = config;
         Ok(())
     }
@@ -117,6 +121,7 @@ impl Controller {
             return Err(Refused::Cause(cause));
         }
         let whole = self.supervisor.whole();
+        self.quiet = false;
         self.supervisor.request(request)?;
         match request {
             Request::Arm => self.start_at(self.readings.displacement),
@@ -139,21 +144,55 @@ impl Controller {
         self.limited = false;
     }
 
+    /// Where the test stands; always running without a guard.
+    #[inline]
+    pub const fn state(&self) -> State {
+        self.supervisor.state()
+    }
+
+    /// Why the guard tripped, until it is reset.
+    #[inline]
+    pub const fn trip(&self) -> Option<Trip> {
+        self.supervisor.cause()
+    }
+
+    /// How often [`Controller::state`] or [`Controller::trip`] have changed, modulo 256.
+    #[inline]
+    pub const fn changes(&self) -> u8 {
+        self.supervisor.changes()
+    }
+
     /// One tick: measure, decide, command.
+    #[inline]
     pub fn step(&mut self, sample: &Sample) -> Command {
         let missing = self.config.walls.take(sample, &mut self.readings);
-        if self.begun || self.begin(missing) {
+        // A test that runs whole, which is where the ticks count, asks no questions; see `go_on` for all of them.
+        if self.quiet && missing.is_empty() {
+            match self.watch.step(&self.config, &self.readings, self.drive()) {
+                None => self.decide::<true>(),
+                cause => self.go_on(missing, cause),
+            }
+        } else if self.begun || self.begin(missing) {
             let cause = self.watch(missing);
-            if cause.is_some() || !self.supervisor.steady() {
-                self.supervise(cause);
-            }
-            if !self.supervisor.moves() {
-                self.make_safe();
-            } else if missing.is_empty() {
-                self.decide();
-            }
+            self.go_on(missing, cause);
         }
         self.command(missing)
+    }
+
+    /// The rest of a tick in which something may be missing, fading or blending, or the guard may have found a cause to
+    /// trip.
+    #[inline(never)]
+    fn go_on(&mut self, missing: Channels, cause: Option<Trip>) {
+        if cause.is_some() || !self.supervisor.steady() {
+            self.supervise(cause);
+        }
+        self.quiet = missing.is_empty() && self.supervisor.steady();
+        if !self.supervisor.moves() {
+            self.make_safe();
+        } else if missing.is_empty() {
+            self.decide::<false>();
+            self.quiet &= !self.blending;
+        }
     }
 
     /// Takes up what the guard has found, and moves the ramps on.
@@ -177,15 +216,20 @@ impl Controller {
         self.begun
     }
 
-    /// What the sensors say of the table, the valve and themselves.
+    /// What pushes the table since the last tick.
     #[inline]
+    fn drive(&self) -> Drive {
+        Drive { reference: self.reference, reference_velocity: self.law.reference_velocity(), excess: self.excess }
+    }
+
+    /// What the sensors say of the table, the valve and themselves.
+    #[inline(never)]
     fn watch(&mut self, missing: Channels) -> Option<Trip> {
-        let drive =
-            Drive { reference: self.reference, reference_velocity: self.law.reference_velocity(), excess: self.excess };
+        let drive = self.drive();
         if missing.is_empty() {
-            self.watch.step(&self.config, &self.readings, &drive)
+            self.watch.step_again(&self.config, &self.readings, drive)
         } else {
-            self.watch.step_without(&self.config, missing, &self.readings, &drive)
+            self.watch.step_without(&self.config, missing, &self.readings, drive)
         }
     }
 
@@ -203,18 +247,18 @@ impl Controller {
         self.output = self.zero_flow() + self.supervisor.command() * self.excess;
     }
 
-    /// The output of the mode, all inputs being good.
-    #[inline]
-    fn decide(&mut self) {
+    /// The output of the mode, all inputs being good; `WHOLE` where nothing fades or blends.
+    #[inline(always)]
+    fn decide<const WHOLE: bool>(&mut self) {
         let zero = self.zero_flow();
         let (asked, whole) = match self.config.mode {
             Mode::Guard => (self.readings.external - zero, self.readings.external),
             Mode::Modifier => {
-                let reference = self.fit_reference();
+                let reference = self.fit_reference::<WHOLE>();
                 (reference - zero, reference)
             }
             Mode::Controller => {
-                let reference = self.fit_reference();
+                let reference = self.fit_reference::<WHOLE>();
                 let asked = self.tracker.step(reference, &self.readings).unwrap_or_else(|| {
                     let blocked = self.watch.blocked(&self.config, self.limited, self.excess);
                     self.law.step(&self.config, reference, &self.readings, self.watch.velocity(), blocked)
@@ -222,12 +266,13 @@ impl Controller {
                 (asked, zero + asked)
             }
         };
-        let wanted = if self.supervisor.steady() && !self.blending { asked } else { self.fade(asked, zero) };
+        let all = WHOLE || self.supervisor.steady() && !self.blending;
+        let wanted = if all { asked } else { self.fade(asked, zero) };
         if wanted.abs() <= self.config.command_limit {
             self.limited = false;
             self.excess = wanted;
             // What nothing acts on passes to the last bit, which `zero + (external - zero)` would not.
-            self.output = if wanted == asked { whole } else { zero + wanted };
+            self.output = if WHOLE || wanted == asked { whole } else { zero + wanted };
         } else {
             self.limit(wanted, zero);
         }
@@ -238,6 +283,7 @@ impl Controller {
     #[cold]
     fn limit(&mut self, wanted: f32, zero: f32) {
         if wanted.is_nan() {
+            self.quiet = false;
             self.start_at(self.readings.displacement);
             if self.config.guard.is_some() {
                 self.supervisor.trip(Trip::Internal);
@@ -266,10 +312,10 @@ impl Controller {
     }
 
     /// The reference as the test's ramps and the record modifier let it through, m.
-    #[inline]
-    fn fit_reference(&mut self) -> f32 {
+    #[inline(always)]
+    fn fit_reference<const WHOLE: bool>(&mut self) -> f32 {
         self.target = self.readings.reference;
-        if !self.supervisor.steady() {
+        if !WHOLE && !self.supervisor.steady() {
             self.target = self.anchor + self.supervisor.presence() * (self.target - self.anchor);
         }
         let limit = self.watch.velocity_limit();

@@ -4,13 +4,13 @@
 //! relay. This file turns codes into the core's units and back, feeds it the reference, and passes on what only the
 //! board can see.
 
-use shakedown_core::link::{Cause, Record, Setup, Source};
-use shakedown_core::{Command, Controller, Refused, Relay, Request, Sample, State, Status, Trip};
+use shakedown_core::link::{Cause, Record, Setup};
+use shakedown_core::{Command, Controller, Refused, Relay, Request, Sample, State, Trip};
 
-use crate::output::to_code;
 use crate::queues::{Entry, LoopEnd, Order, Standing};
+use crate::wires::Wires;
 
-/// What the board noticed since the last tick.
+/// What the board noticed since the last tick; the default is nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Events {
     /// The emergency-stop circuit is open.
@@ -34,15 +34,19 @@ pub struct Outcome {
     pub displacement: f32,
     /// There is a new setup.
     pub new_setup: bool,
+    /// The standing is another than in the last tick.
+    pub changed: bool,
 }
 
 /// Everything that decides the output.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
+// In this order, so that all that a tick touches lies within reach of one base register.
+#[repr(C)]
 pub struct Loop<'a> {
-    controller: Controller,
-    setup: Setup,
+    wires: Wires,
     queues: LoopEnd<'a>,
-    status: Status,
+    /// The core's count of changes when the standing was last told; none of its counts after a change of the cause.
+    told: u16,
     /// What the board, the stream or a refusal has to say beside the core.
     cause: Option<Cause>,
     tick: u32,
@@ -51,22 +55,23 @@ pub struct Loop<'a> {
     probe: Option<u16>,
     /// Reference of the last tick, m.
     reference: f32,
+    controller: Controller,
+    setup: Setup,
 }
 
 impl<'a> Loop<'a> {
     /// A loop around a controller made of `setup`. `restarted` when the last reset was none that anyone asked for: it
     /// begins tripped.
     pub fn new(mut controller: Controller, setup: &Setup, queues: LoopEnd<'a>, restarted: bool) -> Self {
-        let mut status = Status { state: State::Off, relay: Relay::Open, ..Status::default() };
-        if restarted && controller.request(Request::Trip).is_ok() {
-            status.state = State::Tripped;
-            status.trip = Some(Trip::External);
+        if restarted {
+            let _ = controller.request(Request::Trip);
         }
         Self {
             controller,
             setup: *setup,
+            wires: Wires::new(setup),
             queues,
-            status,
+            told: u16::MAX,
             cause: restarted.then_some(Cause::Restarted),
             tick: 0,
             until_record: 0,
@@ -79,11 +84,11 @@ impl<'a> Loop<'a> {
     /// Where the test stands and why.
     #[inline]
     pub const fn standing(&self) -> Standing {
-        let cause = match self.status.trip {
+        let cause = match self.controller.trip() {
             None | Some(Trip::External) => self.cause,
             Some(trip) => Some(Cause::Guard(trip)),
         };
-        Standing { state: self.status.state, cause }
+        Standing { state: self.controller.state(), cause }
     }
 
     /// Ticks so far, and records that found no room.
@@ -99,56 +104,75 @@ impl<'a> Loop<'a> {
 
     /// One tick. `inputs` are the codes of reference, displacement, acceleration and existing command.
     #[inline]
-    pub fn tick(&mut self, inputs: [u16; 4], events: Events) -> Outcome {
+    pub fn tick(&mut self, inputs: [u16; 4]) -> Outcome {
+        let new_setup = self.queues.orders.ready() && self.obey();
+        let sample = self.sample(inputs);
+        self.decide(inputs, sample, new_setup)
+    }
+
+    /// The same when the board has noticed something.
+    #[cold]
+    #[inline(never)]
+    pub fn tick_with(&mut self, inputs: [u16; 4], events: Events) -> Outcome {
         let new_setup = self.queues.orders.ready() && self.obey();
         if events.emergency_stop || events.supply_low || events.overrun {
             self.trip(events);
         }
-        let mut sample = self.sample(inputs, events.no_sample);
-        if self.setup.wiring.source == Source::Streamed {
-            sample.reference = self.next_point();
+        let mut sample = self.sample(inputs);
+        if events.no_sample {
+            let reference = if self.wires.streamed { sample.reference } else { f32::NAN };
+            sample = Sample { external: f32::NAN, ..Sample::new(reference, f32::NAN, f32::NAN) };
         }
+        self.decide(inputs, sample, new_setup)
+    }
+
+    #[inline(always)]
+    fn decide(&mut self, inputs: [u16; 4], sample: Sample, new_setup: bool) -> Outcome {
         self.reference = sample.reference;
         let command = self.controller.step(&sample);
-        self.status = command.status;
-        let output = match self.probe {
-            Some(code) if self.status.state == State::Off => code.min(self.setup.wiring.full_scale),
-            _ => to_code(command.valve, &self.setup.wiring),
-        };
+        let mut output = self.wires.output.code(command.valve);
+        if self.probe.is_some() {
+            output = self.probed(output);
+        }
         self.report(inputs, &command, output);
         self.tick = self.tick.wrapping_add(1);
-        let relay = self.status.relay == Relay::Closed;
-        Outcome { output, relay, displacement: sample.displacement, new_setup }
+        let relay = command.status.relay == Relay::Closed;
+        let changes = u16::from(self.controller.changes());
+        let changed = changes != self.told;
+        self.told = changes;
+        Outcome { output, relay, displacement: sample.displacement, new_setup, changed }
+    }
+
+    /// The probe's code while the test is off, `output` otherwise.
+    #[cold]
+    fn probed(&self, output: u16) -> u16 {
+        match self.probe {
+            Some(code) if self.controller.state() == State::Off => code.min(self.setup.wiring.full_scale),
+            _ => output,
+        }
     }
 
     /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.
     #[inline]
-    fn sample(&self, inputs: [u16; 4], no_sample: bool) -> Sample {
-        let wiring = &self.setup.wiring;
-        let (low, high) = if no_sample {
-            (u16::MAX, 0)
-        } else if wiring.rails_are_faults {
-            (1, wiring.full_scale - 1)
-        } else {
-            (0, u16::MAX)
-        };
-        let read = |scale: &shakedown_core::link::Scale, code: u16| {
-            if code < low || code > high { f32::NAN } else { scale.to_si(code) }
-        };
+    fn sample(&mut self, inputs: [u16; 4]) -> Sample {
         let [reference, displacement, acceleration, external] = inputs;
-        Sample {
-            reference: read(&wiring.reference, reference),
-            displacement: read(&wiring.displacement, displacement),
-            acceleration: read(&wiring.acceleration, acceleration),
-            external: read(&wiring.external, external),
+        let wires = &self.wires;
+        let mut sample = Sample {
+            displacement: wires.read(wires.displacement, displacement),
+            acceleration: wires.read(wires.acceleration, acceleration),
             ..Sample::default()
+        };
+        if wires.guards {
+            sample.external = wires.read(wires.external, external);
         }
+        sample.reference = if wires.streamed { self.next_point() } else { wires.read(wires.reference, reference) };
+        sample
     }
 
     /// The next point of a streamed reference, m. Its end, and its absence, fade the test out.
     #[inline]
     fn next_point(&mut self) -> f32 {
-        if self.status.state != State::Running {
+        if self.controller.state() != State::Running {
             return self.reference;
         }
         match self.queues.points.dequeue() {
@@ -159,21 +183,26 @@ impl<'a> Loop<'a> {
 
     #[inline(never)]
     fn end_of_stream(&mut self, cause: Option<Cause>) -> f32 {
-        self.cause = cause;
+        self.blame(cause);
         let _ = self.controller.request(Request::Stop);
         self.reference
     }
 
-    #[inline(never)]
+    /// Keeps what the board, the stream or a refusal has to say, and has it told.
+    fn blame(&mut self, cause: Option<Cause>) {
+        self.cause = cause;
+        self.told = u16::MAX;
+    }
+
     fn trip(&mut self, events: Events) {
-        if self.status.state != State::Tripped {
-            self.cause = Some(if events.emergency_stop {
+        if self.controller.state() != State::Tripped {
+            self.blame(Some(if events.emergency_stop {
                 Cause::EmergencyStop
             } else if events.supply_low {
                 Cause::SupplyLow
             } else {
                 Cause::Overrun
-            });
+            }));
             let _ = self.controller.request(Request::Trip);
         }
     }
@@ -185,6 +214,7 @@ impl<'a> Loop<'a> {
             Some(Order::Setup(setup)) => {
                 let taken = self.controller.retune(&setup.control).is_ok();
                 if taken {
+                    self.wires = Wires::new(&setup);
                     self.setup = setup;
                     self.until_record = 0;
                 }
@@ -201,12 +231,13 @@ impl<'a> Loop<'a> {
         self.probe = None;
         match self.controller.request(request) {
             Ok(()) => {
-                self.cause = (request == Request::Trip).then_some(Cause::Asked);
+                self.blame((request == Request::Trip).then_some(Cause::Asked));
                 if matches!(request, Request::Arm | Request::Stop) {
                     while self.queues.points.dequeue().is_some() {}
                 }
             }
-            Err(Refused::Cause(trip) | Refused::StillMoving(trip)) => self.cause = Some(Cause::Guard(trip)),
+            // A trip that stands has its cause already.
+            Err(Refused::Cause(trip)) if self.controller.state() == State::Off => self.blame(Some(Cause::Guard(trip))),
             Err(_) => {}
         }
     }

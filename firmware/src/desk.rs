@@ -85,7 +85,7 @@ impl<'a> Desk<'a> {
         let report = match request {
             Request::Identify => Report::Identity(self.identity()),
             Request::ReadSetup => Report::Setup(self.setup),
-            Request::WriteSetup(setup) => self.write(setup, state),
+            Request::WriteSetup(setup) => self.write(&setup, state),
             Request::Save if at_rest(state) => return Action::Save(self.setup),
             Request::RequestArming => self.challenge(state, now),
             Request::Arm(given) => self.arm(given, state, now),
@@ -148,7 +148,7 @@ impl<'a> Desk<'a> {
         if applies { self.order(Order::Ask(request)) } else { Report::Refused(RefusedBecause::State(state)) }
     }
 
-    fn write(&mut self, setup: Setup, state: State) -> Report {
+    fn write(&mut self, setup: &Setup, state: State) -> Report {
         let same_board = setup.wiring == self.setup.wiring && setup.control.rate == self.setup.control.rate;
         if !at_rest(state) && !same_board {
             return Report::Refused(RefusedBecause::State(state));
@@ -156,9 +156,9 @@ impl<'a> Desk<'a> {
         if setup.validate().is_err() || setup.wiring.full_scale != self.setup.wiring.full_scale {
             return Report::Refused(RefusedBecause::Setup);
         }
-        let report = self.order(Order::Setup(setup));
+        let report = self.order(Order::Setup(*setup));
         if report == Report::Done {
-            self.setup = setup;
+            self.setup = *setup;
             self.stored = false;
         }
         report

@@ -16,6 +16,7 @@ pub mod desk;
 pub mod output;
 pub mod queues;
 pub mod store;
+mod wires;
 
 pub use control_loop::{Events, Loop, Outcome};
 pub use desk::Desk;

@@ -3,13 +3,42 @@
 use shakedown_core::link::{Setup, Wiring};
 use shakedown_core::{Mode, control::InnerLoop};
 
-/// The output code for `value`, m: the nearest one, halves up; the converter's ends where it reaches no further; the code
-/// of zero for what is no number. Float to integer saturates in Rust, as it does in the hardware.
-#[inline]
-pub fn to_code(value: f32, wiring: &Wiring) -> u16 {
-    let value = if value.is_nan() { 0.0 } else { value };
-    let code = (value / wiring.output.per_code + wiring.output.zero + 0.5) as u16;
-    if code > wiring.full_scale { wiring.full_scale } else { code }
+/// 2^23: an `f32` from here to 2^24 is a whole number, and holds it in its last bits.
+const WHOLE: f32 = 8_388_608.0;
+
+/// The output's straight line, worked out for a tick that does not divide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Output {
+    per_unit: f32,
+    zero: f32,
+    /// The bits of 2^23 and of 2^23 plus the converter's full scale.
+    ends: [i32; 2],
+}
+
+impl Output {
+    /// The output of `wiring`.
+    pub fn new(wiring: &Wiring) -> Self {
+        let bits = |code: u16| (WHOLE + f32::from(code)).to_bits() as i32;
+        Self {
+            per_unit: 1.0 / wiring.output.per_code,
+            zero: wiring.output.zero,
+            ends: [bits(0), bits(wiring.full_scale)],
+        }
+    }
+
+    /// The code for `value`, m: the nearest one, halves to even; the converter's ends where it reaches no further; the code
+    /// of zero for what is no number.
+    ///
+    /// By adding 2^23 and taking the last bits, and by comparing bits as whole numbers, whose order is that of the numbers
+    /// they stand for: half the instructions of a conversion.
+    #[inline]
+    pub fn code(&self, value: f32) -> u16 {
+        let value = if value.is_nan() { 0.0 } else { value };
+        let [low, high] = self.ends;
+        let bits = (value * self.per_unit + self.zero + WHOLE).to_bits() as i32;
+        let bits = if bits < low { low } else { bits };
+        (if bits > high { high } else { bits }) as u16
+    }
 }
 
 /// The output code at which no oil flows with the table at `displacement`, m: what a program that fails leaves behind.
@@ -21,27 +50,50 @@ pub fn zero_flow(setup: &Setup, displacement: f32) -> u16 {
     let follows = control.mode == Mode::Modifier || control.inner_loop == InnerLoop::Hardwired;
     let displacement = if displacement.is_finite() && follows { displacement } else { 0.0 };
     let bias = if control.mode == Mode::Modifier { 0.0 } else { control.valve.null_bias };
-    to_code(displacement + bias, &setup.wiring)
+    Output::new(&setup.wiring).code(displacement + bias)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Loop;
     use crate::defaults;
     use crate::queues::Queues;
-    use crate::{Events, Loop};
     use proptest::prelude::*;
     use shakedown_core::Controller;
+    use shakedown_core::link::Scale;
 
     #[test]
     fn no_number_gives_the_code_of_zero() {
-        let wiring = defaults::WIRING;
-        assert_eq!(to_code(f32::NAN, &wiring), to_code(0.0, &wiring));
-        assert_eq!(to_code(f32::INFINITY, &wiring), wiring.full_scale);
-        assert_eq!(to_code(f32::NEG_INFINITY, &wiring), 0);
+        let output = Output::new(&defaults::WIRING);
+        assert_eq!(output.code(f32::NAN), 2048);
+        assert_eq!(output.code(-f32::NAN), 2048);
+        assert_eq!(output.code(0.0), 2048);
+        assert_eq!(output.code(f32::INFINITY), defaults::WIRING.full_scale);
+        assert_eq!(output.code(f32::NEG_INFINITY), 0);
     }
 
     proptest! {
+        /// Any number at all gives the code nearest to it, or the end that it lies beyond.
+        #[test]
+        fn every_value_gives_the_nearest_code(bits: u32, small in -0.2f32..0.2, outboard: bool, inverted: bool) {
+            let mut wiring = defaults::WIRING;
+            if outboard {
+                wiring.full_scale = u16::MAX;
+                wiring.output = Scale { zero: 32_767.5, per_code: 0.1524 / 32_768.0 };
+            }
+            if inverted {
+                wiring.output.per_code = -wiring.output.per_code;
+            }
+            let output = Output::new(&wiring);
+            for value in [f32::from_bits(bits), small] {
+                let value = if value.is_nan() { 0.0 } else { value };
+                let exact = f64::from(value) / f64::from(wiring.output.per_code) + f64::from(wiring.output.zero);
+                let code = f64::from(output.code(value));
+                prop_assert!((exact.clamp(0.0, f64::from(wiring.full_scale)) - code).abs() < 0.51, "{} {}", exact, code);
+            }
+        }
+
         /// What a failing program leaves is what the core itself asks for while the test is off.
         #[test]
         fn zero_flow_is_the_cores_own(code in 400..3700u16, mode in 0..3usize, hardwired: bool, bias in -0.002f32..0.002) {
@@ -52,7 +104,7 @@ mod tests {
             let mut queues = Queues::new();
             let controller = Controller::new(&setup.control).unwrap();
             let mut decide = Loop::new(controller, &setup, queues.split().0, false);
-            let outcome = decide.tick([2048, code, 2048, 2048], Events::default());
+            let outcome = decide.tick([2048, code, 2048, 2048]);
             prop_assert_eq!(outcome.output, zero_flow(&setup, setup.wiring.displacement.to_si(code)));
             prop_assert!(!outcome.relay);
         }

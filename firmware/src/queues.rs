@@ -4,10 +4,11 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use shakedown_core::link::{Cause, Record, Setup};
 use shakedown_core::{Request, State, Trip};
 
-/// Records of telemetry that wait for the desk: 128 ms at 1 kHz.
-pub const RECORDS: usize = 129;
-/// Points of the reference that wait for their tick: 1 s at 1 kHz.
-pub const POINTS: usize = 1025;
+/// Records of telemetry that wait for the desk, one place less: 127 ms at 1 kHz. A power of two, like the others, so that
+/// places are found by masking.
+pub const RECORDS: usize = 128;
+/// Points of the reference that wait for their tick, one place less: 1 s at 1 kHz.
+pub const POINTS: usize = 1024;
 /// Orders that wait for a tick.
 pub const ORDERS: usize = 4;
 

@@ -40,6 +40,7 @@ fn model(values: [f64; 6]) -> Model {
         high: if own.positive { 10.0 * value } else { f64::INFINITY },
         positive: own.positive,
         free: true,
+        prior: None,
     });
     let model = Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), sharp: false };
     let sizes = Yardsticks { command: 0.05, command_rate: 0.5, speed: 0.2, displacement: 0.1, force: 1.0, line: 50.0 };

@@ -3,6 +3,8 @@
 mod bench;
 mod demo;
 mod design;
+#[cfg(unix)]
+mod device;
 mod diagnose;
 mod effects;
 mod failure;
@@ -15,6 +17,7 @@ mod output;
 mod present;
 mod progress;
 mod prove;
+mod replay;
 mod run;
 mod source;
 mod sweep;
@@ -43,10 +46,13 @@ enum Command {
     Demo(demo::Args),
     Design(design::Args),
     Learn(learn::Args),
+    #[cfg(unix)]
+    Device(device::Args),
     Modify(Box<modify::Args>),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
     Prove(prove::Args),
+    Replay(replay::Args),
     Run(run::Args),
     Sweep(sweep::Args),
     Table1(table1::Args),
@@ -64,10 +70,13 @@ pub(crate) fn main() -> ExitCode {
             Command::Demo(args) => demo::run(&args),
             Command::Design(args) => design::run(&args),
             Command::Learn(args) => learn::run(&args),
+            #[cfg(unix)]
+            Command::Device(args) => device::run(&args),
             Command::Modify(args) => modify::run(&args),
             Command::Diagnose(args) => diagnose::run(&args),
             Command::Effects(args) => effects::run(&args),
             Command::Prove(args) => prove::run(&args),
+            Command::Replay(args) => replay::run(&args),
             Command::Run(args) => run::run(&args),
             Command::Sweep(args) => sweep::run(&args),
             Command::Table1(args) => table1::run(&args),

@@ -5,8 +5,16 @@
 
 mod drive;
 mod line;
+#[cfg(unix)]
+mod port;
+mod recording;
+mod session;
 mod telemetry;
 
 pub use drive::{Drive, DriveError, Progress};
 pub use line::{Heard, Talker};
+#[cfg(unix)]
+pub use port::Port;
+pub use recording::{csv, experiment};
+pub use session::{Line, Session, SessionError};
 pub use telemetry::{Gap, Row, Telemetry};

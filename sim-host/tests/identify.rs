@@ -138,8 +138,8 @@ const PULSES: &str = "disturbance = { column = \"pulses_N\", unit = \"V\", optio
 
 fn axis_run(folder: &Path, file: &str, more: &str) -> String {
     format!(
-        "[[runs]]\nfile = {:?}\ncontroller = {{ kind = \"cascade\", kp = 160.18, kv = 243.45 }}\n{more}\n",
-        folder.join(file)
+        "[[runs]]\nfile = \"{}\"\ncontroller = {{ kind = \"cascade\", kp = 160.18, kv = 243.45 }}\n{more}\n",
+        folder.join(file).display()
     )
 }
 

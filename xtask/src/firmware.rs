@@ -9,6 +9,8 @@ const LINKER: &str = "-C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--n
 /// The image, from the top of the workspace.
 const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-firmware";
 const CHIP: &str = "STM32F407VGTx";
+/// The C compiler for the target.
+pub(crate) const GCC: &str = "arm-none-eabi-gcc";
 
 /// The chore: builds the image and says with what.
 pub(crate) fn build(words: &[String]) -> Result<(), Problem> {
@@ -36,24 +38,61 @@ pub(crate) fn flash(words: &[String]) -> Result<(), Problem> {
 pub(crate) fn replay(words: &[String]) -> Result<(), Problem> {
     build(&[])?;
     no_panic()?;
-    let names: Vec<&str> = words.iter().flat_map(|name| ["--test", name.as_str()]).collect();
+    bare("shakedown-second-opinion", &[])?;
+    beside_image()?;
+    execute(&mut command(&["cargo", "test", "--locked", "--package", "shakedown-firmware", "--lib"]))?;
+    execute(&mut command(&["cargo", "build", "--locked", "--package", "shakedown", "--bin", "shakedown"]))?;
+    test(words, &[])
+}
+
+/// The chore: what the core's laws cost beside the same laws in C and `idsp`'s.
+pub(crate) fn beside(words: &[String]) -> Result<(), Problem> {
+    no_words(words)?;
+    beside_image()?;
+    test(&["beside".into()], &["--nocapture"])
+}
+
+/// Runs tests of the image, all or those named.
+fn test(names: &[String], more: &[&str]) -> Result<(), Problem> {
+    let names: Vec<&str> = names.iter().flat_map(|name| ["--test", name.as_str()]).collect();
     // The emulator states a newer compiler than it needs.
     let cargo = ["cargo", "test", "--locked", "--ignore-rust-version", "--package", "shakedown-replay"];
-    execute(&mut command(&[&cargo, names.as_slice()].concat()))
+    execute(&mut command(&[&cargo, names.as_slice(), &["--"], more].concat()))
+}
+
+/// The image with the core's laws, `idsp`'s, and where there is a C compiler for the target the same laws in C.
+fn beside_image() -> Result<(), Problem> {
+    if !works(&[GCC, "--version"]) {
+        say(&format!("SKIPPED: the laws in C: no {GCC} here; `cargo xtask setup` installs it"));
+        return bare("shakedown-beside", &[]);
+    }
+    let object = top().join("target/laws.o");
+    let to = object.display().to_string();
+    let flags = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O2", "-ffp-contract=off"];
+    execute(&mut command(&[&[GCC], flags.as_slice(), &["-c", "tests/beside/src/laws.c", "-o", &to]].concat()))?;
+    bare("shakedown-beside", &["--features", "c", "--", "-C", &format!("link-arg={to}")])
+}
+
+/// Builds an image without the firmware around it.
+fn bare(package: &str, more: &[&str]) -> Result<(), Problem> {
+    execute(&mut bare_command(package, more)?)
+}
+
+fn bare_command(package: &str, more: &[&str]) -> Result<std::process::Command, Problem> {
+    let (features, link) = more.split_at(more.iter().position(|&word| word == "--").unwrap_or(more.len()));
+    let words = ["rustc", "--locked", "--profile", "firmware", "--package", package];
+    let mut cargo = found()?.cargo(&[&words, features].concat())?;
+    cargo.args(link).env("RUSTFLAGS", "-C link-arg=-Tlink.x");
+    Ok(cargo)
 }
 
 /// Links the core's step alone under a panic handler that calls a function that is nowhere: that it links shows that no
 /// panic is left in it. With an index out of range planted, it must not link.
 pub(crate) fn no_panic() -> Result<(), Problem> {
-    let found = found()?;
-    let link = |features: &[&str]| -> Result<std::process::Command, Problem> {
-        let words = ["rustc", "--locked", "--profile", "firmware", "--package", "shakedown-no-panic"];
-        let mut cargo = found.cargo(&[&words, features].concat())?;
-        cargo.env("RUSTFLAGS", "-C link-arg=-Tlink.x");
-        Ok(cargo)
-    };
-    execute(&mut link(&[])?)?;
-    let planted = link(&["--features", "planted"])?.output().map_err(|e| Problem::Failed(e.to_string()))?;
+    let package = "shakedown-no-panic";
+    bare(package, &[])?;
+    let planted = bare_command(package, &["--features", "planted"])?.output();
+    let planted = planted.map_err(|e| Problem::Failed(e.to_string()))?;
     let said = String::from_utf8_lossy(&planted.stderr);
     if planted.status.success() || !said.contains("a_panic_is_left_in_step") {
         return Err(Problem::Failed(format!("a planted panic was not found by the linker: {said}")));

@@ -40,6 +40,11 @@ const CHORES: &[Chore] = &[
         run: firmware::replay,
     },
     Chore { name: "law-cost", does: "counts the tracking law's instructions (QEMU)", run: law_cost::count },
+    Chore {
+        name: "beside",
+        does: "what the core's laws cost beside the same in C and beside idsp's, in instructions",
+        run: firmware::beside,
+    },
     Chore { name: "house", does: "checks file lengths, the direction of dependencies, stray paths", run: house::run },
     Chore {
         name: "figures",

@@ -1,5 +1,6 @@
 //! Installs what the tests need: names it first, asks where a person is there to answer, says what it left out.
 
+use crate::firmware::GCC;
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, run as execute, works};
 use crate::toolchain::{self, TARGET};
@@ -37,6 +38,20 @@ const NEEDS: &[Need] = &[
         from: "rustup target add; without it Debian's rustc-web and rust-web-src",
         present: || toolchain::find().is_some(),
         install: toolchain::install,
+    },
+    Need {
+        name: "qemu-system-arm",
+        used_for: "a second opinion on the bits that the firmware computes",
+        from: "apt",
+        present: || works(&["qemu-system-arm", "--version"]),
+        install: || apt(&["qemu-system-arm"]),
+    },
+    Need {
+        name: GCC,
+        used_for: "the core's laws in C, to measure beside",
+        from: "apt, gcc-arm-none-eabi",
+        present: || works(&[GCC, "--version"]),
+        install: || apt(&["gcc-arm-none-eabi"]),
     },
 ];
 

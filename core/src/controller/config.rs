@@ -100,8 +100,10 @@ impl Guard {
     fn new(guard: &GuardSettings, s: &Settings, dt: f32) -> Result<Self, BlockError> {
         let turn = f32::from(TURNS) * dt;
         let plausibility = Plausibility::new(&guard.plausibility, turn)?;
+        let envelope = Envelope::new(&guard.envelope, s.stroke, turn)?;
         Ok(Self {
-            envelope: Envelope::new(&guard.envelope, s.stroke, turn)?,
+            // An existing controller's reference is not ours to know.
+            envelope: if s.mode == Mode::Guard { envelope.without_tracking() } else { envelope },
             plausibility: s.observer.accelerometer.then_some(plausibility),
             valve: ValveMonitor::new(&guard.valve, s.valve.lag, turn)?,
             ramps: Ramps::new(&guard.ramps, dt)?,

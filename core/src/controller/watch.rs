@@ -122,8 +122,8 @@ impl Watch {
     }
 
     /// One tick with every needed reading there. Gives why the guard should trip.
-    #[inline]
-    pub(super) fn step(&mut self, config: &Config, readings: &Sample, drive: &Drive) -> Option<Trip> {
+    #[inline(always)]
+    pub(super) fn step(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
         let Some(observer) = &config.observer else {
             self.velocity = readings.velocity;
             return None;
@@ -131,12 +131,16 @@ impl Watch {
         self.observe(config, observer, readings);
         let doubt = self.take_turn(config, readings, drive);
         let guard = config.guard.as_ref()?;
-        self.lost = 0;
-        self.cause = doubt;
-        if guard.envelope.is_left(readings.displacement, self.velocity) {
-            self.cause = Some(guard.envelope.leaves_by(readings.displacement, self.velocity));
-        }
+        let left = guard.envelope.left_by(readings.displacement, self.velocity);
+        self.cause = if left.is_some() { left } else { doubt };
         self.cause
+    }
+
+    /// The same after a tick that missed a reading.
+    #[inline(never)]
+    pub(super) fn step_again(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
+        self.lost = 0;
+        self.step(config, readings, drive)
     }
 
     /// One tick without the `missing` readings: what remains is watched, and the rest is waited for.
@@ -146,10 +150,10 @@ impl Watch {
         config: &Config,
         missing: Channels,
         readings: &Sample,
-        drive: &Drive,
+        drive: Drive,
     ) -> Option<Trip> {
         let lost = self.lost.saturating_add(1);
-        let seen = if missing.any(SENSORS) { None } else { self.step(config, readings, drive) };
+        let seen = if missing.any(SENSORS) { None } else { self.step_again(config, readings, drive) };
         self.lost = lost;
         let limit = config.guard.as_ref()?.lost;
         self.cause = seen.or((lost > limit).then_some(Trip::SensorLost));
@@ -165,8 +169,8 @@ impl Watch {
     }
 
     /// The monitor whose turn it is.
-    #[inline]
-    fn take_turn(&mut self, config: &Config, readings: &Sample, drive: &Drive) -> Option<Trip> {
+    #[inline(always)]
+    fn take_turn(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
         let turn = self.turn;
         self.turn = if turn + 1 < TURNS { turn + 1 } else { 0 };
         match (turn, &config.guard) {
@@ -184,8 +188,8 @@ impl Watch {
     }
 
     /// Looks for velocity saturation.
-    #[inline]
-    fn detect(&mut self, config: &Config, readings: &Sample, drive: &Drive) {
+    #[inline(always)]
+    fn detect(&mut self, config: &Config, readings: &Sample, drive: Drive) {
         let Some(detector) = &config.detector else { return };
         let acceleration = config.smoothing.last(&self.acceleration);
         let seen = Evidence {
@@ -203,12 +207,12 @@ impl Watch {
     }
 
     /// What the guard has against the table's motion and against the valve.
-    #[inline]
-    fn judge(&mut self, config: &Config, guard: &Guard, readings: &Sample, drive: &Drive) -> Option<Trip> {
+    #[inline(always)]
+    fn judge(&mut self, config: &Config, guard: &Guard, readings: &Sample, drive: Drive) -> Option<Trip> {
         let motion = Motion {
             acceleration: config.smoothing.last(&self.acceleration),
             pressure_difference: readings.pressure_difference,
-            error: if config.mode == Mode::Guard { 0.0 } else { drive.reference - readings.displacement },
+            error: drive.reference - readings.displacement,
         };
         let beyond = guard.envelope.advance(&mut self.envelope, &motion);
         if config.mode != Mode::Modifier {

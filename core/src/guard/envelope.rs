@@ -127,18 +127,26 @@ impl Envelope {
         velocity * (self.latency + velocity.abs() * self.half_inverse_deceleration)
     }
 
-    /// Whether a table at `displacement` (m) with `velocity` (m/s) is too fast, or can no longer be stopped inside.
+    /// Whether a table at `displacement` (m) with `velocity` (m/s) can no longer be stopped inside, or is too fast: why.
     #[inline]
-    pub fn is_left(&self, displacement: f32, velocity: f32) -> bool {
+    pub fn left_by(&self, displacement: f32, velocity: f32) -> Option<Trip> {
         let rest = displacement + self.stopping_distance(velocity);
-        rest.abs() > self.room || displacement.abs() > self.room || velocity.abs() > self.velocity
+        if rest.abs() > self.room {
+            Some(Trip::Displacement)
+        } else if velocity.abs() > self.velocity {
+            // Between the two, so that they are not worked into one: each is a comparison and a branch not taken.
+            Some(if displacement.abs() > self.room { Trip::Displacement } else { Trip::Velocity })
+        } else if displacement.abs() > self.room {
+            Some(Trip::Displacement)
+        } else {
+            None
+        }
     }
 
-    /// By which limit [`Envelope::is_left`].
-    #[cold]
-    pub fn leaves_by(&self, displacement: f32, velocity: f32) -> Trip {
-        let rest = displacement + self.stopping_distance(velocity);
-        if rest.abs() > self.room || displacement.abs() > self.room { Trip::Displacement } else { Trip::Velocity }
+    /// The same without a limit on the distance from the reference.
+    #[must_use]
+    pub(crate) const fn without_tracking(self) -> Self {
+        Self { tracking: f32::INFINITY, ..self }
     }
 
     /// One tick of what may last.

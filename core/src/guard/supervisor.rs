@@ -104,35 +104,65 @@ pub struct Supervisor {
     command: f32,
     relay: Relay,
     steady: bool,
+    changes: u8,
 }
 
 impl Supervisor {
     /// Off, and never tripped.
     pub const fn off() -> Self {
-        Self { state: State::Off, trip: None, presence: 0.0, command: 0.0, relay: Relay::Open, steady: false }
+        Self {
+            state: State::Off,
+            trip: None,
+            presence: 0.0,
+            command: 0.0,
+            relay: Relay::Open,
+            steady: false,
+            changes: 0,
+        }
     }
 
     /// A test that needs no arming and is never stopped: that of a bare law.
     pub const fn unguarded() -> Self {
-        Self { state: State::Running, trip: None, presence: 1.0, command: 0.0, relay: Relay::Closed, steady: true }
+        Self {
+            state: State::Running,
+            trip: None,
+            presence: 1.0,
+            command: 0.0,
+            relay: Relay::Closed,
+            steady: true,
+            changes: 0,
+        }
     }
 
     /// Where the test stands.
     #[inline]
-    pub fn state(&self) -> State {
+    pub const fn state(&self) -> State {
         self.state
     }
 
     /// Why it tripped, until it is reset.
     #[inline]
-    pub fn cause(&self) -> Option<Trip> {
+    pub const fn cause(&self) -> Option<Trip> {
         self.trip
     }
 
     /// What the relay of the hydraulic block is to do.
     #[inline]
-    pub fn relay(&self) -> Relay {
+    pub const fn relay(&self) -> Relay {
         self.relay
+    }
+
+    /// How often state or cause have changed, modulo 256.
+    #[inline]
+    pub const fn changes(&self) -> u8 {
+        self.changes
+    }
+
+    /// Takes on another state, and works out what follows from it.
+    fn enter(&mut self, state: State) {
+        self.state = state;
+        self.changes = self.changes.wrapping_add(1);
+        self.settle();
     }
 
     /// Works out what follows from the rest; done at every change, so that a tick need not.
@@ -199,8 +229,7 @@ impl Supervisor {
             },
             (_, state) => return Err(Refused::State(state)),
         };
-        self.state = state;
-        self.settle();
+        self.enter(state);
         Ok(())
     }
 
@@ -219,9 +248,8 @@ impl Supervisor {
             return;
         }
         self.command = if self.moves() { 1.0 } else { 0.0 };
-        self.state = State::Tripped;
         self.trip = Some(cause);
-        self.settle();
+        self.enter(State::Tripped);
     }
 
     /// One tick of the weights. Needed while it is not [`Supervisor::steady`].
@@ -233,7 +261,7 @@ impl Supervisor {
             State::RampDown => {
                 self.presence = down(self.presence, ramps.test);
                 if self.presence <= 0.0 {
-                    self.state = State::Ready;
+                    self.enter(State::Ready);
                 }
             }
             State::Tripped => self.command = down(self.command, ramps.safe),

@@ -60,7 +60,7 @@ impl ValveMonitor {
 
     /// One tick: speed asked for (m/s), limit in force (m/s) and measured velocity (m/s). True: the valve is not
     /// believed.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&self, state: &mut ValveMonitorState, asked: f32, limit: f32, velocity: f32) -> bool {
         let expected = self.lag.advance(&mut state.velocity, asked.bounded(limit));
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);

@@ -53,12 +53,17 @@ impl Walls {
         if self.accelerometer {
             take(Channels::ACCELERATION, s.acceleration, r.acceleration, &mut readings.acceleration);
         }
-        if self.rare.is_empty() { missing } else { missing.and(self.take_rare(sample, readings)) }
+        if self.rare.is_empty() {
+            return missing;
+        }
+        let rare = [s.velocity, s.pressure_difference, s.reference_velocity, s.reference_acceleration];
+        missing.and(self.take_rare(rare, readings))
     }
 
     #[inline(never)]
-    fn take_rare(&self, sample: &Sample, readings: &mut Sample) -> Channels {
-        let (r, s) = (&self.ranges, sample);
+    fn take_rare(&self, rare: [f32; 4], readings: &mut Sample) -> Channels {
+        let r = &self.ranges;
+        let [velocity, pressure_difference, reference_velocity, reference_acceleration] = rare;
         let mut missing = Channels::NONE;
         let mut take = |channel, value: f32, range: f32, reading: &mut f32| {
             if self.rare.any(channel) {
@@ -69,11 +74,12 @@ impl Walls {
                 }
             }
         };
-        take(Channels::VELOCITY, s.velocity, r.velocity, &mut readings.velocity);
+        take(Channels::VELOCITY, velocity, r.velocity, &mut readings.velocity);
         let pressure = &mut readings.pressure_difference;
-        take(Channels::PRESSURE_DIFFERENCE, s.pressure_difference, r.pressure_difference, pressure);
-        take(Channels::REFERENCE_RATES, s.reference_velocity, r.velocity, &mut readings.reference_velocity);
-        take(Channels::REFERENCE_RATES, s.reference_acceleration, r.acceleration, &mut readings.reference_acceleration);
+        take(Channels::PRESSURE_DIFFERENCE, pressure_difference, r.pressure_difference, pressure);
+        take(Channels::REFERENCE_RATES, reference_velocity, r.velocity, &mut readings.reference_velocity);
+        let acceleration = &mut readings.reference_acceleration;
+        take(Channels::REFERENCE_RATES, reference_acceleration, r.acceleration, acceleration);
         missing
     }
 }

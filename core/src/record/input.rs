@@ -25,7 +25,9 @@ impl Input {
     /// moves the displacement and leaves the velocity to coast.
     pub(super) fn accept(&mut self, reference: f32, leap: f32, brake: f32) {
         let step = reference - self.displacement;
-        self.held = !(reference.is_finite() && step.abs() <= leap);
+        // True of no step but one to a finite reference.
+        let near = step.abs() <= leap;
+        self.held = !near;
         if !self.held {
             self.step = step;
             self.displacement = reference;

@@ -11,7 +11,8 @@ use stm32f4xx_hal::{
     rcc::{Enable, Rcc, Reset},
 };
 
-/// Memory that the DMA writes.
+/// Memory that the DMA writes, two codes a word.
+#[repr(align(4))]
 struct Buffer(UnsafeCell<[u16; INPUTS]>);
 
 // SAFETY: read only by `OnChip::read`, of which there is one, with volatile reads.
@@ -56,6 +57,8 @@ impl OnChip {
     }
 
     /// The DMA stream, then the converter on its trigger.
+    #[cold]
+    #[inline(never)]
     fn arm(&self) {
         let stream = self.dma.st(0);
         stream.cr().modify(|_, w| w.en().disabled());
@@ -109,8 +112,9 @@ impl Converters for OnChip {
             self.arm();
             return Err(Fault::Lost);
         }
-        // SAFETY: the DMA has written the buffer and does not touch it again before the next update.
-        Ok(unsafe { SAMPLES.0.get().read_volatile() })
+        // SAFETY: the DMA has written the buffer and does not touch it again before the next update; it is aligned to words.
+        let [first, second] = unsafe { SAMPLES.0.get().cast::<[u32; INPUTS / 2]>().read_volatile() };
+        Ok([first as u16, (first >> 16) as u16, second as u16, (second >> 16) as u16])
     }
 
     #[inline]

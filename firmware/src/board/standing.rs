@@ -1,4 +1,4 @@
-//! Three words that the loop publishes each tick and anyone may read.
+//! Three words that the loop publishes and anyone may read.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -8,15 +8,17 @@ static STANDING: AtomicU32 = AtomicU32::new(0);
 static TICKS: AtomicU32 = AtomicU32::new(0);
 static DROPPED: AtomicU32 = AtomicU32::new(0);
 
-/// Publishes. Returns whether the standing changed.
+/// Publishes how many ticks there were.
 #[inline]
-pub(crate) fn publish(standing: Standing, ticks: u32, dropped: u32) -> bool {
-    let word = standing.to_word();
-    let changed = STANDING.load(Ordering::Relaxed) != word;
-    STANDING.store(word, Ordering::Relaxed);
+pub(crate) fn count(ticks: u32) {
     TICKS.store(ticks, Ordering::Relaxed);
+}
+
+/// Publishes where the loop stands and how many records found no room; needed before the desk is woken.
+#[inline(never)]
+pub(crate) fn publish(standing: Standing, dropped: u32) {
+    STANDING.store(standing.to_word(), Ordering::Relaxed);
     DROPPED.store(dropped, Ordering::Relaxed);
-    changed
 }
 
 /// What was published last: where the loop stands, ticks, records dropped.

@@ -20,11 +20,13 @@ fn ask(desk: &mut DeskEnd<'_>, request: Request) {
 }
 
 fn tick(decide: &mut Loop<'_>, events: Events) -> Outcome {
-    decide.tick(REST, events)
+    decide.tick_with(REST, events)
 }
 
 /// Armed and started, with `points` to run.
 fn running(decide: &mut Loop<'_>, desk: &mut DeskEnd<'_>, points: usize) {
+    // Nothing is armed before the sensors were read once.
+    tick(decide, Events::default());
     ask(desk, Request::Arm);
     tick(decide, Events::default());
     ask(desk, Request::Start);

@@ -1,8 +1,8 @@
 //! The tick.
 
 use shakedown_core::link::MAX_BATCH;
-use shakedown_firmware::converters::Converters;
-use shakedown_firmware::{Events, Loop};
+use shakedown_firmware::converters::{Converters, INPUTS};
+use shakedown_firmware::{Events, Loop, Outcome};
 
 use crate::board::{converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog};
 
@@ -18,22 +18,37 @@ pub(crate) struct Control {
     pub(crate) ticker: Ticker,
     /// Fed once a tick.
     pub(crate) watchdog: Watchdog,
-    /// Ticks since the desk was last woken.
-    pub(crate) quiet: u16,
 }
 
 impl Control {
     /// One tick: codes in, the loop's decision, a code out.
     #[inline]
     pub(crate) fn tick(&mut self) {
-        let read = self.converters.read();
+        let Ok(inputs) = self.converters.read() else { return self.tick_noticing([0; INPUTS], true) };
+        if self.pins.emergency_stop() | self.pins.supply_low() | self.converters.late() {
+            return self.tick_noticing(inputs, false);
+        }
+        let outcome = self.decide.tick(inputs);
+        self.act(&outcome);
+    }
+
+    /// The same when the board has something to say.
+    #[cold]
+    #[inline(never)]
+    fn tick_noticing(&mut self, inputs: [u16; INPUTS], no_sample: bool) {
         let events = Events {
             emergency_stop: self.pins.emergency_stop(),
             supply_low: self.pins.supply_low(),
             overrun: self.converters.late(),
-            no_sample: read.is_err(),
+            no_sample,
         };
-        let outcome = self.decide.tick(read.unwrap_or_default(), events);
+        let outcome = self.decide.tick_with(inputs, events);
+        self.act(&outcome);
+    }
+
+    /// What follows from a tick on the board.
+    #[inline(always)]
+    fn act(&mut self, outcome: &Outcome) {
         let _ = self.converters.write(outcome.output);
         self.pins.set_relay(outcome.relay);
         self.watchdog.feed();
@@ -41,7 +56,7 @@ impl Control {
         if outcome.new_setup {
             self.take_setup();
         }
-        self.publish();
+        self.publish(outcome.changed);
         self.converters.note_lateness();
     }
 
@@ -55,11 +70,11 @@ impl Control {
 
     /// Tells the others, and wakes the desk when there is something for it.
     #[inline]
-    fn publish(&mut self) {
+    fn publish(&self, changed: bool) {
         let (ticks, dropped) = self.decide.counts();
-        self.quiet += 1;
-        if standing::publish(self.decide.standing(), ticks, dropped) || self.quiet >= MAX_BATCH as u16 {
-            self.quiet = 0;
+        standing::count(ticks);
+        if changed || ticks % MAX_BATCH as u32 == 0 {
+            standing::publish(self.decide.standing(), dropped);
             line::wake();
         }
     }

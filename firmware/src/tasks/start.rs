@@ -47,7 +47,7 @@ pub(crate) fn start(
     let decide = Loop::new(controller, &setup, loop_end, restarted);
     let desk = Desk::new(setup, stored, entropy::since_power_on(core.DWT.cyccnt.read()), desk_end);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
-    let control = Control { decide, converters, pins, ticker, watchdog: Watchdog::start(device.IWDG), quiet: 0 };
+    let control = Control { decide, converters, pins, ticker, watchdog: Watchdog::start(device.IWDG) };
     control.ticker.start();
     (control, Link { desk, line, flash, assembler: Assembler::new(), answer: None })
 }

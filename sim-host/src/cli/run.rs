@@ -9,12 +9,12 @@ use super::{Failure, present, progress};
 use clap::ValueEnum;
 use serde_json::json;
 use shakedown::closed_loop::named;
-use shakedown::closed_loop::scenario::{self, Conditioning, NamedRecipe, RecordSource, Scenario};
+use shakedown::closed_loop::scenario::{Conditioning, NamedRecipe, RecordSource, Scenario};
 use shakedown::closed_loop::trial::{Scores, Seen, Setup, Trial};
 use shakedown::motion::Motion;
 use shakedown::motion::condition::{Step, peak_acceleration};
 use shakedown::motion::fit::FitError;
-use shakedown::motion::fit::named::{self, Fit};
+use shakedown::motion::fit::named::{Fit, PREVIEW};
 use shakedown::plant::sensors::{GRAVITY, SensorModel};
 use shakedown_core::settings::Modification;
 use std::path::PathBuf;
@@ -128,7 +128,7 @@ impl Online {
             Self::Off => Modification::Off,
             Self::Clip => Modification::Clip,
             Self::Causal => Modification::Causal,
-            Self::Preview => Modification::Preview { seconds: named::PREVIEW as f32 },
+            Self::Preview => Modification::Preview { seconds: PREVIEW as f32 },
         }
     }
 }

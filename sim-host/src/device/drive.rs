@@ -11,8 +11,10 @@ use shakedown_core::link::{
 
 use super::{Talker, Telemetry};
 
-/// Time after which a request is repeated, ms.
+/// Time after which a request is repeated, ms; for points of the reference, of which a second's worth waits in the
+/// device while a third of its frames may be lost, less.
 const PATIENCE: u64 = 100;
+const STREAM_PATIENCE: u64 = 25;
 /// Repeats before the line counts as dead.
 const REPEATS: u32 = 30;
 /// Points in the buffer before the run starts, at most.
@@ -129,12 +131,13 @@ impl Drive {
     }
 
     fn speak(&mut self, line: &mut Talker, now: u64) {
-        if self.asked.is_some_and(|asked| now < asked + PATIENCE) {
+        let patience = if self.step == Step::Stream { STREAM_PATIENCE } else { PATIENCE };
+        if self.asked.is_some_and(|asked| now < asked + patience) {
             return;
         }
         if self.asked.is_some() {
             self.repeats += 1;
-            if self.repeats > REPEATS {
+            if u64::from(self.repeats) * patience > u64::from(REPEATS) * PATIENCE {
                 self.failed = Some(DriveError::Silent(self.name()));
                 return;
             }
@@ -207,6 +210,8 @@ impl Drive {
             (Step::Start, Report::Refused(RefusedBecause::State(State::Running))) => self.go(Step::Stream),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Challenge)) => self.go(Step::Challenge),
             (Step::Stream, Report::Refused(RefusedBecause::State(_))) => self.go(Step::Stand),
+            // It is armed; this answers the asking once more.
+            (Step::Fill | Step::Start | Step::Stream, Report::Refused(RefusedBecause::Challenge)) => {}
             (_, Report::Refused(because)) => {
                 self.failed = Some(DriveError::Refused { request: self.name(), because });
             }

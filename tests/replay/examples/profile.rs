@@ -1,6 +1,7 @@
 //! Follows one tick of the image, in the middle of a run, and prints the address of each instruction it retires:
 //! `arm-none-eabi-addr2line -i` says which block each belongs to. Arguments: image, mode, and on standard input the
 //! addresses of all instructions, one a line, hexadecimal.
+#![allow(clippy::unwrap_used, clippy::large_types_passed_by_value, reason = "shares the tests' helpers")]
 
 #[path = "../tests/common/mod.rs"]
 mod common;

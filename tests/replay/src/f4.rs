@@ -5,6 +5,7 @@
 //! that software would set), and codes finer than a millivolt (the reference is set to 4095 "mV", so that a millivolt is
 //! a code). The part is an STM32F427, whose first megabyte of flash, RAM, timers, converters and DMA are the F407's.
 
+mod count;
 mod driver;
 mod wire;
 
@@ -19,6 +20,7 @@ use rigless::soc::stm32f427::peripherals::adc::Channel;
 use rigless::time::VirtualNanos;
 
 use crate::{ReplayError, World};
+pub use count::{Mark, marks};
 use driver::Lockstep;
 use wire::Wire;
 

@@ -5,11 +5,13 @@
 //! inputs are, tells it what the output has been since the last update, and lets the processor run to the next. So the
 //! loop is in lock step whatever either side costs, and a run repeats to the last instruction.
 
+pub mod bench;
 mod error;
 pub mod f4;
+pub mod seen;
 pub mod size;
 pub mod world;
 
 pub use error::ReplayError;
-pub use f4::{Ran, follow, run};
+pub use f4::{Mark, Ran, follow, marks, run};
 pub use world::{Line, Tick, World};

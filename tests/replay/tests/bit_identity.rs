@@ -1,4 +1,10 @@
 //! The image on the emulated processor and the same sources on the host give the same command codes, all of them.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
 
 mod common;
 

@@ -1,5 +1,11 @@
 //! Faults in the loop: each ends in the state that `docs/commissioning.md` says, with the relay open in the time it says,
 //! and with every record of telemetry accounted for.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
 
 mod common;
 
@@ -15,7 +21,7 @@ const MIDDLE: u16 = 2048;
 
 struct Outcome {
     seen: Seen,
-    /// Ticks from the fault to the relay's opening.
+    /// Time from the fault to the relay's opening, ms.
     opened_after: Option<usize>,
 }
 
@@ -25,8 +31,10 @@ fn run(mischief: Mischief, dead_from: Option<usize>) -> Outcome {
     seen.dead_from = dead_from;
     seen.limit = 16_000;
     let seen = shakedown_replay::run(&image(), seen).unwrap().world;
-    assert!(seen.codes[AT - 1].relay, "the fault met no run: {:?}", seen.progress);
+    assert!(seen.codes.get(AT - 1).is_some_and(|codes| codes.relay), "the fault met no run: {:?}", seen.progress);
     let opened_after = seen.codes[AT..].iter().position(|codes| !codes.relay);
+    // By the clock, for a reset stops the ticks.
+    let opened_after = opened_after.map(|ticks| ((seen.times[AT + ticks] - seen.times[AT]) / 1_000_000) as usize);
     Outcome { seen, opened_after }
 }
 
@@ -110,7 +118,6 @@ fn a_link_cut_in_mid_record_fades_the_test_out() {
 }
 
 #[test]
-#[ignore = "known to fail: a garbled stream does not finish its record; the cause is not found yet"]
 fn garbled_frames_cost_time_and_no_point() {
     let mut bytes = 0_u32;
     let garble: Mischief = Box::new(move |tick, _| {
@@ -129,9 +136,14 @@ fn garbled_frames_cost_time_and_no_point() {
 }
 
 #[test]
-#[ignore = "unproven: the emulated watchdog reset takes longer than a test may"]
 fn a_dead_converter_ends_in_a_reset_and_a_trip() {
     let outcome = run(Box::new(|_, _| {}), Some(AT));
+    assert_eq!(outcome.seen.resets, 1);
     let opened = outcome.opened_after.expect("the relay stayed closed");
     assert!(opened <= 70, "the relay opened after {opened} ms");
+    assert_eq!(cause(&outcome), Some(Cause::Restarted));
+    assert!(
+        outcome.seen.codes.iter().skip(AT + opened + 10).all(|codes| !codes.relay),
+        "only an order closes it again"
+    );
 }

@@ -10,10 +10,12 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-truth", &[]),
     ("shakedown-firmware", &["shakedown-core"]),
     ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay"]),
-    ("shakedown-replay", &["shakedown-core", "shakedown", "shakedown-firmware"]),
+    ("shakedown-replay", &["shakedown-core", "shakedown", "shakedown-firmware", "shakedown-second-opinion"]),
     ("shakedown-tests", &["shakedown-core", "shakedown", "shakedown-truth"]),
     ("shakedown-no-panic", &["shakedown-core"]),
     ("shakedown-law-cost", &["shakedown-core"]),
+    ("shakedown-beside", &["shakedown-core", "shakedown-firmware"]),
+    ("shakedown-second-opinion", &["shakedown-core", "shakedown-firmware"]),
     ("xtask", &[]),
 ];
 

@@ -7,6 +7,7 @@ const MOST: usize = 300;
 
 /// Files that may be longer, each with its reason.
 const LONGER: &[(&str, &str)] = &[
+    ("core/src/controller.rs", "the order of a tick, from sample to command, in one place to be read together"),
     (
         "sim-host/src/cli/modify.rs",
         "arguments, figures and page of one command; its page is the next thing to move out",

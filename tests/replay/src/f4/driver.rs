@@ -125,6 +125,18 @@ impl<W: World> Lockstep<W> {
         }
     }
 
+    /// A reset, which may be over and the timer started again before the next stop.
+    fn note_resets(&mut self, session: &Session<Stm32f427Bench>) -> bool {
+        let resets = session.resets().len();
+        let new = resets != self.resets;
+        if new {
+            self.resets = resets;
+            self.timer.running = false;
+            self.relay = false;
+        }
+        new
+    }
+
     /// A write of the firmware's that the emulator has no model for, or that moves the timer.
     fn notice(&mut self, session: &mut Session<Stm32f427Bench>, access: Access, value: u64) {
         match access.address {
@@ -134,6 +146,9 @@ impl<W: World> Lockstep<W> {
             TIM2_ARR => self.timer.reload = value,
             TIM2_CR1 => {
                 let running = value & 1 != 0;
+                if self.note_resets(session) {
+                    self.circuit(session, access.virtual_time);
+                }
                 if running && !self.timer.running {
                     self.timer = Timer {
                         running,
@@ -223,11 +238,7 @@ impl<W: World> Driver<Stm32f427Bench> for Lockstep<W> {
         stop: Stop,
         host: &mut dyn Host,
     ) -> Option<VirtualNanos> {
-        let resets = session.resets().len();
-        if resets != self.resets {
-            self.resets = resets;
-            self.timer.running = false;
-            self.relay = false;
+        if self.note_resets(session) {
             self.circuit(session, stop.at);
         }
         if !self.timer.running {

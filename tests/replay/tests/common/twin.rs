@@ -4,16 +4,16 @@
 use shakedown::device::Telemetry;
 use shakedown_core::link::Setup;
 use shakedown_core::{Controller, Request, State};
+use shakedown_firmware::Loop;
 use shakedown_firmware::queues::{Entry, Order, Point, Queues};
-use shakedown_firmware::{Events, Loop};
 
 use super::bench::Bench;
 use super::seen::Codes;
 
 /// What the twin did, by tick from the device's reset.
-pub struct Twin {
-    pub codes: Vec<Codes>,
-    pub entries: Vec<Entry>,
+pub(crate) struct Twin {
+    pub(crate) codes: Vec<Codes>,
+    pub(crate) entries: Vec<Entry>,
 }
 
 /// Ticks at which the state became another, with the state before and the one it became.
@@ -23,7 +23,7 @@ fn changes(telemetry: &Telemetry) -> Vec<(u32, State, State)> {
 }
 
 /// Runs `ticks` of the twin. `spoil` may touch an output code on its way to the bench and the log.
-pub fn run(
+pub(crate) fn run(
     setup: Setup,
     record: &[f32],
     telemetry: &Telemetry,
@@ -56,7 +56,7 @@ pub fn run(
             desk.points.enqueue(point).unwrap();
         }
         let inputs = bench.codes();
-        let outcome = decide.tick(inputs, Events::default());
+        let outcome = decide.tick(inputs);
         let output = spoil(tick, outcome.output);
         twin.codes.push(Codes { inputs, output, relay: outcome.relay });
         while let Some(entry) = desk.records.dequeue() {

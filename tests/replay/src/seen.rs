@@ -2,41 +2,56 @@
 
 use shakedown::device::{Drive, Progress, Talker};
 use shakedown_core::link::Setup;
-use shakedown_replay::{Tick, World};
 
-use super::bench::Bench;
+use crate::bench::Bench;
+use crate::{Tick, World};
 
 /// What was at the converters in one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Codes {
+    /// Read: reference, displacement, acceleration, existing command.
     pub inputs: [u16; 4],
+    /// Written.
     pub output: u16,
+    /// Whether the relay is closed.
     pub relay: bool,
 }
 
-/// What goes wrong, and when; see `faults.rs`.
+/// What goes wrong, and when.
 pub type Mischief = Box<dyn FnMut(&mut Tick<'_>, &mut Talker) + Send>;
 
 /// A run of a record on the emulated board.
+#[allow(missing_debug_implementations, reason = "what goes wrong is a function")]
 pub struct Seen {
+    /// The table.
     pub bench: Bench,
+    /// The host's side of the run.
     pub drive: Drive,
+    /// Its end of the line.
     pub talker: Talker,
     /// By tick.
     pub codes: Vec<Codes>,
     /// Instructions retired up to each tick.
     pub instructions: Vec<u64>,
+    /// Virtual time of each tick, ns.
+    pub times: Vec<u64>,
+    /// How far the run is.
     pub progress: Progress,
+    /// What goes wrong.
     pub mischief: Option<Mischief>,
     /// Ticks still to run after the end, so that the last telemetry arrives.
     pub after: u32,
+    /// Ticks after which it ends in any case.
     pub limit: usize,
-    /// Tick from which the converter is dead.
+    /// Tick from which the converter is dead, until the next reset.
     pub dead_from: Option<usize>,
+    /// Resets since power-on.
+    pub resets: usize,
     relay: bool,
 }
 
 impl Seen {
+    /// A run of `record`, m, under `setup`.
     pub fn new(setup: Setup, record: Vec<f32>) -> Self {
         let limit = record.len() + 30_000;
         Self {
@@ -45,11 +60,13 @@ impl Seen {
             talker: Talker::new(),
             codes: Vec::new(),
             instructions: Vec::new(),
+            times: Vec::new(),
             progress: Progress::Points(0),
             mischief: None,
             after: 100,
             limit,
             dead_from: None,
+            resets: 0,
             relay: false,
         }
     }
@@ -72,6 +89,7 @@ impl World for Seen {
             self.bench.played = Some(0);
         }
         self.relay = tick.relay;
+        self.resets = tick.resets;
         *tick.inputs = self.bench.codes();
         self.host(&mut tick);
         if let Some(mischief) = &mut self.mischief {
@@ -79,6 +97,7 @@ impl World for Seen {
         }
         self.codes.push(Codes { inputs: *tick.inputs, output: 0, relay: false });
         self.instructions.push(tick.instructions);
+        self.times.push(tick.time);
         if !matches!(self.progress, Progress::Points(_)) {
             self.after -= 1;
         }
@@ -86,6 +105,6 @@ impl World for Seen {
     }
 
     fn converts(&self) -> bool {
-        self.dead_from.is_none_or(|from| self.codes.len() < from)
+        self.resets > 0 || self.dead_from.is_none_or(|from| self.codes.len() < from)
     }
 }

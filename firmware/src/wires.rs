@@ -1,0 +1,50 @@
+//! The wiring worked out: what a tick needs to turn codes into SI, and nothing that it would have to look up.
+
+use shakedown_core::Mode;
+use shakedown_core::link::{Scale, Setup, Source};
+
+use crate::output::Output;
+
+/// The wiring worked out, and what of it the mode reads.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wires {
+    /// The lowest code that is a reading, and how far above it the highest lies.
+    low: u32,
+    span: u32,
+    pub(crate) displacement: Scale,
+    pub(crate) acceleration: Scale,
+    pub(crate) external: Scale,
+    pub(crate) reference: Scale,
+    pub(crate) output: Output,
+    /// Whether the reference comes over the link.
+    pub(crate) streamed: bool,
+    /// Whether the existing command is read.
+    pub(crate) guards: bool,
+}
+
+impl Wires {
+    /// The wires of `setup`.
+    pub(crate) fn new(setup: &Setup) -> Self {
+        let wiring = &setup.wiring;
+        let full = u32::from(wiring.full_scale);
+        let (low, span) = if wiring.rails_are_faults { (1, full.saturating_sub(2)) } else { (0, u32::from(u16::MAX)) };
+        let streamed = wiring.source == Source::Streamed;
+        Self {
+            low,
+            span,
+            displacement: wiring.displacement,
+            acceleration: wiring.acceleration,
+            external: wiring.external,
+            reference: wiring.reference,
+            output: Output::new(wiring),
+            streamed,
+            guards: setup.control.mode == Mode::Guard,
+        }
+    }
+
+    /// What `code` stands for; no number where it tells nothing.
+    #[inline]
+    pub(crate) fn read(&self, scale: Scale, code: u16) -> f32 {
+        if u32::from(code).wrapping_sub(self.low) > self.span { f32::NAN } else { scale.to_si(code) }
+    }
+}

@@ -1,0 +1,103 @@
+//! `shakedown device`: a connected device's setup, runs, telemetry and commissioning.
+
+mod commission;
+mod record;
+mod setup;
+
+use super::Failure;
+use super::output::{Outputs, print};
+use clap::Subcommand;
+use serde_json::json;
+use shakedown::device::{Port, Session, SessionError};
+use shakedown_core::link::{Report, Request};
+use std::path::PathBuf;
+
+/// Talks to a device over its serial line: setup, a record, telemetry, commissioning.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  shakedown device --port /dev/ttyACM0 status
+  shakedown device --port /dev/ttyACM0 get --out setup.toml
+  shakedown device --port /dev/ttyACM0 set setup.toml --save
+  shakedown device --port /dev/ttyACM0 run reference.csv --out run/
+  shakedown diagnose run/experiment.toml
+  shakedown device --port /dev/ttyACM0 commission --out commissioning.toml")]
+pub(crate) struct Args {
+    /// The serial port.
+    #[arg(long, value_name = "PORT")]
+    port: PathBuf,
+    /// Bits a second.
+    #[arg(long, value_name = "BAUD", default_value_t = 1_000_000)]
+    baud: u32,
+    #[command(subcommand)]
+    action: Action,
+}
+
+/// What is wanted of the device.
+#[derive(Debug, Subcommand)]
+enum Action {
+    /// Who it is and how it fares.
+    Status(Outputs),
+    /// Reads its setup, as TOML.
+    Get(setup::Get),
+    /// Writes a setup, whole or not at all.
+    Set(setup::Set),
+    /// Streams a record and saves the telemetry as a recording that `diagnose` reads.
+    Run(record::Run),
+    /// Saves telemetry without a run.
+    Listen(record::Listen),
+    /// Fades a running test out and holds the table.
+    Stop,
+    /// Trips: the safe ramp, then the relay opens.
+    Trip,
+    /// Walks through the first steps of the commissioning guide and records what was measured.
+    Commission(commission::Commission),
+}
+
+/// Does what is asked.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let open = Port::open(&args.port, args.baud);
+    let port = open.map_err(|e| Failure::Input(format!("{}: {e}; which port is it on?", args.port.display())))?;
+    let mut session = Session::new(port);
+    match &args.action {
+        Action::Status(outputs) => status(&mut session, outputs),
+        Action::Get(get) => get.run(&mut session),
+        Action::Set(set) => set.run(&mut session),
+        Action::Run(run) => run.run(&mut session),
+        Action::Listen(listen) => listen.run(&mut session),
+        Action::Stop => session.order(&Request::Stop).map_err(failed),
+        Action::Trip => session.order(&Request::Trip).map_err(failed),
+        Action::Commission(walk) => walk.run(&mut session),
+    }
+}
+
+/// A conversation's end as the command's.
+fn failed(error: SessionError) -> Failure {
+    Failure::Work(error.to_string())
+}
+
+fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure> {
+    let identity =
+        session.ask(&Request::Identify, |report| if let Report::Identity(who) = report { Some(*who) } else { None });
+    let identity = identity.map_err(failed)?;
+    let vitals = session.vitals().map_err(failed)?;
+    let [major, minor, patch] = identity.firmware;
+    let firmware = format!("{major}.{minor}.{patch}");
+    let cause = vitals.cause.map(|cause| format!("{cause:?}"));
+    let value = json!({
+        "firmware": firmware, "state": vitals.state, "cause": cause, "ticks": vitals.ticks, "dropped": vitals.dropped,
+        "garbled": vitals.garbled, "stored": vitals.stored, "buffered": vitals.buffered,
+    });
+    outputs.write_json(value, &[])?;
+    if !outputs.quiet() {
+        print(&format!(
+            "firmware {firmware}, {:?}{}\n{} ticks since its reset; {} records of telemetry dropped, {} frames garbled\nsetup: {}\n",
+            vitals.state,
+            cause.map_or(String::new(), |cause| format!(", last cause: {cause}")),
+            vitals.ticks,
+            vitals.dropped,
+            vitals.garbled,
+            if vitals.stored { "as stored in flash" } else { "not stored: a reset loses it" },
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,106 @@
+//! The first steps of `docs/commissioning.md`, one after the other, with what each measured in a file.
+
+use super::failed;
+use crate::cli::Failure;
+use crate::cli::output::{print, write_whole};
+use shakedown::device::{Port, Session};
+use shakedown_core::link::Request;
+use std::fmt::Write as _;
+use std::io::BufRead as _;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// `device commission`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Commission {
+    /// Where what was measured is written.
+    #[arg(long, value_name = "FILE", default_value = "commissioning.toml")]
+    out: PathBuf,
+}
+
+/// What a step measures.
+#[derive(Debug, Clone, Copy)]
+enum Measures {
+    /// What a person reads off and types.
+    Typed,
+    /// Codes of the inputs, their mean over half a second.
+    Inputs,
+    /// State and cause.
+    Standing,
+    /// What a meter at the plug reads with this code on the output.
+    Output(u16),
+}
+
+/// Steps by their number in the guide.
+const STEPS: &[(&str, &str, Measures)] = &[
+    ("1", "Board without shifters. Relay light off; voltage at PB0 [V]?", Measures::Typed),
+    ("2", "Press reset, hold reset, pull the supply: PB0 at 0 V each time [yes/no]?", Measures::Typed),
+    ("3", "Shifters on, all inputs at 0 V, then Enter.", Measures::Inputs),
+    ("4", "+5.000 V on every input, then Enter.", Measures::Inputs),
+    ("5", "Pull every input's wire, then Enter.", Measures::Inputs),
+    ("6", "Press the emergency stop, then Enter.", Measures::Standing),
+    ("7a", "Release it. At the amplifier's plug [V]?", Measures::Output(2048)),
+    ("7b", "At the amplifier's plug [V]?", Measures::Output(3072)),
+    ("8", "Write the setup, save it, reset; the vitals say `stored` [yes/no]?", Measures::Typed),
+];
+
+impl Commission {
+    pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
+        print("Hydraulics off. Enter goes on; `stop` ends, and keeps what was measured so far.\n");
+        let mut text = String::from("# What the first steps of the commissioning guide measured.\n");
+        for &(number, instruction, measures) in STEPS {
+            if let Measures::Output(code) = measures {
+                clear(session)?;
+                session.order(&Request::Probe(code)).map_err(failed)?;
+            }
+            print(&format!("{number}. {instruction} "));
+            let mut typed = String::new();
+            let read = std::io::stdin().lock().read_line(&mut typed).map_err(|e| Failure::Work(e.to_string()))?;
+            let typed = typed.trim();
+            if read == 0 || typed == "stop" {
+                break;
+            }
+            let _ = writeln!(text, "\n[step-{number}]\ninstruction = {instruction:?}\ntyped = {typed:?}");
+            match measures {
+                Measures::Typed => {}
+                Measures::Output(code) => {
+                    let _ = writeln!(text, "output_code = {code}");
+                }
+                Measures::Inputs => inputs(session, &mut text)?,
+                Measures::Standing => {
+                    let vitals = session.vitals().map_err(failed)?;
+                    let cause = vitals.cause.map_or("none".into(), |cause| format!("{cause:?}"));
+                    let _ = writeln!(text, "state = \"{:?}\"\ncause = \"{cause}\"", vitals.state);
+                }
+            }
+        }
+        write_whole(&self.out, text.as_bytes())?;
+        print(&format!("\nWrote {}. Next: the steps with pressure low, in the guide.\n", self.out.display()));
+        Ok(())
+    }
+}
+
+/// Leaves a trip behind, and what was on the output.
+fn clear(session: &mut Session<Port>) -> Result<(), Failure> {
+    match session.order(&Request::ClearTrip) {
+        // There was none.
+        Ok(()) | Err(shakedown::device::SessionError::Refused(_)) => Ok(()),
+        Err(error) => Err(failed(error)),
+    }
+}
+
+/// Mean codes of all inputs.
+fn inputs(session: &mut Session<Port>, text: &mut String) -> Result<(), Failure> {
+    session.listen(Duration::from_millis(200)).map_err(failed)?;
+    let heard = session.listen(Duration::from_millis(500)).map_err(failed)?;
+    let rows = heard.rows();
+    if rows.is_empty() {
+        return Err(Failure::Work("no telemetry came: is `telemetry_every` 0 in the setup?".into()));
+    }
+    let names = ["reference", "displacement", "acceleration", "external"];
+    for (place, name) in names.iter().enumerate() {
+        let sum: f64 = rows.iter().filter_map(|row| row.record.inputs.get(place)).map(|&code| f64::from(code)).sum();
+        let _ = writeln!(text, "{name}_code = {:.2}", sum / rows.len() as f64);
+    }
+    Ok(())
+}

@@ -1,0 +1,62 @@
+//! Telemetry as a recording, and the experiment that names its columns.
+
+use std::fmt::Write as _;
+
+use shakedown_core::control::InnerLoop;
+use shakedown_core::link::Setup;
+
+use super::Row;
+
+/// The rows as CSV in SI, one a tick; a record that is missing between two others leaves its channels NaN. Time counts from
+/// the first row. The command is what the valve got: where an inner loop subtracts the LVDT, the output less that.
+pub fn csv(rows: &[Row], setup: &Setup, every: u16) -> String {
+    let mut text = String::from(
+        "time [s],reference [m],modified_reference [m],displacement [m],acceleration [m/s2],external [m],command\n",
+    );
+    let rate = f64::from(setup.control.rate);
+    let wiring = &setup.wiring;
+    let hardwired = setup.control.inner_loop == InnerLoop::Hardwired;
+    let first = rows.first().map_or(0, |row| row.tick);
+    let mut expected = first;
+    for row in rows {
+        let time = |tick: u32| f64::from(tick.wrapping_sub(first)) / rate;
+        while expected < row.tick {
+            let _ = writeln!(text, "{},NaN,NaN,NaN,NaN,NaN,NaN", time(expected));
+            expected += u32::from(every.max(1));
+        }
+        let [_, displacement, acceleration, external] = row.record.inputs;
+        let displacement = wiring.displacement.to_si(displacement);
+        let output = wiring.output.to_si(row.record.output);
+        let command = if hardwired { output - displacement } else { output };
+        let (reference, fitted) = (row.record.reference, row.record.fitted);
+        let (acceleration, external) = (wiring.acceleration.to_si(acceleration), wiring.external.to_si(external));
+        let _ = writeln!(
+            text,
+            "{},{reference},{fitted},{displacement},{acceleration},{external},{command}",
+            time(row.tick)
+        );
+        expected = row.tick + u32::from(every.max(1));
+    }
+    text
+}
+
+/// An experiment of one run: the valve model of the setup, driven by the recorded command, so that nothing about the law
+/// has to be known. A converter's step over the root of twelve is the least noise that a channel can have.
+pub fn experiment(name: &str, file: &str, setup: &Setup) -> String {
+    let valve = &setup.control.valve;
+    let a1 = 1.0 / valve.lag.max(1e-6);
+    let noise = |per_code: f32| per_code.abs() / 12f32.sqrt();
+    let wiring = &setup.wiring;
+    format!(
+        "name = {name:?}\n\n[model]\nkind = \"servo\"\nb1 = 0.0\nb0 = {b0}\na1 = {a1}\nvelocity_limit = {limit}\n\n\
+         [channels]\ntime = {{ column = \"time\", unit = \"s\" }}\n\
+         reference = {{ column = \"modified_reference\", unit = \"m\" }}\n\
+         displacement = {{ column = \"displacement\", unit = \"m\", noise = {dx} }}\n\
+         acceleration = {{ column = \"acceleration\", unit = \"m/s2\", noise = {da} }}\n\
+         command = {{ column = \"command\", unit = \"1\" }}\n\n[[runs]]\nfile = {file:?}\n",
+        b0 = valve.gain * a1,
+        limit = setup.control.velocity_limit,
+        dx = noise(wiring.displacement.per_code),
+        da = noise(wiring.acceleration.per_code),
+    )
+}

@@ -1,0 +1,146 @@
+//! Steps of the core's laws, of the same laws in C and of `idsp`'s, one after the other, over the same errors. `cargo xtask
+//! beside` runs this on the emulated processor, which counts the instructions between the marks that it leaves.
+//!
+//! Every step is a function of its own that takes its configuration, its state and an input, so that each pays for one
+//! call, and none of them is looked through. The guard and its anti-windup are no part of this: the direction in which an
+//! integrator may not go is known to be neither.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod step;
+#[cfg(target_os = "none")]
+mod theirs;
+
+#[cfg(target_os = "none")]
+#[allow(unsafe_code, reason = "the marks, and calls of what was written in C")]
+mod target {
+    use core::hint::black_box;
+
+    use shakedown_core::block::Block;
+    use shakedown_core::control::{
+        AccelerationLoop, AccelerationState, Blocked, DisplacementLoop, DisplacementState, LoopGains, VelocityLoop,
+        VelocityState,
+    };
+    use shakedown_core::filter::fusion::FusionState;
+    use shakedown_core::filter::second_order::SecondOrderState;
+    use shakedown_core::filter::{Fusion, SecondOrder};
+
+    use super::theirs;
+
+    /// The converter's data register: a write to it is a mark.
+    const MARK: *mut u32 = 0x4000_7408 as *mut u32;
+    /// Marks the begin of a measurement's steps, with its number, and their end.
+    pub(super) const BEGIN: u32 = 0x100;
+    pub(super) const END: u32 = 0x200;
+    /// Marks a difference between the core's bits and those in C.
+    const DIFFERENT: u32 = 0x300;
+    const DONE: u32 = 0xFFF;
+    /// Steps of a measurement; the reader divides by it.
+    const STEPS: u16 = 256;
+
+    const DT: f32 = 1e-3;
+    const LIMIT: f32 = 0.05;
+    const GAINS: LoopGains = LoopGains { proportional: 3.702_05, integral: 0.617_01 };
+
+    pub(super) fn mark(value: u32) {
+        // SAFETY: a device register; the write is the message.
+        unsafe { MARK.write_volatile(value) }
+    }
+
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+        mark(DIFFERENT);
+        mark(DONE);
+        loop {
+            cortex_m::asm::nop();
+        }
+    }
+
+    /// A step: configuration, state, input; the output.
+    type Step<C, S> = extern "C" fn(&C, &mut S, f32) -> f32;
+
+    /// Three variables: displacement, velocity, acceleration.
+    struct Three(DisplacementLoop, VelocityLoop, AccelerationLoop);
+    type ThreeState = (DisplacementState, VelocityState, AccelerationState);
+
+    #[inline(never)]
+    extern "C" fn nothing(_: &f32, _: &mut f32, x: f32) -> f32 {
+        x
+    }
+
+    #[inline(never)]
+    extern "C" fn displacement(law: &DisplacementLoop, state: &mut DisplacementState, e: f32) -> f32 {
+        law.advance(state, e, Blocked::Neither)
+    }
+
+    #[inline(never)]
+    extern "C" fn three(law: &Three, state: &mut ThreeState, e: f32) -> f32 {
+        let mut command = law.0.advance(&mut state.0, e, Blocked::Neither);
+        command += law.1.advance(&mut state.1, 0.5 * e, Blocked::Neither);
+        command + law.2.advance(&mut state.2, 2.0 * e, Blocked::Neither)
+    }
+
+    #[inline(never)]
+    extern "C" fn observer(law: &Fusion, state: &mut FusionState, x: f32) -> f32 {
+        law.advance(state, x, x);
+        state.velocity
+    }
+
+    #[inline(never)]
+    extern "C" fn section(law: &SecondOrder, state: &mut SecondOrderState, x: f32) -> f32 {
+        law.advance(state, x)
+    }
+
+    /// Runs the steps between two marks; gives a sum over the outputs' bits.
+    fn measure<C, S>(number: u32, step: Step<C, S>, law: &C, state: &mut S) -> u32 {
+        let step = black_box(step);
+        let mut sum = 0u32;
+        mark(BEGIN | number);
+        for k in 0..STEPS {
+            let x = f32::from(k % 23) * 0.01 - 0.1;
+            sum = sum.rotate_left(1) ^ step(black_box(law), black_box(state), x).to_bits();
+        }
+        mark(END | number);
+        sum
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        run();
+        mark(DONE);
+        loop {
+            cortex_m::asm::nop();
+        }
+    }
+
+    fn run() {
+        let displacement_loop = DisplacementLoop::new(GAINS, DT, LIMIT);
+        let velocity_loop = VelocityLoop::new(GAINS, DT, LIMIT);
+        let Ok(acceleration_loop) = AccelerationLoop::new(GAINS, DT, 0.05, LIMIT) else { return mark(DIFFERENT) };
+        let law = Three(displacement_loop, velocity_loop, acceleration_loop);
+        let (Ok(fusion), Ok(low_pass)) = (Fusion::new(2.0, DT), SecondOrder::low_pass(40.0, 0.7, DT)) else {
+            return mark(DIFFERENT);
+        };
+        measure(0, nothing, &0.0, &mut 0.0);
+        let ours = [
+            measure(1, displacement, &law.0, &mut DisplacementState::default()),
+            measure(2, three, &law, &mut ThreeState::default()),
+            measure(3, observer, &fusion, &mut FusionState::default()),
+            measure(4, section, &low_pass, &mut SecondOrderState::default()),
+        ];
+        #[cfg(feature = "c")]
+        if ours != theirs::c::measure(DT, LIMIT, GAINS) {
+            mark(DIFFERENT);
+        }
+        let _ = black_box(ours);
+        theirs::idsp::measure(DT, LIMIT, GAINS);
+        super::step::measure();
+    }
+
+    pub(super) fn run_one<C, S>(number: u32, step: Step<C, S>, law: &C, state: &mut S) -> u32 {
+        measure(number, step, law, state)
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {}

@@ -1,0 +1,172 @@
+//! `shakedown device` against the image, through a pseudo-terminal: what the recording says is what the device did.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
+
+mod common;
+
+use std::fs::File;
+use std::io::{Read as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use common::{bench::Bench, image, near_field, seen::Codes, setup};
+use rustix::fs::{OFlags, fcntl_setfl};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use shakedown::recording::{Channel, Experiment, file};
+use shakedown_core::Mode;
+use shakedown_core::link::Setup;
+use shakedown_replay::{Tick, World};
+
+/// The board at one end of a pseudo-terminal, at the pace of the clock on the wall.
+struct Wired {
+    master: File,
+    bench: Bench,
+    codes: Vec<Codes>,
+    /// Both clocks when it was up.
+    start: Instant,
+    begun: u64,
+    over: Arc<AtomicBool>,
+    /// It ticks, and has sent telemetry: what a host will ask is not the first that the emulator has to translate.
+    up: Arc<AtomicBool>,
+}
+
+impl World for Wired {
+    fn tick(&mut self, tick: Tick<'_>) -> bool {
+        if let (Some(output), Some(last)) = (tick.output, self.codes.last_mut()) {
+            (last.output, last.relay) = (output, tick.relay);
+            self.bench.advance(output, tick.relay);
+        }
+        *tick.inputs = self.bench.codes();
+        self.codes.push(Codes { inputs: *tick.inputs, output: 0, relay: false });
+        let mut bytes = [0; 1024];
+        if let Ok(read) = self.master.read(&mut bytes) {
+            tick.line.to_device.extend(&bytes[..read]);
+        }
+        let sent = self.master.write(tick.line.from_device.make_contiguous()).unwrap_or(0);
+        tick.line.from_device.drain(..sent);
+        if self.codes.len() == 200 {
+            self.up.store(true, Ordering::Relaxed);
+            self.start = Instant::now();
+            self.begun = tick.time;
+        }
+        if let Some(ahead) = Duration::from_nanos(tick.time - self.begun).checked_sub(self.start.elapsed()) {
+            std::thread::sleep(ahead);
+        }
+        !self.over.load(Ordering::Relaxed)
+    }
+}
+
+/// Runs `host` while the image runs at the other end of the port that it is given.
+fn with_device(host: impl FnOnce(&Path)) -> Wired {
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+    grantpt(&master).unwrap();
+    unlockpt(&master).unwrap();
+    let port = PathBuf::from(ptsname(&master, Vec::new()).unwrap().into_string().unwrap());
+    fcntl_setfl(&master, OFlags::NONBLOCK).unwrap();
+    let mut terminal = tcgetattr(&master).unwrap();
+    terminal.make_raw();
+    tcsetattr(&master, OptionalActions::Now, &terminal).unwrap();
+    // Held open, so that the line does not hang up between two commands.
+    let _held = File::options().read(true).write(true).open(&port).unwrap();
+    let (over, up) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+    let world = Wired {
+        master: File::from(master),
+        bench: Bench::new(setup(Mode::Controller), Vec::new()),
+        codes: Vec::new(),
+        start: Instant::now(),
+        begun: 0,
+        over: Arc::clone(&over),
+        up: Arc::clone(&up),
+    };
+    let device = std::thread::spawn(move || shakedown_replay::run(&image(), world).unwrap().world);
+    while !up.load(Ordering::Relaxed) {
+        assert!(!device.is_finished(), "the image did not run");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    host(&port);
+    over.store(true, Ordering::Relaxed);
+    device.join().unwrap()
+}
+
+fn shakedown(words: &[&str], typed: &str) -> Output {
+    let tool = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/debug/shakedown");
+    assert!(tool.exists(), "{} is missing: run `cargo build -p shakedown`", tool.display());
+    let mut child = Command::new(tool)
+        .args(words)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(typed.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+#[test]
+fn the_recording_says_what_the_device_did() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = near_field(3);
+    let mut text = String::from("time [s],reference [m]\n");
+    for (tick, x) in record.iter().enumerate() {
+        text += &format!("{},{x}\n", tick as f64 / 1000.0);
+    }
+    let (reference, out) = (folder.path().join("reference.csv"), folder.path().join("run"));
+    std::fs::write(&reference, text).unwrap();
+    let (reference, out) = (reference.to_str().unwrap(), out.to_str().unwrap());
+    let world = with_device(|port| {
+        shakedown(&["device", "--port", port.to_str().unwrap(), "run", reference, "--out", out], "");
+    });
+
+    let experiment = Experiment::load(&Path::new(out).join("experiment.toml")).unwrap();
+    let run = &experiment.runs[0];
+    assert!(run.channels.get(Channel::Displacement).is_some() && run.channels.get(Channel::Command).is_some());
+    let wanted = ["time", "reference", "displacement", "acceleration", "command"];
+    let table = file::read(&Path::new(out).join("recording.csv"), &wanted).unwrap();
+    let played: Vec<f32> = table.columns[1].iter().map(|&x| x as f32).collect();
+    assert_eq!(played[..record.len()], record[..], "every point, in order, once");
+    // Sample for sample: the codes that stood at the converters, from the tick in which the first point was played.
+    let wiring = setup(Mode::Controller).wiring;
+    let rows = |place: usize| table.columns[place].iter().map(|&x| x as f32);
+    let at = |start: usize| {
+        let codes = world.codes.get(start..start + table.columns[0].len())?;
+        let same = codes.iter().zip(rows(2)).all(|(c, x)| wiring.displacement.to_si(c.inputs[1]) == x)
+            && codes.iter().zip(rows(3)).all(|(c, a)| wiring.acceleration.to_si(c.inputs[2]) == a)
+            && codes.iter().zip(rows(4)).all(|(c, u)| wiring.output.to_si(c.output) == u);
+        same.then_some(start)
+    };
+    assert!((0..world.codes.len()).find_map(at).is_some(), "the recording is none of what the device did");
+}
+
+#[test]
+fn a_setup_comes_back_as_it_was_written_and_commissioning_records_what_it_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, back, notes) =
+        (folder.path().join("a.toml"), folder.path().join("b.toml"), folder.path().join("notes.toml"));
+    let wanted = Setup { telemetry_every: 2, ..setup(Mode::Guard) };
+    std::fs::write(&file, toml::to_string(&wanted).unwrap()).unwrap();
+    with_device(|port| {
+        let port = port.to_str().unwrap();
+        shakedown(&["device", "--port", port, "set", file.to_str().unwrap()], "");
+        shakedown(&["device", "--port", port, "get", "--out", back.to_str().unwrap()], "");
+        let status = shakedown(&["device", "--port", port, "status", "--json", "-"], "");
+        assert!(String::from_utf8_lossy(&status.stdout).contains("\"state\": \"off\""));
+        let typed = "0.0\nyes\n\n\n\n\n0.001\n5.002\nyes\n";
+        shakedown(&["device", "--port", port, "commission", "--out", notes.to_str().unwrap()], typed);
+    });
+    let read: Setup = toml::from_str(&std::fs::read_to_string(&back).unwrap()).unwrap();
+    assert_eq!(read, wanted);
+    let notes: toml::Table = std::fs::read_to_string(&notes).unwrap().parse().unwrap();
+    assert_eq!(notes["step-3"]["displacement_code"].as_float(), Some(2048.0));
+    assert_eq!(notes["step-7b"]["output_code"].as_integer(), Some(3072));
+    assert_eq!(notes["step-7b"]["typed"].as_str(), Some("5.002"));
+}

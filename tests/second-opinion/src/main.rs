@@ -1,0 +1,54 @@
+//! The firmware's [`Loop`] with pipes for converters, by semihosting.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod pipe;
+
+#[cfg(target_os = "none")]
+mod target {
+    use shakedown_core::Controller;
+    use shakedown_core::link::Setup;
+    use shakedown_firmware::Loop;
+    use shakedown_firmware::queues::{Order, Point, Queues};
+    use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
+
+    use super::pipe::{Pipe, exit};
+
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+        exit(false)
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        exit(run().is_some())
+    }
+
+    /// Until the other end closes the pipe. None: it never got as far as a tick.
+    fn run() -> Option<()> {
+        let (input, output) = (Pipe::reading(TO_DEVICE)?, Pipe::writing(FROM_DEVICE)?);
+        let mut bytes = [0; SETUP];
+        input.read(&mut bytes)?;
+        let (setup, _) = postcard::take_from_bytes::<Setup>(&bytes).ok()?;
+        let mut queues = Queues::new();
+        let (loop_end, mut desk) = queues.split();
+        let mut decide = Loop::new(Controller::new(&setup.control).ok()?, &setup, loop_end, false);
+        let mut bytes = [0; Given::LENGTH];
+        while input.read(&mut bytes).is_some() {
+            let given = Given::from_bytes(bytes);
+            if let Some(request) = given.request {
+                desk.orders.enqueue(Order::Ask(request)).ok()?;
+            }
+            if let Some(point) = given.point {
+                desk.points.enqueue(Point::new(point).unwrap_or(Point::END)).ok()?;
+            }
+            let outcome = decide.tick(given.inputs);
+            while desk.records.dequeue().is_some() {}
+            output.write(&Done { output: outcome.output, relay: outcome.relay }.to_bytes())?;
+        }
+        Some(())
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {}
