@@ -99,7 +99,7 @@ fn scipy(runs: &[Run]) -> Result<Option<(f64, f64, Vec<f64>)>, Box<dyn Error>> {
     let mut bytes = Vec::new();
     for run in runs {
         for series in [&run.input, &run.measured[0].values, &run.measured[1].values] {
-            series.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+            bytes.extend(series.iter().flat_map(|x| x.to_le_bytes()));
         }
     }
     std::fs::write(&path, bytes)?;
