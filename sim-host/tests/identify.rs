@@ -200,16 +200,18 @@ time = {{ column = "Time", unit = "s" }}
 command = {{ column = "Voltage command", unit = "V" }}
 velocity = {{ column = "Table disp", unit = "mm", differentiate = true }}
 [[runs]]
-file = {file:?}
+file = "{}"
 to_s = {cut}
 use = "fit"
 controller_rate_hz = 819.2
 [[runs]]
-file = {file:?}
+file = "{}"
 from_s = {cut}
 use = "holdout"
 controller_rate_hz = 819.2
-"#
+"#,
+        file.display(),
+        file.display()
     )
 }
 

@@ -20,19 +20,19 @@ const NOISE: [f64; 2] = [2e-5, 0.2];
 
 /// Intervals that held the truth, of how many, for one parameter.
 #[derive(Debug, Clone, Default)]
-pub struct Count {
+pub(crate) struct Count {
     /// The parameter.
-    pub name: String,
+    pub(crate) name: String,
     /// Profile intervals that held it.
-    pub profile: usize,
+    pub(crate) profile: usize,
     /// Intervals from the standard deviation that held it.
-    pub normal: usize,
+    pub(crate) normal: usize,
     /// Intervals made.
-    pub of: usize,
+    pub(crate) of: usize,
 }
 
 /// Fits `seeds` sets of two runs each, their noise `x[k] = colour x[k-1] + e[k]` of the stated standard deviation.
-pub fn count(seeds: u64, colour: f64) -> Vec<Count> {
+pub(crate) fn count(seeds: u64, colour: f64) -> Vec<Count> {
     let clean: Vec<Run> = (0..2).map(run).collect();
     let made: Vec<Vec<(String, bool, bool)>> =
         (0..seeds).into_par_iter().map(|seed| one(&clean, seed, colour)).collect();
@@ -50,7 +50,7 @@ pub fn count(seeds: u64, colour: f64) -> Vec<Count> {
 }
 
 /// All parameters together.
-pub fn total(counts: &[Count]) -> (f64, f64) {
+pub(crate) fn total(counts: &[Count]) -> (f64, f64) {
     let of: usize = counts.iter().map(|c| c.of).sum();
     let share = |held: usize| held as f64 / of.max(1) as f64;
     (share(counts.iter().map(|c| c.profile).sum()), share(counts.iter().map(|c| c.normal).sum()))

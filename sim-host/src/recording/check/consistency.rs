@@ -25,6 +25,10 @@ const SOUND_GAIN: std::ops::Range<f64> = 0.4..2.5;
 /// How well one sign and one delay must explain the phases before a sign is called turned.
 const IN_STEP: f64 = 0.85;
 
+/// Frequency below which gravity on a tilting accelerometer may outweigh the motion, Hz: up to 25 rad of tilt a metre of
+/// travel, far more than any table has.
+const TILTING: f64 = 2.5;
+
 /// The same for reference and displacement, between which the whole loop stands.
 const SOUND_TRACKING: std::ops::Range<f64> = 0.25..4.0;
 
@@ -175,8 +179,8 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
     if a.unrelated {
         return State::Broken(format!("{to} has nothing in common with the {derivative} of {from} ({band})"));
     }
-    // A sensor that is turned round is so at every frequency; one that tilts with the table is not.
-    if a.turned && a.in_step < IN_STEP {
+    // A sensor that is turned round is so at every frequency; one that tilts with the table only at the lowest.
+    if a.turned && (a.in_step < IN_STEP || (order == 2 && a.to_hz < TILTING)) {
         return State::Unknown;
     }
     if a.turned {
