@@ -35,7 +35,7 @@ pub(crate) struct Args {
     write: Option<PathBuf>,
     /// Seed of that noise.
     #[arg(long, value_name = "N", default_value_t = 1, requires = "write")]
-    seed: u64,
+    noise_seed: u64,
     #[command(flatten)]
     bode: bode::Args,
     #[command(flatten)]
@@ -82,8 +82,8 @@ impl What {
 /// Computes the parts asked for, prints their tables, writes `--json` and `--report`.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(folder) = &args.write {
-        let experiment =
-            sweep_recording::write(folder, Paper::default(), args.seed).map_err(|e| Failure::Work(e.to_string()))?;
+        let experiment = sweep_recording::write(folder, Paper::default(), args.noise_seed)
+            .map_err(|e| Failure::Work(e.to_string()))?;
         print(&format!("{0}\n\nNext: shakedown identify {0}\n", experiment.display()));
         return Ok(());
     }
