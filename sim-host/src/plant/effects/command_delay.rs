@@ -1,5 +1,5 @@
 //! Transport delay of the command, at any fraction of an integration step.
-//! 
+//!
 //! The command is constant over a step; delayed, it switches inside one. Its mean over the step is linear in the delay,
 //! so the delay has an exact derivative.
 
@@ -13,7 +13,18 @@ pub const ENTRY: Entry = Entry {
     id: "command_delay",
     equation: "u(t - tau)",
     stage: Stage::Command,
-    parameters: &[Parameter { key: "time", unit: "s", rigid_unit: "s", meaning: "delay", yardstick: Yardstick::One, low: 2e-4, high: 0.1, starts: &[0.001, 0.008], positive: true, role: Role::Shared }],
+    parameters: &[Parameter {
+        key: "time",
+        unit: "s",
+        rigid_unit: "s",
+        meaning: "delay",
+        yardstick: Yardstick::One,
+        low: 2e-4,
+        high: 0.1,
+        starts: &[0.001, 0.008],
+        positive: true,
+        role: Role::Shared,
+    }],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "phase that falls in proportion to frequency, no loss of amplitude",

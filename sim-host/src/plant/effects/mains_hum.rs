@@ -1,5 +1,5 @@
 //! The mains couple into the accelerometer's line, at their frequency or its alias.
-//! 
+//!
 //! The phase differs from run to run: two amplitudes are fitted for each run, and the size over all runs is reported.
 
 use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
@@ -11,10 +11,56 @@ pub const ENTRY: Entry = Entry {
     id: "mains_hum",
     equation: "a + A sin(2 pi f t + phase)",
     stage: Stage::Sensor,
-    parameters: &[Parameter { key: "frequency", unit: "Hz", rigid_unit: "Hz", meaning: "frequency as sampled", yardstick: Yardstick::Line, low: 0.98, high: 1.02, starts: &[1.0], positive: true, role: Role::Shared },
-        Parameter { key: "amplitude", unit: "m/s2", rigid_unit: "m/s2", meaning: "amplitude", yardstick: Yardstick::One, low: 0.0, high: 50.0, starts: &[0.0], positive: false, role: Role::Size },
-        Parameter { key: "in_phase", unit: "m/s2", rigid_unit: "m/s2", meaning: "sine amplitude in one run", yardstick: Yardstick::One, low: -50.0, high: 50.0, starts: &[0.0], positive: false, role: Role::PerRun },
-        Parameter { key: "quadrature", unit: "m/s2", rigid_unit: "m/s2", meaning: "cosine amplitude in one run", yardstick: Yardstick::One, low: -50.0, high: 50.0, starts: &[0.0], positive: false, role: Role::PerRun }],
+    parameters: &[
+        Parameter {
+            key: "frequency",
+            unit: "Hz",
+            rigid_unit: "Hz",
+            meaning: "frequency as sampled",
+            yardstick: Yardstick::Line,
+            low: 0.98,
+            high: 1.02,
+            starts: &[1.0],
+            positive: true,
+            role: Role::Shared,
+        },
+        Parameter {
+            key: "amplitude",
+            unit: "m/s2",
+            rigid_unit: "m/s2",
+            meaning: "amplitude",
+            yardstick: Yardstick::One,
+            low: 0.0,
+            high: 50.0,
+            starts: &[0.0],
+            positive: false,
+            role: Role::Size,
+        },
+        Parameter {
+            key: "in_phase",
+            unit: "m/s2",
+            rigid_unit: "m/s2",
+            meaning: "sine amplitude in one run",
+            yardstick: Yardstick::One,
+            low: -50.0,
+            high: 50.0,
+            starts: &[0.0],
+            positive: false,
+            role: Role::PerRun,
+        },
+        Parameter {
+            key: "quadrature",
+            unit: "m/s2",
+            rigid_unit: "m/s2",
+            meaning: "cosine amplitude in one run",
+            yardstick: Yardstick::One,
+            low: -50.0,
+            high: 50.0,
+            starts: &[0.0],
+            positive: false,
+            role: Role::PerRun,
+        },
+    ],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "one line in the spectrum, whether the table moves or not",

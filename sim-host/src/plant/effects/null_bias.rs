@@ -1,5 +1,5 @@
 //! A constant added to the command: the valve's null is not at zero, or a force pulls one way.
-//! 
+//!
 //! For a rigid mass the offset is a force in newtons beside the command's.
 
 use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
@@ -11,7 +11,18 @@ pub const ENTRY: Entry = Entry {
     id: "null_bias",
     equation: "u + b",
     stage: Stage::Command,
-    parameters: &[Parameter { key: "offset", unit: "unit of u", rigid_unit: "N", meaning: "constant added to the command", yardstick: Yardstick::Command, low: -1e4, high: 1e4, starts: &[0.0], positive: false, role: Role::Shared }],
+    parameters: &[Parameter {
+        key: "offset",
+        unit: "unit of u",
+        rigid_unit: "N",
+        meaning: "constant added to the command",
+        yardstick: Yardstick::Command,
+        low: -1e4,
+        high: 1e4,
+        starts: &[0.0],
+        positive: false,
+        role: Role::Shared,
+    }],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "a constant push: a slow creep at zero command, an offset in the effort",

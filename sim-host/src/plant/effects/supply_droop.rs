@@ -1,6 +1,6 @@
 //! The accumulator empties under sustained flow and the pump refills it: pressure, and with its square root gain and
 //! velocity limit, sag after long fast motion.
-//! 
+//!
 //! The pressure is relative to its start; running at the limit for long it falls by `depth`.
 
 use super::{Effect, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
@@ -12,8 +12,32 @@ pub const ENTRY: Entry = Entry {
     id: "supply_droop",
     equation: "p' = (1 - p - D abs(v)/v_max)/T; gain and v_max times sqrt(p)",
     stage: Stage::Flow,
-    parameters: &[Parameter { key: "depth", unit: "1", rigid_unit: "1", meaning: "relative pressure lost under sustained motion at the velocity limit", yardstick: Yardstick::One, low: 0.005, high: 0.95, starts: &[0.02, 0.3], positive: true, role: Role::Shared },
-        Parameter { key: "recovery", unit: "s", rigid_unit: "s", meaning: "time constant of the recovery", yardstick: Yardstick::One, low: 0.05, high: 60.0, starts: &[0.4, 3.0], positive: true, role: Role::Shared }],
+    parameters: &[
+        Parameter {
+            key: "depth",
+            unit: "1",
+            rigid_unit: "1",
+            meaning: "relative pressure lost under sustained motion at the velocity limit",
+            yardstick: Yardstick::One,
+            low: 0.005,
+            high: 0.95,
+            starts: &[0.02, 0.3],
+            positive: true,
+            role: Role::Shared,
+        },
+        Parameter {
+            key: "recovery",
+            unit: "s",
+            rigid_unit: "s",
+            meaning: "time constant of the recovery",
+            yardstick: Yardstick::One,
+            low: 0.05,
+            high: 60.0,
+            starts: &[0.4, 3.0],
+            positive: true,
+            role: Role::Shared,
+        },
+    ],
     kinds: &[Kind::Servo],
     frees: &[],
     signature: "gain and limit sag after fast motion and recover in seconds",
