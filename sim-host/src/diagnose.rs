@@ -6,6 +6,8 @@
 
 pub mod decide;
 pub mod locate;
+mod next_test;
+pub mod remainder;
 pub mod result;
 pub mod search;
 
@@ -75,6 +77,11 @@ impl Examined {
         if self.prepared.holdout.is_empty() { &self.prepared.fit } else { &self.prepared.holdout }
     }
 
+    /// True where the model that came out is not the stated one refitted.
+    pub fn changed(&self) -> bool {
+        self.decision.after.fit.model.ids() != self.decision.before.fit.model.ids()
+    }
+
     /// The stated model with its refitted values and the effects that were found.
     pub fn augmented(&self, stated: &recording::Model) -> recording::Model {
         stated_with(stated, &self.decision.after.fit)
@@ -99,9 +106,22 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     }
     let search = search::search(&prepared, options)?;
     options.say("judging on the runs held back", 0.9);
-    let decision = decide::decide(&prepared, &search)?;
+    let mut decision = decide::decide(&prepared, &search)?;
     let location = locate::locate(&prepared, &search.baseline, &decision)?;
-    let diagnosis = result::assemble(&prepared, &decision, location, &findings, begun.elapsed().as_secs_f64());
+    let modelled = if decision.unlisted {
+        options.say("modelling what the library does not hold", 0.93);
+        remainder::remainder(&prepared, &decision.before, decision.partial.as_ref().unwrap_or(&decision.before))?
+    } else {
+        None
+    };
+    options.say("looking for the test that would settle what is open", 0.96);
+    let next_test = next_test::next_test(&prepared, &decision, modelled.as_ref())?;
+    let remainder = modelled.map(|modelled| {
+        decision.after = modelled.judged;
+        modelled.remainder
+    });
+    let open = result::Open { remainder, next_test, seconds: begun.elapsed().as_secs_f64() };
+    let diagnosis = result::assemble(&prepared, &decision, location, open, &findings);
     Ok(Examined { diagnosis, prepared, decision })
 }
 
@@ -110,8 +130,8 @@ fn unfit(prepared: Prepared, findings: &[Finding], begun: std::time::Instant) ->
     let stated = Fit::begin(prepared.model.clone(), &prepared.fit)?;
     let decision = decide::decide(&prepared, &search::Search { baseline: stated, grown: Vec::new() })?;
     let location = locate::Location::default();
-    let seconds = begun.elapsed().as_secs_f64();
-    let mut diagnosis = result::assemble(&prepared, &decision, location, findings, seconds);
+    let open = result::Open { seconds: begun.elapsed().as_secs_f64(), ..result::Open::default() };
+    let mut diagnosis = result::assemble(&prepared, &decision, location, open, findings);
     diagnosis.verdict = result::Verdict::BadData;
     diagnosis.effects.clear();
     diagnosis.candidates.clear();

@@ -70,6 +70,9 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     for tie in &diagnosis.indistinguishable {
         let _ = writeln!(text, "\n  not told apart by these runs: {}", tie.join(", "));
     }
+    if let Some(test) = &diagnosis.next_test {
+        let _ = writeln!(text, "\n  next test: {}\n    {}", test.record, test.why);
+    }
     if diagnosis.verdict != Verdict::BadData {
         let (before, after) = (&diagnosis.holdout.before, &diagnosis.holdout.after);
         let runs = examined.judging_runs().len();

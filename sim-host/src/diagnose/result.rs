@@ -2,6 +2,7 @@
 
 use super::decide::{Decision, Judged};
 use super::locate::Location;
+use super::remainder::Remainder;
 use crate::identify::data::Channel;
 use crate::identify::judge::Score;
 use crate::identify::prepare::Prepared;
@@ -34,6 +35,8 @@ pub struct Diagnosis {
     pub model: BTreeMap<String, Quantity>,
     /// Where effects of the library explain a part only: which, and how much of the excess.
     pub part_explained: Option<Part>,
+    /// A curve that stands for what the library does not hold.
+    pub remainder: Option<Remainder>,
     /// Share of the stated model's excess over the noise floor that the accepted model leaves.
     pub share_left: f64,
     /// What is wrong with the data, or worth knowing about it.
@@ -62,7 +65,7 @@ pub struct NamedEffect {
     /// Probability that it is present.
     pub probability: f64,
     /// Its equation.
-    pub equation: &'static str,
+    pub equation: String,
     /// Its parameters.
     pub parameters: BTreeMap<String, Quantity>,
 }
@@ -85,6 +88,10 @@ pub struct NextTest {
     pub why: String,
     /// What to run.
     pub record: String,
+    /// Predicted distance of the two models on it, in standard deviations of the noise; none where it was not predicted.
+    pub separation: Option<f64>,
+    /// The tests that come next, each with its predicted distance.
+    pub others: Vec<(String, f64)>,
 }
 
 /// Fit before and after.
@@ -124,13 +131,24 @@ impl Standing {
     }
 }
 
+/// What stays open beside a decision.
+#[derive(Debug, Default)]
+pub(super) struct Open {
+    /// The curve that stands for what is unlisted.
+    pub(super) remainder: Option<Remainder>,
+    /// The test that would settle what is open.
+    pub(super) next_test: Option<NextTest>,
+    /// Wall-clock time so far, s.
+    pub(super) seconds: f64,
+}
+
 /// Puts a diagnosis together.
 pub(super) fn assemble(
     prepared: &Prepared,
     decision: &Decision,
     location: Location,
+    open: Open,
     findings: &[Finding],
-    seconds: f64,
 ) -> Diagnosis {
     let verdict = if decision.consistent() { Verdict::Consistent } else { Verdict::Mismatch };
     let quantities = quantities(&decision.after.fit);
@@ -141,24 +159,35 @@ pub(super) fn assemble(
         schema: "shakedown.diagnosis/1",
         verdict,
         location,
-        effects: named(decision, &quantities),
+        effects: named(decision, &quantities, open.remainder.as_ref()),
         candidates: candidates(decision),
         indistinguishable: decision.ties.clone(),
-        next_test: None,
+        next_test: open.next_test,
         holdout: BeforeAfter { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) },
         model,
         share_left: (decision.after.hold.chi2 - 1.0).max(0.0) / (decision.before.hold.chi2 - 1.0).max(1e-9),
         part_explained: decision.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
+        remainder: open.remainder,
         findings: findings.to_vec(),
-        seconds,
+        seconds: open.seconds,
     }
 }
 
-fn named(decision: &Decision, quantities: &BTreeMap<String, Quantity>) -> Vec<NamedEffect> {
+fn named(
+    decision: &Decision,
+    quantities: &BTreeMap<String, Quantity>,
+    remainder: Option<&Remainder>,
+) -> Vec<NamedEffect> {
     if decision.unlisted {
         let probability = decision.unlisted_probability;
-        let equation = "not in the library";
-        return vec![NamedEffect { id: "unlisted", probability, equation, parameters: BTreeMap::new() }];
+        let equation = remainder.map_or_else(|| "not in the library".to_owned(), |r| r.equation.clone());
+        let of = |r: &Remainder| {
+            let prefix = format!("{}.", r.id);
+            let own = |(key, q): (&String, &Quantity)| Some((key.strip_prefix(&prefix)?.to_owned(), q.clone()));
+            quantities.iter().filter_map(own).collect()
+        };
+        let parameters = remainder.map(of).unwrap_or_default();
+        return vec![NamedEffect { id: "unlisted", probability, equation, parameters }];
     }
     let placed = decision.after.fit.model.effects.iter().filter(|p| decision.after.added.contains(&p.entry.id));
     placed
@@ -169,7 +198,7 @@ fn named(decision: &Decision, quantities: &BTreeMap<String, Quantity>) -> Vec<Na
             NamedEffect {
                 id,
                 probability: decision.candidates.iter().filter(with).map(|c| c.probability).sum(),
-                equation: placed.entry.equation,
+                equation: placed.entry.equation.to_owned(),
                 parameters: keys
                     .filter_map(|key| Some((key.to_owned(), quantities.get(&format!("{id}.{key}"))?.clone())))
                     .collect(),

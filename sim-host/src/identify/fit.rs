@@ -1,5 +1,7 @@
 //! Bounded Levenberg-Marquardt on whole-loop simulation error.
 
+mod foresight;
+
 use super::data::Run;
 use super::evaluate::{Local, normal};
 use super::model::Model;

@@ -93,6 +93,8 @@ pub struct Yardsticks {
     pub displacement: f64,
     /// 1, or the mass of a rigid mass, kg.
     pub force: f64,
+    /// Longest run, s.
+    pub duration: f64,
     /// Strongest line of the accelerometer's residual, Hz.
     pub line: f64,
 }
@@ -107,13 +109,23 @@ impl Yardsticks {
             Yardstick::Speed => self.speed,
             Yardstick::Displacement => self.displacement,
             Yardstick::Force => self.force,
+            Yardstick::Duration => self.duration,
             Yardstick::Line => self.line,
         }
     }
 
     /// Measured on the runs a fit uses.
     pub fn of(runs: &[Run], mass: f64) -> Self {
-        let mut it = Self { command: 0.0, command_rate: 0.0, speed: 0.0, displacement: 0.0, force: mass, line: 50.0 };
+        let duration = runs.iter().map(|run| run.len() as f64 * run.dt).fold(0.0, f64::max);
+        let mut it = Self {
+            command: 0.0,
+            command_rate: 0.0,
+            speed: 0.0,
+            displacement: 0.0,
+            force: mass,
+            duration,
+            line: 50.0,
+        };
         let (mut squares, mut rates, mut count) = (0.0, 0.0, 0.0);
         for run in runs {
             if let Some(command) = run.channel(Channel::Command) {
@@ -148,7 +160,9 @@ impl Yardsticks {
             it.command = (squares / count).sqrt();
             it.command_rate = (rates / count).sqrt();
         }
-        for size in [&mut it.command, &mut it.command_rate, &mut it.speed, &mut it.displacement] {
+        for size in
+            [&mut it.command, &mut it.command_rate, &mut it.speed, &mut it.displacement, &mut it.duration]
+        {
             *size = size.max(1e-9);
         }
         it

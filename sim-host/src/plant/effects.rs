@@ -14,6 +14,7 @@
 //! ```
 
 mod bristle;
+pub mod remainder;
 
 use super::model::Kind;
 use crate::scalar::Scalar;
@@ -68,6 +69,8 @@ pub enum Yardstick {
     Displacement,
     /// Force per table mass, m/s2: 1, or the mass in kilograms for a rigid mass, whose forces are in newtons.
     Force,
+    /// The longest run, s.
+    Duration,
     /// The strongest line in the spectrum of what the accelerometer shows beyond the model, Hz.
     Line,
 }
@@ -104,6 +107,8 @@ pub enum Role {
     Shared,
     /// A value for each run, fitted beside the initial states and not reported.
     PerRun,
+    /// Not fitted: a size that follows from the runs.
+    Given,
     /// Not fitted: reported as the root mean square over the runs of the per-run parameters' common size.
     Size,
 }
@@ -257,9 +262,9 @@ pub trait Effect<S: Scalar>: Debug + Send {
     }
 }
 
-/// The effect with this identifier.
+/// The effect with this identifier, or the curve that stands for what the library does not hold.
 pub fn entry(id: &str) -> Option<&'static Entry> {
-    ENTRIES.iter().copied().find(|entry| entry.id == id)
+    ENTRIES.iter().copied().chain(remainder::entries()).find(|entry| entry.id == id)
 }
 
 /// Every identifier, in signal-path order.
@@ -278,7 +283,7 @@ macro_rules! registry {
         pub fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
             match id {
                 $(id if id == $module::ENTRY.id => Some(Box::new($module::$kind::<S>::new(parameters)?)),)+
-                _ => None,
+                _ => remainder::build(id, parameters),
             }
         }
     };

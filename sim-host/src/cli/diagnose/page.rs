@@ -1,9 +1,10 @@
 //! The page of a diagnosis: what differs, where, what it is, how much better the model with it foresees.
 
 use super::super::traces::{self, left, over_time};
-use shakedown::diagnose::result::Verdict;
+use shakedown::diagnose::remainder::Remainder;
+use shakedown::diagnose::result::{NextTest, Verdict};
 use shakedown::diagnose::{Diagnosis, Examined};
-use shakedown::report::{Item, Page, Section, Style, Table};
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
 /// The page.
 pub(super) fn page(name: &str, examined: &Examined) -> Page {
@@ -16,7 +17,13 @@ pub(super) fn page(name: &str, examined: &Examined) -> Page {
         sections.push(location(diagnosis));
         sections.push(candidates(diagnosis));
     }
+    if let Some(remainder) = &diagnosis.remainder {
+        sections.push(curve(remainder));
+    }
     sections.push(foreseen(examined));
+    if let Some(test) = &diagnosis.next_test {
+        sections.push(next(test));
+    }
     Page { title: format!("Diagnosis: {name}"), lead: lead(diagnosis), sections, ..Page::default() }
 }
 
@@ -34,7 +41,10 @@ pub(super) fn lead(diagnosis: &Diagnosis) -> String {
                     100.0 * part.share
                 )
             });
-            format!("The model lacks physics that the library does not hold.{part}")
+            let curve = diagnosis.remainder.as_ref().map_or(String::new(), |r| {
+                format!(" A curve through what is left, {}, brings that to {:.0} %.", r.equation, 100.0 * r.share)
+            });
+            format!("The model lacks physics that the library does not hold.{part}{curve}")
         }
         Verdict::Mismatch => {
             let left = diagnosis.holdout.after.chi2;
@@ -93,6 +103,36 @@ fn location(diagnosis: &Diagnosis) -> Section {
     Section { heading: "Where it is".into(), items: tables.into_iter().map(Item::Table).collect() }
 }
 
+/// The curve that stands for what the library does not hold.
+fn curve(remainder: &Remainder) -> Section {
+    let beside = if remainder.beside.is_empty() { String::new() } else { format!(", beside {}", remainder.beside.join(" and ")) };
+    let (x, y): (Vec<f64>, Vec<f64>) = remainder.knots.iter().copied().unzip();
+    let text = format!(
+        "{}{beside}. With it {:.0} % of the stated model's excess over the noise is gone on the runs held back. It is a \
+         description, not a cause: its shape says what to look for, and it holds only within what the runs reach.",
+        remainder.equation,
+        100.0 * remainder.share
+    );
+    let plot = Plot {
+        title: "What the library leaves".into(),
+        x: Axis { label: format!("coordinate [{}]", remainder.place_unit), ..Axis::default() },
+        y: Axis { label: format!("height [{}]", remainder.height_unit), ..Axis::default() },
+        series: vec![Series { name: remainder.equation.clone(), x, y, style: Style::Line }],
+        ..Plot::default()
+    };
+    Section { heading: "What is left, as a curve".into(), items: vec![Item::Text(text), Item::Plot(plot)] }
+}
+
+/// The test that would settle what is open.
+fn next(test: &NextTest) -> Section {
+    let mut items = vec![Item::Text(format!("Run {}. Why: {}.", test.record, test.why))];
+    if !test.others.is_empty() {
+        let rows = test.others.iter().map(|(record, distance)| vec![record.clone(), format!("{distance:.1}")]).collect();
+        items.push(Item::Table(traces::table(&["test", "predicted distance [standard deviations]"], rows, "What else would do")));
+    }
+    Section { heading: "The next test".into(), items }
+}
+
 fn candidates(diagnosis: &Diagnosis) -> Section {
     let rows = diagnosis.candidates.iter().take(14).map(|c| {
         let ids = if c.ids.is_empty() { "stated model".into() } else { c.ids.join(" + ") };
@@ -119,7 +159,7 @@ fn foreseen(examined: &Examined) -> Section {
             let mut residuals = vec![("stated model leaves", left(measured, &before), Style::Faint)];
             let mut curves =
                 vec![("measured", measured.values.clone(), Style::Line), ("stated model", before, Style::Dashed)];
-            if !examined.decision.after.added.is_empty() {
+            if examined.changed() {
                 residuals.push(("model with what was found leaves", left(measured, &after), Style::Line));
                 curves.push(("model with what was found", after, Style::Line));
             }

@@ -55,10 +55,21 @@ pub(super) fn shares(runs: &[Run], predicted: &[Predicted]) -> Vec<StateShare> {
 
 /// A quantity's value at each sample, from the model's noise-free prediction where there is one.
 fn coordinate(variable: &str, run: &Run, predicted: &Predicted) -> Option<Vec<f64>> {
+    if let Some(motion) = &run.motion {
+        match variable {
+            "displacement" => return Some(motion.displacement.clone()),
+            "acceleration" => return Some(motion.acceleration.clone()),
+            "reference" => return None,
+            _ => {}
+        }
+    }
     let series = |channel: Channel| {
         run.measured.iter().position(|m| m.channel == channel).map(|i| predicted.channels[i].clone())
     };
     let velocity = || {
+        if let Some(motion) = &run.motion {
+            return Some(motion.velocity.clone());
+        }
         let Some(x) = series(Channel::Displacement) else { return series(Channel::Velocity) };
         let n = x.len();
         Some((0..n).map(|k| (x[(k + 1).min(n - 1)] - x[k.saturating_sub(1)]) / (2.0 * run.dt)).collect::<Vec<_>>())

@@ -1,0 +1,136 @@
+//! What the library does not hold, modelled: the curve that foresees best, in the coordinate it follows.
+
+use super::decide::Judged;
+use crate::identify::fit::{Effort, Fit};
+use crate::identify::judge::{gains, score};
+use crate::identify::model::{Placed, Prior, Yardsticks};
+use crate::identify::prepare::Prepared;
+use crate::plant::effects::{Entry, Role, remainder};
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Share of what is left that a curve must take away on the runs held back.
+const WORTH: f64 = 0.15;
+/// Most of its gain that blocks may lose elsewhere.
+const LOST: f64 = 0.5;
+/// Share of a curve's variation at which one simple term stands for it.
+const SIMPLE: f64 = 0.9;
+
+/// A curve through what the library leaves.
+#[derive(Debug, Clone, Serialize)]
+pub struct Remainder {
+    /// Its identifier in a model file.
+    pub id: &'static str,
+    /// Its equation and, where one simple term stands for it, that term.
+    pub equation: String,
+    /// Place of each knot and height of the curve there.
+    pub knots: Vec<(f64, f64)>,
+    /// Unit of the places.
+    pub place_unit: &'static str,
+    /// Unit of the heights.
+    pub height_unit: &'static str,
+    /// Effects of the library that stand beside it.
+    pub beside: Vec<&'static str>,
+    /// Share of the stated model's excess over the noise floor that it takes away, effects beside it included.
+    pub share: f64,
+}
+
+/// A curve with the model that holds it, as judged on the runs held back.
+#[derive(Debug, Clone)]
+pub struct Modelled {
+    /// What is reported.
+    pub remainder: Remainder,
+    /// The model.
+    pub judged: Judged,
+    /// The curve that came second, for the test that would tell the two apart.
+    pub rival: Option<Fit>,
+}
+
+/// Fits every curve beside the best model the library has and keeps the one that foresees best; none where no curve helps.
+pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<Option<Modelled>, SimulateError> {
+    let kind = best.fit.model.kind;
+    let curves: Vec<&'static Entry> = remainder::entries().filter(|e| e.kinds.contains(&kind)).collect();
+    let runs = if prepared.holdout.is_empty() { &prepared.fit } else { &prepared.holdout };
+    let fitted = |entry: &&'static Entry| -> Result<Judged, SimulateError> {
+        let Some(placed) = placed(entry, &prepared.yardsticks) else { return Ok(best.clone()) };
+        let mut fit = Fit::resume(best.fit.model.with(placed), best.fit.locals.clone(), &prepared.fit)?;
+        fit.improve(&prepared.fit, Effort { steps: 8, tolerance: 1e-3 })?;
+        let hold = score(&fit.model, runs)?;
+        Ok(Judged { fit, hold, added: best.added.clone(), probability: 0.0 })
+    };
+    let mut all = curves.par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
+    all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));
+    let mut all = all.into_iter();
+    let Some(judged) = all.next() else { return Ok(None) };
+    let (better, worse) = gains(&best.hold.blocks, &judged.hold.blocks);
+    let left = (best.hold.chi2 - 1.0).max(0.0);
+    if best.hold.chi2 - judged.hold.chi2 < WORTH * left || worse > LOST * better {
+        return Ok(None);
+    }
+    let rival = all.next().map(|second| second.fit);
+    Ok(described(before, &judged).map(|remainder| Modelled { remainder, judged, rival }))
+}
+
+/// A curve at zero, its knots held loosely to it: what no run reaches stays there.
+fn placed(entry: &'static Entry, yardsticks: &Yardsticks) -> Option<Placed> {
+    let mut placed = Placed::start(entry, 0, yardsticks)?;
+    for value in placed.values.iter_mut().filter(|v| v.free) {
+        value.prior = Some(Prior { mean: 0.0, std: value.high });
+    }
+    Some(placed)
+}
+
+fn described(before: &Judged, judged: &Judged) -> Option<Remainder> {
+    let curve = judged.fit.model.effects.iter().find(|p| remainder::entries().any(|e| e.id == p.entry.id))?;
+    let (span, heights) = curve.values.split_first()?;
+    let places = remainder::places(curve.entry.id, span.value)?;
+    let knots: Vec<(f64, f64)> = places.into_iter().zip(heights.iter().map(|v| v.value)).collect();
+    let unit = |role| curve.entry.parameters.iter().find(|p| p.role == role).map_or("1", |p| p.unit);
+    let term = simple(&knots).map_or_else(|| ", straight between the knots".into(), |term| format!(", about {term}"));
+    Some(Remainder {
+        id: curve.entry.id,
+        equation: format!("{}{term}", curve.entry.equation),
+        knots,
+        place_unit: unit(Role::Given),
+        height_unit: unit(Role::Shared),
+        beside: judged.added.clone(),
+        share: 1.0 - (judged.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9),
+    })
+}
+
+/// The one term, beside a constant, that stands for a curve; none where it takes more.
+fn simple(knots: &[(f64, f64)]) -> Option<String> {
+    const TERMS: [(&str, fn(f64) -> f64); 5] = [
+        ("s", |s| s),
+        ("s^2", |s| s * s),
+        ("s |s|", |s| s * s.abs()),
+        ("s^3", |s| s * s * s),
+        ("sign s", f64::signum),
+    ];
+    let n = knots.len() as f64;
+    let mean = |of: &dyn Fn(f64, f64) -> f64| knots.iter().map(|&(s, y)| of(s, y)).sum::<f64>() / n;
+    let height = mean(&|_, y| y);
+    let variance = mean(&|_, y| (y - height).powi(2));
+    let fit = |(name, term): (&'static str, fn(f64) -> f64)| {
+        let level = mean(&|s, _| term(s));
+        let slope = mean(&|s, y| (term(s) - level) * (y - height)) / mean(&|s, _| (term(s) - level).powi(2));
+        let left = mean(&|s, y| (y - height - slope * (term(s) - level)).powi(2));
+        (1.0 - left / variance.max(f64::MIN_POSITIVE), format!("{:.4} {slope:+.4} {name}", height - slope * level))
+    };
+    let best = TERMS.into_iter().map(fit).filter(|(r2, _)| r2.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 > SIMPLE).then_some(best.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_that_is_one_term_is_printed_as_that_term() {
+        let knots = |of: fn(f64) -> f64| (-4..=4).map(|i| (f64::from(i), of(f64::from(i)))).collect::<Vec<_>>();
+        assert_eq!(simple(&knots(|s| 2.0 * s * s.abs())).unwrap(), "0.0000 +2.0000 s |s|");
+        assert_eq!(simple(&knots(|s| 1.0 - 0.5 * s)).unwrap(), "1.0000 -0.5000 s");
+        assert_eq!(simple(&knots(|s| (2.0 * s).sin())), None);
+    }
+}
