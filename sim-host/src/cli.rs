@@ -29,6 +29,16 @@ use std::process::ExitCode;
 
 pub(crate) use failure::Failure;
 
+/// The table of a model file; the paper's without one.
+fn table(path: Option<&std::path::Path>) -> Result<shakedown::closed_loop::twin::Twin, Failure> {
+    use shakedown::closed_loop::twin::Twin;
+    path.map_or_else(|| Ok(Twin::default()), Twin::load).map_err(|e| {
+        let place = path.map_or(String::new(), |path| format!("{}: ", path.display()));
+        let text = e.to_string();
+        Failure::Input(if text.starts_with(&place) { text } else { format!("{place}{text}") })
+    })
+}
+
 /// Firmware, control core and host tool for hydraulic shake tables.
 #[derive(Debug, Parser)]
 #[command(version, about, propagate_version = true)]

@@ -23,6 +23,7 @@ pub mod sweep_recording;
 pub mod table1;
 pub mod trade_off;
 pub mod trial;
+pub mod twin;
 
 pub use law::{AREA_PER_MASS, Actuation, Law, Measured, PlainPi};
 
@@ -83,6 +84,9 @@ pub enum ClosedLoopError {
     /// The core refused its settings.
     #[error("controller: {0}")]
     Settings(#[from] shakedown_core::SettingsError),
+    /// The effects of the table do not make a plant.
+    #[error("table: {0}")]
+    Table(#[from] crate::plant::simulate::SimulateError),
 }
 
 /// What one run leaves behind, one value a control tick. Lengths are equal.

@@ -9,6 +9,7 @@
 
 use shakedown::closed_loop::published::{Event, Named};
 use shakedown::closed_loop::table1::{Case, Reading, checks, rows};
+use shakedown::closed_loop::twin::Twin;
 use shakedown::motion::read;
 use shakedown_tests::binary::data;
 
@@ -25,7 +26,7 @@ fn the_rows_that_the_paper_determines_hold() {
         let record = read::record(&path, &read::Options::default()).unwrap();
         let case = Case::new(event, &record, false).unwrap();
         let asked: Vec<(Named, Reading)> = controllers.iter().map(|&named| (named, Reading::Tracking)).collect();
-        all.extend(rows(&[case], &asked, || ()).unwrap());
+        all.extend(rows(&[case], &asked, &Twin::default(), || ()).unwrap());
     }
     let held = checks(&all);
     assert_eq!(held.len(), 9);

@@ -8,8 +8,8 @@ use serde_json::json;
 use shakedown::closed_loop::learning::{Learned, Learning, Limits, Peaks, Round, learn};
 use shakedown::closed_loop::named;
 use shakedown::closed_loop::trial::Setup;
+use shakedown::closed_loop::twin::Twin;
 use shakedown::motion::condition::Recipe;
-use shakedown::plant::paper::Paper;
 use shakedown::plant::sensors::SensorModel;
 use shakedown::report::{Item, Page, Section, Table};
 
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         .map_err(|e| Failure::Input(format!("{}: conditioning: {e}", record.name)))?;
     let settings = named::by_name(&args.controller, named::RATE)
         .ok_or_else(|| Failure::Input(format!("--controller {}: no such controller", args.controller)))?;
-    let setup = Setup { settings, plant: Paper::default(), sensors: SensorModel::laboratory(1), steps: 10 };
+    let setup = Setup { settings, table: Twin::default(), sensors: SensorModel::laboratory(1), steps: 10 };
     let limits = Limits { displacement: args.stroke, velocity: args.velocity, acceleration: args.acceleration };
     let how = Learning { band: args.band.clamp(0.5, 50.0), runs: args.runs.clamp(1, 50), ..Learning::default() };
     let bar = progress::spinner(format!("learning {}", record.name));

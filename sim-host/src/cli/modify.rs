@@ -26,6 +26,7 @@ use std::time::Instant;
   shakedown modify KJM000.AT2 --out drive.AT2 --velocity 0.3 --stroke 0.15 --report fit.html
   shakedown modify KJM000.AT2 --objective spectrum --band 0.05,0.5 --tolerance 0.05 --out drive.AT2
   shakedown modify KJM000.AT2 --preview 0.5 --json -      what the device itself would make of it
+  shakedown modify KJM000.AT2 --table found.toml          within what a diagnosed table can do
   shakedown modify KJM000.AT2 --target 0.2                what it would take to come that near
   shakedown modify near-field-strong --report fit.html    a generated record, with no file at hand"
 )]
@@ -35,9 +36,12 @@ pub(crate) struct Args {
     /// Where the drive goes; without it only the figures are given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Largest speed, m/s.
-    #[arg(long, value_name = "M/S", default_value_t = 0.242)]
-    velocity: f64,
+    /// Largest speed, m/s [default: 0.242, or the table's].
+    #[arg(long, value_name = "M/S")]
+    velocity: Option<f64>,
+    /// The table's model file, as `identify` and `diagnose --model` write it: gives the largest speed and the stall.
+    #[arg(long, value_name = "TABLE.toml")]
+    table: Option<PathBuf>,
     /// Largest displacement to either side, m.
     #[arg(long, value_name = "M", default_value_t = 0.12)]
     stroke: f64,
@@ -138,7 +142,7 @@ enum Measure {
 /// Reads, conditions, fits, writes and says what came out.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let method = args.method()?;
-    let limits = args.limits();
+    let limits = args.limits()?;
     let (record, inputs) = args.read()?;
     let motion = args.condition(&record)?;
     let spinner = progress::spinner(format!("fitting {}", record.name));
@@ -216,13 +220,16 @@ impl Args {
         })
     }
 
-    fn limits(&self) -> Limits {
-        Limits {
+    /// What is asked for, and what a table's model file says of the rest.
+    fn limits(&self) -> Result<Limits, Failure> {
+        let table = super::table(self.table.as_deref())?;
+        let velocity = self.velocity.unwrap_or_else(|| table.velocity_limit());
+        Ok(Limits {
             acceleration: self.acceleration,
             jerk: self.jerk,
-            stall: self.stall,
-            ..Limits::table(self.velocity, self.stroke)
-        }
+            stall: self.stall.or_else(|| table.stall()),
+            ..Limits::table(velocity, self.stroke)
+        })
     }
 
     /// The record and the files it came from.

@@ -28,6 +28,7 @@ use std::time::Instant;
   shakedown run --record kobe.AT2 --controller strong --fit convex --scale-to 0.74g
   shakedown run --record kobe.AT2 --controller strong --modification preview
   shakedown run --record elcentro.AT2 --conditioning fitting --fit nearest --controller tracking
+  shakedown run --record kobe.AT2 --table found.toml      on the table that a diagnosis described
   shakedown run --record a.txt --dt 0.005 --unit g --modification causal --trace a.csv
   shakedown run SCENARIO.toml --json -
 
@@ -58,6 +59,9 @@ pub(crate) struct Args {
     /// choices of Fig. 13 (peak-kept, peak-scaled, record-scaled, time-compressed).
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Fit::names()))]
     fit: Option<String>,
+    /// The table's model file, as `identify` and `diagnose --model` write it [default: the paper's table].
+    #[arg(long, value_name = "TABLE.toml")]
+    table: Option<PathBuf>,
     /// How the core modifies the reference online [default: clip for `modified`, else off].
     #[arg(long, value_enum)]
     modification: Option<Online>,
@@ -109,6 +113,7 @@ impl Args {
         record.dt = source.dt.or(record.dt);
         record.unit = source.unit.clone().or(record.unit.take());
         record.channel = source.channel.clone().or(record.channel.take());
+        scenario.table = self.table.clone().or(scenario.table);
         scenario.scale_to = self.scale_to.clone().or(scenario.scale_to);
         scenario.conditioning = match self.conditioning {
             None => scenario.conditioning,
@@ -171,7 +176,7 @@ fn motion(scenario: &Scenario, setup: &Setup) -> Result<Played, Failure> {
 fn fitted(fit: Fit, original: &Motion, setup: &Setup, name: &str) -> Result<Motion, FitError> {
     let spinner = progress::spinner(format!("fitting {name}"));
     let tell = |line: &str| spinner.set_message(format!("{name}: {line}"));
-    let fitted = fit.apply(original, setup.plant.velocity_limit, f64::from(setup.settings.stroke), tell);
+    let fitted = fit.apply(original, setup.table.velocity_limit(), f64::from(setup.settings.stroke), tell);
     spinner.finish_and_clear();
     fitted
 }
@@ -211,7 +216,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if !args.outputs.quiet() {
         sections.iter().for_each(present::print_section);
     }
-    let files = [&args.scenario, &scenario.settings, &scenario.record.file];
+    let files = [&args.scenario, &scenario.settings, &scenario.table, &scenario.record.file];
     let inputs: Vec<PathBuf> = files.into_iter().flatten().cloned().collect();
     if let Some(path) = &args.trace {
         trace::write(path, &outcome.sensed.trace)?;

@@ -22,12 +22,16 @@ use std::path::PathBuf;
   shakedown table1                                    with generated stand-ins for the three records
   shakedown table1 --records DIR --report table1.html
   shakedown table1 --records DIR --json -
+  shakedown table1 --records DIR --table found.toml   what the same gains do on the table that was diagnosed
 
 DIR holds the PEER files of Kobe (KJM000), El Centro (RSN6 or IELC180) and Taft (TAF021).")]
 pub(crate) struct Args {
     /// Folder with the three records; without one, generated motions of the same peaks stand in.
     #[arg(long, value_name = "DIR")]
     records: Option<PathBuf>,
+    /// The table's model file, as `identify` and `diagnose --model` write it, instead of the paper's table.
+    #[arg(long, value_name = "TABLE.toml")]
+    table: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -36,19 +40,21 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let sources = records::find(args.records.as_deref())?;
     let cases = sources.iter().map(Source::case).collect::<Result<Vec<_>, _>>()?;
+    let table = super::table(args.table.as_deref())?;
     let asked: Vec<(Named, Reading)> =
         Named::ALL.iter().flat_map(|&named| Reading::apply_to(named).iter().map(move |&r| (named, r))).collect();
     let bar = progress::bar((cases.len() * (asked.len() + fits::ROWS.len())) as u64, "rows");
-    let rows = rows(&cases, &asked, || bar.inc(1)).map_err(|e| Failure::Work(format!("table1: {e}")))?;
-    let fitted = fits::rows(&cases, || bar.inc(1)).map_err(|e| Failure::Work(format!("table1: {e}")))?;
+    let rows = rows(&cases, &asked, &table, || bar.inc(1)).map_err(|e| Failure::Work(format!("table1: {e}")))?;
+    let fitted = fits::rows(&cases, &table, || bar.inc(1)).map_err(|e| Failure::Work(format!("table1: {e}")))?;
     bar.finish_and_clear();
     let real = sources.iter().all(|source| source.path().is_some());
-    let held = if real { checks(&rows) } else { Vec::new() };
+    let held = if real && args.table.is_none() { checks(&rows) } else { Vec::new() };
     let sections = sections(&cases, &rows, &fitted, &held, real);
     if !args.outputs.quiet() {
         sections.iter().for_each(present::print_section);
     }
-    let inputs: Vec<PathBuf> = sources.iter().filter_map(|s| s.path().map(PathBuf::from)).collect();
+    let inputs: Vec<PathBuf> =
+        sources.iter().filter_map(|s| s.path().map(PathBuf::from)).chain(args.table.clone()).collect();
     args.outputs.write_json(json(&cases, &rows, &fitted, &held), &inputs)?;
     let lead = "Eight controllers on three records: the control core against the paper's plant, sensors off. Each figure \
                 stands beside the paper's; none was tuned toward it. Beside them, what Strong does with records fitted to \

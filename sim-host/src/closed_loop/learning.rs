@@ -14,10 +14,9 @@
 mod spectrum;
 
 use super::trial::{Setup, TrialError, low_passed};
-use super::{Clock, ClosedLoopError, run};
+use super::{Clock, ClosedLoopError};
 use crate::motion::metrics::{Comparison, compare};
 use crate::motion::{Motion, peak};
-use crate::plant::paper::FixedStep;
 use crate::plant::sensors::Sensors;
 use shakedown_core::Controller;
 use spectrum::{Spectrum, correction, predicted};
@@ -154,11 +153,10 @@ pub fn learn(setup: &Setup, wanted: &Motion, limits: &Limits, how: &Learning) ->
 fn play(setup: &Setup, drive: &[f64], seed: u64) -> Result<(Motion, Vec<f64>), TrialError> {
     let clock = Clock::new(setup.rate(), setup.steps).map_err(ClosedLoopError::from)?;
     let start = drive.first().copied().unwrap_or(0.0);
-    let mut plant = FixedStep::new(setup.plant, clock.plant_step(), start).map_err(ClosedLoopError::from)?;
     let mut law = Controller::new(&setup.settings).map_err(ClosedLoopError::from)?;
     let mut sensors = setup.sensors.clone();
     sensors.seed = sensors.seed.wrapping_mul(1000).wrapping_add(seed);
-    let trace = run(&mut plant, &mut law, &mut Sensors::new(sensors), drive, clock);
+    let trace = setup.table.run(&mut law, &mut Sensors::new(sensors), drive, start, clock)?;
     let truth = Motion {
         dt: trace.dt,
         displacement: trace.displacement,

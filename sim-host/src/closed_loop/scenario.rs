@@ -15,7 +15,7 @@
 //! file = "kobe.AT2"               # relative to the scenario
 //! # dt = 0.01   unit = "g"   channel = "1"
 //!
-//! [plant]                         # Eq. 7 and the limiter
+//! [plant]                         # Eq. 7 and the limiter; or, above [record], table = "table.toml", with what a diagnosis found
 //! velocity_limit = 0.242
 //!
 //! [sensors]                       # left out: the paper's laboratory
@@ -25,6 +25,7 @@
 
 use super::named;
 use super::trial::Setup;
+use super::twin::Twin;
 use crate::motion::condition::Recipe;
 use crate::motion::fit::named::Fit;
 use crate::plant::paper::Paper;
@@ -60,6 +61,8 @@ pub struct Scenario {
     pub record: RecordSource,
     /// The plant.
     pub plant: Paper,
+    /// A model file instead of `plant`, as `identify` and `diagnose --model` write them, relative to the scenario.
+    pub table: Option<PathBuf>,
     /// The sensors.
     pub sensors: SensorModel,
 }
@@ -78,6 +81,7 @@ impl Default for Scenario {
             steps: 10,
             record: RecordSource::default(),
             plant: Paper::default(),
+            table: None,
             sensors: SensorModel::laboratory(1),
         }
     }
@@ -155,7 +159,7 @@ impl Scenario {
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let mut scenario: Self = read_toml(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        for file in [&mut scenario.record.file, &mut scenario.settings].into_iter().flatten() {
+        for file in [&mut scenario.record.file, &mut scenario.settings, &mut scenario.table].into_iter().flatten() {
             *file = folder.join(&*file);
         }
         if scenario.controller.is_some() && scenario.settings.is_some() {
@@ -196,7 +200,12 @@ impl Scenario {
         if let Err(e) = super::Clock::new(f64::from(settings.rate), self.steps) {
             return refuse("steps", e.to_string());
         }
-        Ok(Setup { settings, plant: self.plant, sensors: self.sensors.clone(), steps: self.steps })
+        let table = match self.table.as_ref().map(|path| Twin::load(path)) {
+            None => Twin::from(self.plant),
+            Some(Ok(table)) => table,
+            Some(Err(e)) => return refuse("table", e.to_string()),
+        };
+        Ok(Setup { settings, table, sensors: self.sensors.clone(), steps: self.steps })
     }
 
     /// The recipe at `rate` (Hz).

@@ -95,12 +95,12 @@ pub const STROKE: f64 = 0.12;
 
 /// Runs the test one way. The motion should be sampled no finer than needed: fitting takes every sample as a variable.
 pub fn play(motion: &Motion, way: Way, sensors: &SensorModel) -> Result<Entry, ShowcaseError> {
-    let plant = crate::plant::paper::Paper::default();
+    let table = super::twin::Twin::default();
     let played = match way.method() {
         None => motion.clone(),
-        Some(method) => modify(motion, &Limits::table(plant.velocity_limit, STROKE), method, |_| ())?.motion,
+        Some(method) => modify(motion, &Limits::table(table.velocity_limit(), STROKE), method, |_| ())?.motion,
     };
-    let setup = Setup { settings: way.settings(), plant, sensors: sensors.clone(), steps: 10 };
+    let setup = Setup { settings: way.settings(), table, sensors: sensors.clone(), steps: 10 };
     let original = setup.at_rate(motion)?;
     let trial = setup.play(&played)?.fitted_from(&original);
     let scores = trial.scores(Seen::Truly, None)?;

@@ -5,6 +5,7 @@ pub mod fitted;
 use super::named::RATE;
 use super::published::{Event, Figures, Gains, Named};
 use super::trial::{Scores, Seen, Setup, Trial, TrialError, strong_and_weak, table1_motion};
+use super::twin::Twin;
 use super::{Actuation, ClosedLoopError, Law, Measured};
 use crate::motion::metrics::Window;
 use crate::motion::{Motion, Record};
@@ -52,8 +53,8 @@ impl Law for NoReferenceAcceleration {
 }
 
 /// Plays a motion with a controller under a reading.
-pub fn play(named: Named, reading: Reading, motion: &Motion) -> Result<Trial, TrialError> {
-    let setup = Setup::paper(named);
+pub fn play(named: Named, reading: Reading, table: &Twin, motion: &Motion) -> Result<Trial, TrialError> {
+    let setup = Setup { table: table.clone(), ..Setup::paper(named) };
     if reading == Reading::Tracking {
         return setup.play(motion);
     }
@@ -128,10 +129,15 @@ impl Row {
 }
 
 /// Runs every controller under every reading asked for on every case, over all cores; `done` is called after each.
-pub fn rows(cases: &[Case], asked: &[(Named, Reading)], done: impl Fn() + Sync) -> Result<Vec<Row>, TrialError> {
+pub fn rows(
+    cases: &[Case],
+    asked: &[(Named, Reading)],
+    table: &Twin,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Row>, TrialError> {
     let all: Vec<_> = cases.iter().flat_map(|case| asked.iter().map(move |&pair| (case, pair))).collect();
     let row = |&(case, (named, reading)): &(&Case, (Named, Reading))| {
-        let trial = play(named, reading, &case.motion)?;
+        let trial = play(named, reading, table, &case.motion)?;
         let scores = |window| trial.scores(Seen::Truly, window);
         let (whole, strong, weak) = (scores(None)?, scores(Some(case.windows.0))?, scores(Some(case.windows.1))?);
         done();

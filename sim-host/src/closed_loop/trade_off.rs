@@ -4,8 +4,8 @@
 use super::named;
 use super::published::Gains;
 use super::trial::{Seen, Setup, TrialError, strong_and_weak};
+use super::twin::Twin;
 use crate::motion::Motion;
-use crate::plant::paper::Paper;
 use crate::plant::sensors::SensorModel;
 use rayon::prelude::*;
 
@@ -32,8 +32,8 @@ pub fn trade_off(motion: &Motion, done: impl Fn() + Sync) -> Result<Vec<Point>, 
     let (strong, weak) = strong_and_weak(motion);
     let point = |&gain: &f64| {
         let gains = Gains { displacement: (gain, gain / 10.0), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };
-        let (plant, sensors) = (Paper::default(), SensorModel::default());
-        let setup = Setup { settings: named::settings(gains, 1000.0), plant, sensors, steps: 10 };
+        let (table, sensors) = (Twin::default(), SensorModel::default());
+        let setup = Setup { settings: named::settings(gains, 1000.0), table, sensors, steps: 10 };
         let trial = setup.play(motion)?;
         let scores = |window| trial.scores(Seen::Truly, Some(window)).map(|s| s.against_wanted);
         let (strong, weak) = (scores(strong)?, scores(weak)?);

@@ -1,12 +1,12 @@
 //! A test of the loop with a ground motion, and what it scores: the rows of Table 1 and the figures of `run`.
 
 use super::published::Named;
-use super::{Clock, ClosedLoopError, Law, Trace, run};
+use super::twin::Twin;
+use super::{Clock, ClosedLoopError, Law, Trace};
 use crate::motion::condition::{Recipe, Step};
 use crate::motion::metrics::{Comparison, Window, compare, intensity};
 use crate::motion::resample::Interpolation;
 use crate::motion::{Motion, Record};
-use crate::plant::paper::{FixedStep, Paper};
 use crate::plant::sensors::{SensorModel, Sensors};
 use shakedown_core::{Controller, Modification, Settings};
 
@@ -15,8 +15,8 @@ use shakedown_core::{Controller, Modification, Settings};
 pub struct Setup {
     /// The control core's settings; their rate is the control rate.
     pub settings: Settings,
-    /// The plant.
-    pub plant: Paper,
+    /// The table.
+    pub table: Twin,
     /// The sensors.
     pub sensors: SensorModel,
     /// Plant steps in a tick, an even number.
@@ -26,8 +26,8 @@ pub struct Setup {
 impl Setup {
     /// A controller of Table 1 on the paper's plant at 1 kHz, sensors off, 10 plant steps a tick.
     pub fn paper(named: Named) -> Self {
-        let (plant, sensors) = (Paper::default(), SensorModel::default());
-        Self { settings: named.settings(1000.0), plant, sensors, steps: 10 }
+        let (table, sensors) = (Twin::default(), SensorModel::default());
+        Self { settings: named.settings(1000.0), table, sensors, steps: 10 }
     }
 
     /// Control rate, Hz.
@@ -54,8 +54,8 @@ impl Setup {
         };
         let clock = Clock::new(self.rate(), self.steps).map_err(ClosedLoopError::from)?;
         let start = played.displacement.first().copied().unwrap_or(0.0);
-        let mut plant = FixedStep::new(self.plant, clock.plant_step(), start).map_err(ClosedLoopError::from)?;
-        let trace = run(&mut plant, law, &mut Sensors::new(self.sensors.clone()), &played.displacement, clock);
+        let mut sensors = Sensors::new(self.sensors.clone());
+        let trace = self.table.run(law, &mut sensors, &played.displacement, start, clock)?;
         Ok(Trial { wanted, played, lag, trace })
     }
 

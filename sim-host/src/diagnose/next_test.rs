@@ -53,7 +53,12 @@ pub(super) fn next_test(
         why: why(&rivals, best.distance),
         record: catalogue::in_words(best.shape, best.gains, &reach),
         separation: Some(best.distance),
-        others: all.iter().skip(1).take(NAMED).map(|f| (catalogue::in_words(f.shape, f.gains, &reach), f.distance)).collect(),
+        others: all
+            .iter()
+            .skip(1)
+            .take(NAMED)
+            .map(|f| (catalogue::in_words(f.shape, f.gains, &reach), f.distance))
+            .collect(),
     }))
 }
 

@@ -101,13 +101,8 @@ fn described(before: &Judged, judged: &Judged) -> Option<Remainder> {
 
 /// The one term, beside a constant, that stands for a curve; none where it takes more.
 fn simple(knots: &[(f64, f64)]) -> Option<String> {
-    const TERMS: [(&str, fn(f64) -> f64); 5] = [
-        ("s", |s| s),
-        ("s^2", |s| s * s),
-        ("s |s|", |s| s * s.abs()),
-        ("s^3", |s| s * s * s),
-        ("sign s", f64::signum),
-    ];
+    const TERMS: [(&str, fn(f64) -> f64); 5] =
+        [("s", |s| s), ("s^2", |s| s * s), ("s |s|", |s| s * s.abs()), ("s^3", |s| s * s * s), ("sign s", f64::signum)];
     let n = knots.len() as f64;
     let mean = |of: &dyn Fn(f64, f64) -> f64| knots.iter().map(|&(s, y)| of(s, y)).sum::<f64>() / n;
     let height = mean(&|_, y| y);

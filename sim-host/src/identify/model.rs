@@ -117,15 +117,8 @@ impl Yardsticks {
     /// Measured on the runs a fit uses.
     pub fn of(runs: &[Run], mass: f64) -> Self {
         let duration = runs.iter().map(|run| run.len() as f64 * run.dt).fold(0.0, f64::max);
-        let mut it = Self {
-            command: 0.0,
-            command_rate: 0.0,
-            speed: 0.0,
-            displacement: 0.0,
-            force: mass,
-            duration,
-            line: 50.0,
-        };
+        let mut it =
+            Self { command: 0.0, command_rate: 0.0, speed: 0.0, displacement: 0.0, force: mass, duration, line: 50.0 };
         let (mut squares, mut rates, mut count) = (0.0, 0.0, 0.0);
         for run in runs {
             if let Some(command) = run.channel(Channel::Command) {
@@ -160,9 +153,7 @@ impl Yardsticks {
             it.command = (squares / count).sqrt();
             it.command_rate = (rates / count).sqrt();
         }
-        for size in
-            [&mut it.command, &mut it.command_rate, &mut it.speed, &mut it.displacement, &mut it.duration]
-        {
+        for size in [&mut it.command, &mut it.command_rate, &mut it.speed, &mut it.displacement, &mut it.duration] {
             *size = size.max(1e-9);
         }
         it

@@ -105,7 +105,11 @@ fn location(diagnosis: &Diagnosis) -> Section {
 
 /// The curve that stands for what the library does not hold.
 fn curve(remainder: &Remainder) -> Section {
-    let beside = if remainder.beside.is_empty() { String::new() } else { format!(", beside {}", remainder.beside.join(" and ")) };
+    let beside = if remainder.beside.is_empty() {
+        String::new()
+    } else {
+        format!(", beside {}", remainder.beside.join(" and "))
+    };
     let (x, y): (Vec<f64>, Vec<f64>) = remainder.knots.iter().copied().unzip();
     let text = format!(
         "{}{beside}. With it {:.0} % of the stated model's excess over the noise is gone on the runs held back. It is a \
@@ -127,8 +131,13 @@ fn curve(remainder: &Remainder) -> Section {
 fn next(test: &NextTest) -> Section {
     let mut items = vec![Item::Text(format!("Run {}. Why: {}.", test.record, test.why))];
     if !test.others.is_empty() {
-        let rows = test.others.iter().map(|(record, distance)| vec![record.clone(), format!("{distance:.1}")]).collect();
-        items.push(Item::Table(traces::table(&["test", "predicted distance [standard deviations]"], rows, "What else would do")));
+        let rows =
+            test.others.iter().map(|(record, distance)| vec![record.clone(), format!("{distance:.1}")]).collect();
+        items.push(Item::Table(traces::table(
+            &["test", "predicted distance [standard deviations]"],
+            rows,
+            "What else would do",
+        )));
     }
     Section { heading: "The next test".into(), items }
 }

@@ -45,7 +45,7 @@ fn motion_text(outcome: &Outcome, setup: &Setup) -> String {
         "{}, {:.1} s: peaks {original}. The table's limit is {:.3} m/s.",
         outcome.played.name,
         outcome.played.original.duration(),
-        setup.plant.velocity_limit
+        setup.table.velocity_limit()
     );
     if outcome.played.fitted != outcome.played.original {
         text += &format!(" Fitted beforehand to {}.", peaks(outcome.played.fitted.peaks()));

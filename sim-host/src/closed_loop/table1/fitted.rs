@@ -6,6 +6,7 @@
 
 use super::super::published::{Event, Named};
 use super::super::trial::{Scores, Seen, Setup, Trial, TrialError};
+use super::super::twin::Twin;
 use super::Case;
 use crate::motion::fit::named::Fit;
 use rayon::prelude::*;
@@ -42,22 +43,22 @@ impl FittedRow {
 }
 
 /// Runs every row on every case, over all cores; `done` is called after each.
-pub fn rows(cases: &[Case], done: impl Fn() + Sync) -> Result<Vec<FittedRow>, TrialError> {
+pub fn rows(cases: &[Case], table: &Twin, done: impl Fn() + Sync) -> Result<Vec<FittedRow>, TrialError> {
     let all: Vec<_> = cases.iter().flat_map(|case| ROWS.map(|fit| (case, fit))).collect();
     all.par_iter()
         .map(|&(case, fit)| {
-            let row = row(case, fit)?;
+            let row = row(case, fit, table)?;
             done();
             Ok(row)
         })
         .collect()
 }
 
-fn row(case: &Case, fit: Option<&'static str>) -> Result<FittedRow, TrialError> {
-    let setup = Setup::paper(Named::Strong);
+fn row(case: &Case, fit: Option<&'static str>, table: &Twin) -> Result<FittedRow, TrialError> {
+    let setup = Setup { table: table.clone(), ..Setup::paper(Named::Strong) };
     let given = match fit.and_then(Fit::parse) {
         None => case.motion.clone(),
-        Some(fit) => fit.apply(&case.motion, setup.plant.velocity_limit, f64::from(setup.settings.stroke), |_| {})?,
+        Some(fit) => fit.apply(&case.motion, setup.table.velocity_limit(), f64::from(setup.settings.stroke), |_| {})?,
     };
     let trial = setup.play(&given)?.fitted_from(&case.motion);
     let whole = trial.scores(Seen::Truly, None)?;
@@ -84,7 +85,10 @@ mod tests {
     fn a_fitted_record_takes_the_spike_away_and_ends_at_the_centre() {
         let record = Recipe { duration: 15.0, ..NEAR_FIELD_STRONG }.generate(1).unwrap();
         let case = Case::new(Event::Kobe, &record, true).unwrap();
-        let (plain, fitted) = (row(&case, None).unwrap(), row(&case, Some("taut")).unwrap());
+        let (plain, fitted) = {
+            let table = Twin::default();
+            (row(&case, None, &table).unwrap(), row(&case, Some("taut"), &table).unwrap())
+        };
         assert!(plain.spike > 1.3 && plain.holds().is_none(), "{}", plain.spike);
         assert!(fitted.holds() == Some(true), "{}", fitted.spike);
         assert!(fitted.reached.1.abs() < 2e-3 && fitted.whole.saturated_s < plain.whole.saturated_s);

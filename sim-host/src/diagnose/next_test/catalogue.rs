@@ -116,7 +116,14 @@ fn place(shape: Shape, t: f64, reach: &Reach) -> f64 {
         Shape::Triangle { speed, amplitude } => {
             let quarter = (amplitude / speed.max(1e-9)).max(1e-9);
             let phase = (t / quarter).rem_euclid(4.0);
-            amplitude * if phase < 1.0 { phase } else if phase < 3.0 { 2.0 - phase } else { phase - 4.0 }
+            amplitude
+                * if phase < 1.0 {
+                    phase
+                } else if phase < 3.0 {
+                    2.0 - phase
+                } else {
+                    phase - 4.0
+                }
         }
         Shape::Crossing { frequency, amplitude } => {
             0.7 * reach.displacement * (2.0 * PI * t / DURATION).sin() + amplitude * (2.0 * PI * frequency * t).sin()
@@ -156,7 +163,9 @@ mod tests {
         let reach = Reach { displacement: 0.05, speed: 0.2, middle: 0.0 };
         for k in 0..8000 {
             let t = f64::from(k) * 1e-3;
-            for shape in [Shape::Triangle { speed: 0.2, amplitude: 0.035 }, Shape::Sine { frequency: 1.0, amplitude: 0.03 }] {
+            for shape in
+                [Shape::Triangle { speed: 0.2, amplitude: 0.035 }, Shape::Sine { frequency: 1.0, amplitude: 0.03 }]
+            {
                 assert!(place(shape, t, &reach).abs() <= 0.05, "{shape:?} at {t}");
             }
         }

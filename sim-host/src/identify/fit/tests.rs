@@ -74,8 +74,15 @@ fn a_model_is_recovered_from_ten_per_cent_off() {
 
 #[test]
 fn friction_is_found_in_one_model_and_missed_by_the_other() {
-    let yardsticks =
-        Yardsticks { command: 0.05, command_rate: 0.5, speed: 0.2, displacement: 0.1, force: 1.0, duration: 30.0, line: 50.0 };
+    let yardsticks = Yardsticks {
+        command: 0.05,
+        command_rate: 0.5,
+        speed: 0.2,
+        displacement: 0.1,
+        force: 1.0,
+        duration: 30.0,
+        line: 50.0,
+    };
     let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 1, &yardsticks).unwrap();
     friction.values[0].value = 0.3;
     let runs = [recorded(&model(TRUTH).with(friction), 3)];

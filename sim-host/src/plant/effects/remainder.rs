@@ -41,7 +41,12 @@ const CURVES: [(Acts, Entry); 6] = [
     ),
     (
         Acts::GainByDisplacement,
-        curve("remainder_gain_by_displacement", "b0 (1 + g(x))", Stage::Flow, &knots(Yardstick::Displacement, "m", SHARE)),
+        curve(
+            "remainder_gain_by_displacement",
+            "b0 (1 + g(x))",
+            Stage::Flow,
+            &knots(Yardstick::Displacement, "m", SHARE),
+        ),
     ),
     (
         Acts::GainByVelocity,
