@@ -1,5 +1,7 @@
 //! `shakedown demo`: the main job on data the project brings.
 
+mod concealed;
+
 use super::histories::{self, History};
 use super::output::Outputs;
 use super::{Failure, present, progress};
@@ -17,7 +19,8 @@ const REPORT: &str = "shakedown-report.html";
 /// The fit takes every sample as a variable; records hold nothing beyond 100 Hz.
 const RATE: f64 = 200.0;
 
-/// The main job end to end on generated data: a near-field motion through the loop, and the record fitted to the table.
+/// The main job end to end on data the project brings: a near-field motion through the loop, the record fitted to the
+/// table, a concealed effect found.
 #[derive(Debug, Default, clap::Args)]
 #[command(after_help = "Examples:
   shakedown demo
@@ -47,14 +50,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     let entries = Way::ALL.iter().map(tell).collect::<Result<Vec<Entry>, Failure>>()?;
     bar.finish_and_clear();
-    let sections = vec![problem(&record.name, &motion, &entries), remedy(&entries)];
+    let concealed = concealed::play(seed)?;
+    let sections = vec![problem(&record.name, &motion, &entries), remedy(&entries), concealed.section()];
     if !args.outputs.quiet() {
         sections.iter().for_each(present::print_section);
     }
-    args.outputs.write_json(json(seed, &entries), &[])?;
+    args.outputs.write_json(json(seed, &entries, &concealed), &[])?;
     let mut page = Page {
-        title: "A near-field record on a table too slow for it".into(),
-        lead: lead(&entries),
+        title: "A near-field record on a table too slow for it, and what a model leaves out".into(),
+        lead: format!("{} {}", lead(&entries), concealed.lead()),
         sections,
         provenance: vec![
             ("seed".into(), seed.to_string()),
@@ -174,12 +178,12 @@ fn displacements(entries: &[Entry]) -> Plot {
     }
 }
 
-fn json(seed: u64, entries: &[Entry]) -> serde_json::Value {
+fn json(seed: u64, entries: &[Entry], concealed: &concealed::Concealed) -> serde_json::Value {
     let entry = |entry: &Entry| {
         let (wanted, commanded) = (&entry.scores.against_wanted, &entry.scores.against_commanded);
         json!({"way": entry.way.title(), "e_a": wanted.e_a.ratio, "e_a_commanded": commanded.e_a.ratio,
                "e_d": wanted.e_d.ratio, "peak_g": wanted.response_peak / GRAVITY, "spike_ratio": wanted.spike_ratio(),
                "saturated_s": entry.scores.saturated_s, "farthest_m": entry.farthest, "end_m": entry.end})
     };
-    json!({"seed": seed, "ways": entries.iter().map(entry).collect::<Vec<_>>()})
+    json!({"seed": seed, "ways": entries.iter().map(entry).collect::<Vec<_>>(), "concealed": concealed.json()})
 }

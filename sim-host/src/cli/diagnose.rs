@@ -1,6 +1,6 @@
 //! `shakedown diagnose`: where model and recordings part, what physics was left out, how much better it fits.
 
-mod page;
+pub(super) mod page;
 
 use super::output::{Outputs, print, write_whole};
 use super::{Failure, progress};

@@ -17,7 +17,7 @@ const LOST: f64 = 0.5;
 /// Share of what was left that one more effect must take away.
 const WORTH: f64 = 0.65;
 /// Share of the baseline's excess that one more effect must take away: simple forms leave about as much of a real one.
-const NOTICEABLE: f64 = 0.012;
+const NOTICEABLE: f64 = 0.018;
 /// Share of the excess that must be explained for names to be given.
 const EXPLAINED: f64 = 0.9;
 /// Excess of chi2 that is never called physics: noise is not known better.

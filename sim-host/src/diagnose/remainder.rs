@@ -14,6 +14,11 @@ use serde::Serialize;
 const WORTH: f64 = 0.15;
 /// Most of its gain that blocks may lose elsewhere.
 const LOST: f64 = 0.5;
+/// A first look at a curve, and how far the best are taken.
+const LOOK: Effort = Effort { steps: 4, tolerance: 1e-3 };
+const FULL: Effort = Effort { steps: 10, tolerance: 1e-4 };
+/// Curves that are taken further than a look.
+const FINALISTS: usize = 3;
 /// Share of a curve's variation at which one simple term stands for it.
 const SIMPLE: f64 = 0.9;
 
@@ -52,14 +57,26 @@ pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<
     let kind = best.fit.model.kind;
     let curves: Vec<&'static Entry> = remainder::entries().filter(|e| e.kinds.contains(&kind)).collect();
     let runs = if prepared.holdout.is_empty() { &prepared.fit } else { &prepared.holdout };
-    let fitted = |entry: &&'static Entry| -> Result<Judged, SimulateError> {
-        let Some(placed) = placed(entry, &prepared.yardsticks) else { return Ok(best.clone()) };
-        let mut fit = Fit::resume(best.fit.model.with(placed), best.fit.locals.clone(), &prepared.fit)?;
-        fit.improve(&prepared.fit, Effort { steps: 8, tolerance: 1e-3 })?;
+    // An effect that explains a part by chance stands in the curve's way: each is tried without it too.
+    let parents = [best, before].into_iter().take(if best.added.is_empty() { 1 } else { 2 });
+    let starts: Vec<(&Judged, &'static Entry)> = parents.flat_map(|p| curves.iter().map(move |&e| (p, e))).collect();
+    let looked =
+        |&(parent, entry): &(&Judged, &'static Entry)| -> Result<Option<(Fit, Vec<&'static str>)>, SimulateError> {
+            let Some(placed) = placed(entry, &prepared.yardsticks) else { return Ok(None) };
+            let mut fit = Fit::resume(parent.fit.model.with(placed), parent.fit.locals.clone(), &prepared.fit)?;
+            fit.improve(&prepared.fit, LOOK)?;
+            Ok(Some((fit, parent.added.clone())))
+        };
+    let looks = starts.par_iter().map(looked).collect::<Result<Vec<_>, _>>()?;
+    let mut looks: Vec<_> = looks.into_iter().flatten().collect();
+    looks.sort_by(|a, b| a.0.squares.total_cmp(&b.0.squares));
+    looks.truncate(FINALISTS);
+    let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<Judged, SimulateError> {
+        fit.improve(&prepared.fit, FULL)?;
         let hold = score(&fit.model, runs)?;
-        Ok(Judged { fit, hold, added: best.added.clone(), probability: 0.0 })
+        Ok(Judged { fit, hold, added, probability: 0.0 })
     };
-    let mut all = curves.par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
+    let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));
     let mut all = all.into_iter();
     let Some(judged) = all.next() else { return Ok(None) };

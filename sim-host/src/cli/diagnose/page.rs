@@ -28,7 +28,7 @@ pub(super) fn page(name: &str, examined: &Examined) -> Page {
 }
 
 /// One or two sentences that say what came out.
-pub(super) fn lead(diagnosis: &Diagnosis) -> String {
+pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
     let names: Vec<&str> = diagnosis.effects.iter().map(|e| e.id).collect();
     match diagnosis.verdict {
         Verdict::Consistent => "The model explains the recordings to within their noise; nothing is missing.".into(),
@@ -156,7 +156,7 @@ fn candidates(diagnosis: &Diagnosis) -> Section {
 }
 
 /// Held-out traces over each other, and what each model leaves.
-fn foreseen(examined: &Examined) -> Section {
+pub(in super::super) fn foreseen(examined: &Examined) -> Section {
     let mut items = Vec::new();
     for (i, run) in examined.judging_runs().iter().enumerate() {
         for (j, measured) in run.measured.iter().enumerate() {
