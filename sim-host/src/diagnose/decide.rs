@@ -2,7 +2,8 @@
 //! excess explained. What falls short is said to be outside the library.
 
 use super::search::{CHANCE, Search};
-use crate::identify::fit::Fit;
+use crate::identify::data::Run;
+use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::{Score, gains, score};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
@@ -98,7 +99,8 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
         size.sort_by(|a, b| rank.cost(a).total_cmp(&rank.cost(b)));
         sizes.push(size);
     }
-    Ok(choose(before, sizes))
+    let after = polished(choose(&before, &sizes), prepared, runs)?;
+    Ok(weigh(before, after, sizes))
 }
 
 /// What parameters cost, and by how much squares overstate the evidence.
@@ -121,12 +123,28 @@ impl Ranking {
     }
 }
 
-fn choose(before: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
+/// The accepted model fitted to the end: corners leave a search in hollows that a fresh start of the fit climbs out of.
+fn polished(after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, SimulateError> {
+    if after.added.is_empty() {
+        return Ok(after);
+    }
+    let mut fit = Fit::resume(after.fit.model.clone(), after.fit.locals.clone(), &prepared.fit)?;
+    fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
+    fit.sharpen(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
+    let hold = score(&fit.model, runs)?;
+    let polished = Judged { fit, hold, ..after.clone() };
+    Ok(if polished.total() < after.total() { polished } else { after })
+}
+
+/// The largest model that stands, each against the one before it.
+fn choose(before: &Judged, sizes: &[Vec<Judged>]) -> Judged {
     let mut after = before.clone();
     let mut skipped = false;
-    for size in &sizes {
+    // What already leaves less than the noise has nothing to explain, however surely a line stands within it.
+    let at_floor = before.hold.chi2 < 1.0 && before.fit.squares < before.fit.rows as f64;
+    for size in sizes.iter().filter(|_| !at_floor) {
         let Some(best) = size.first() else { break };
-        if stands(&before, &after, best) {
+        if stands(before, &after, best) {
             after = best.clone();
             skipped = false;
         } else if skipped {
@@ -135,7 +153,16 @@ fn choose(before: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
             skipped = true;
         }
     }
-    let mut candidates: Vec<Judged> = std::iter::once(before.clone()).chain(sizes.into_iter().flatten()).collect();
+    after
+}
+
+/// Weighs the accepted model against all others and against what no library holds.
+fn weigh(before: Judged, mut after: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
+    let others = sizes.into_iter().flatten().filter(|c| c.added != after.added);
+    let mut candidates: Vec<Judged> = std::iter::once(before.clone()).chain(others).collect();
+    if !after.added.is_empty() {
+        candidates.push(after.clone());
+    }
     let ranking = Ranking::new(&candidates);
     candidates.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
     let (unlisted, unlisted_probability) = outside(&before, &after);

@@ -1,5 +1,11 @@
 //! Lost motion between the actuator, where the LVDT sits, and the table, where the accelerometer sits: the table stays
-//! until the gap is crossed.
+//! until the gap is crossed, and then follows the sooner the harder the contact.
+//!
+//! With `d` the actuator's lead over the table and `h` half the gap, `dd/dx = 1 - |d/h|^n` while the lead grows and 1 while
+//! it shrinks: Duhem's form of hysteresis, of which ideal play is the limit of large `n`. A joint whose faces meet over
+//! their whole area at once has a large one, a worn or elastic one a small. It depends on travel alone.
+//!
+//! Source: A. Visintin, "Differential Models of Hysteresis", Springer (1994), chapter V.
 
 use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
@@ -8,20 +14,34 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "backlash",
-    equation: "x_t = play(x, gap)",
+    equation: "x_t = x - d, dd/dx = 1 - |2 d/gap|^n as the lead d grows, 1 as it shrinks",
     stage: Stage::Table,
-    parameters: &[Parameter {
-        key: "gap",
-        unit: "m",
-        rigid_unit: "m",
-        meaning: "full width of the lost motion",
-        yardstick: Yardstick::One,
-        low: 1e-6,
-        high: 0.01,
-        starts: &[4e-5, 1e-4, 2e-4, 5e-4],
-        positive: true,
-        role: Role::Shared,
-    }],
+    parameters: &[
+        Parameter {
+            key: "gap",
+            unit: "m",
+            rigid_unit: "m",
+            meaning: "full width of the lost motion",
+            yardstick: Yardstick::One,
+            low: 1e-6,
+            high: 0.01,
+            starts: &[4e-5, 1e-4, 2e-4, 5e-4],
+            positive: true,
+            role: Role::Shared,
+        },
+        Parameter {
+            key: "contact",
+            unit: "1",
+            rigid_unit: "1",
+            meaning: "how abruptly the gap closes: n",
+            yardstick: Yardstick::One,
+            low: 1.0,
+            high: 200.0,
+            starts: &[30.0],
+            positive: true,
+            role: Role::Shared,
+        },
+    ],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "the accelerometer goes quiet after each reversal, then spikes; the LVDT shows nothing",
@@ -29,24 +49,74 @@ pub const ENTRY: Entry = Entry {
     test: "accelerometer against the second difference of the LVDT at reversals",
 };
 
-/// The moment of contact is found to within a step: as short as this rate asks for, 1/s.
+/// The moment of a hard contact is found to within a step: as short as this rate asks for, 1/s.
 const CONTACT: f64 = 3600.0;
+/// Exponent from which a contact counts as hard.
+const HARD: f64 = 10.0;
+/// Travel, in half gaps, that one step of the lead's equation covers.
+const STRIDE: f64 = 0.25;
+/// Travel, in half gaps, after which the lead has become the gap.
+const SETTLED: f64 = 3.0;
 
 /// Lost motion between actuator and table.
 #[derive(Debug, Clone)]
 pub struct Backlash<S> {
     half: S,
-    table: Option<S>,
-    before: S,
+    exponent: S,
+    /// The actuator's lead over the table, m.
+    lead: S,
+    before: Option<S>,
+    /// Share of the last step's travel that the table took part in: 0 inside the gap, 1 in contact.
     share: S,
 }
 
 impl<S: Scalar> Backlash<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[gap] = parameters else { return None };
-        Some(Self { half: gap * 0.5, table: None, before: S::from(0.0), share: S::from(1.0) })
+        let &[gap, exponent] = parameters else { return None };
+        Some(Self { half: gap * 0.5, exponent, lead: S::from(0.0), before: None, share: S::from(1.0) })
     }
+
+    /// The lead after a travel (m).
+    fn led(&self, travel: S) -> S {
+        let lead = self.lead;
+        let shrinks = lead.value() * travel.value() < 0.0;
+        if shrinks && travel.value().abs() <= lead.value().abs() {
+            return lead + travel;
+        }
+        let (from, travel) = if shrinks { (S::from(0.0), travel + lead) } else { (lead, travel) };
+        let sign = if travel.value() < 0.0 { -1.0 } else { 1.0 };
+        let grown = grow(from.abs() / self.half, (travel * sign) / self.half, self.exponent);
+        grown * self.half * sign
+    }
+}
+
+/// `s` after `ds/dt = 1 - s^n` over `time`, from below 1, by steps of the exponential Rosenbrock-Euler rule, which are exact
+/// where the equation is linear and never pass 1 far.
+fn grow<S: Scalar>(mut s: S, time: S, n: S) -> S {
+    let time = time.min(S::from(SETTLED));
+    let strides = (time.value() / STRIDE).ceil().max(1.0);
+    let stride = time / strides;
+    for _ in 0..strides as usize {
+        let (power, slope) = if s.value() < 1e-3 {
+            (S::from(0.0), S::from(0.0))
+        } else {
+            let power = s.pow(n);
+            (power, power * n / s)
+        };
+        s = (s + stride * phi(-(slope * stride)) * (-power + 1.0)).min(S::from(1.0));
+    }
+    s
+}
+
+/// `(exp(x) - 1)/x`.
+fn phi<S: Scalar>(x: S) -> S {
+    let v = x.value();
+    if v.abs() < 1e-4 {
+        return x.chain(1.0 + 0.5 * v, 0.5 + v / 3.0);
+    }
+    let value = v.exp_m1() / v;
+    x.chain(value, (v.exp() - value) / v)
 }
 
 impl<S: Scalar> Effect<S> for Backlash<S> {
@@ -54,22 +124,59 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
         Hooks { after: true, velocity: true, ..Hooks::default() }
     }
     fn sharpest(&self) -> f64 {
-        CONTACT
+        if self.exponent.value() > HARD { CONTACT } else { 0.0 }
     }
     fn after(&mut self, displacement: S) {
-        let table = self.table.unwrap_or(displacement);
-        let moved = displacement - (displacement - table).clamp(-self.half, self.half);
-        let travel = displacement - self.before;
-        // The share of this step's travel that the table took part in: 0 inside the gap, 1 in contact.
+        let travel = displacement - self.before.unwrap_or(displacement);
+        let lead = self.led(travel);
         self.share = if travel.value().abs() > 1e-12 {
-            ((moved - table) / travel).clamp(S::from(0.0), S::from(1.0))
+            (-((lead - self.lead) / travel) + 1.0).clamp(S::from(0.0), S::from(1.0))
         } else {
             S::from(0.0)
         };
-        self.table = Some(moved);
-        self.before = displacement;
+        self.lead = lead;
+        self.before = Some(displacement);
     }
     fn sense_velocity(&self, velocity: S, _y: &[S]) -> S {
         velocity * self.share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moved(exponent: f64, to: &[f64], steps: usize) -> f64 {
+        let mut joint = Backlash::<f64>::new(&[2e-4, exponent]).unwrap();
+        let mut at = 0.0;
+        joint.after(at);
+        for &end in to {
+            for k in 1..=steps {
+                joint.after(at + (end - at) * k as f64 / steps as f64);
+            }
+            at = end;
+        }
+        at - joint.lead
+    }
+
+    /// A hard contact is play: the table follows half a gap behind, and lies still over a whole gap after a reversal.
+    #[test]
+    fn a_hard_contact_is_play() {
+        for (to, table) in [(vec![1e-3], 0.9e-3), (vec![1e-3, 0.85e-3], 0.9e-3), (vec![1e-3, 0.0], 0.1e-3)] {
+            let at = moved(60.0, &to, 400);
+            assert!((at - table).abs() < 4e-6, "{to:?}: {at}");
+        }
+    }
+
+    /// With n = 2 the equation is solved by the hyperbolic tangent.
+    #[test]
+    fn a_soft_contact_follows_its_equation() {
+        let (half, travel) = (1e-4, 0.8e-4);
+        let exact = travel - half * (travel / half).tanh();
+        for steps in [1, 3, 50] {
+            let at = moved(2.0, &[travel], steps);
+            assert!((at - exact).abs() < 0.03 * half, "{steps}: {at} {exact}");
+        }
+        assert!((moved(2.0, &[travel], 50) - exact).abs() < 1e-3 * half);
     }
 }
