@@ -5,7 +5,7 @@ use super::Options;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::score;
-use crate::identify::model::{Placed, Yardsticks};
+use crate::identify::model::{Model, Placed, Yardsticks};
 use crate::identify::prepare::{Prepared, candidates};
 use crate::identify::stated::{fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
@@ -28,6 +28,8 @@ const BEAM: usize = 3;
 const FINALISTS: usize = 7;
 /// Models beyond those that are fitted to the end too because they promise most.
 const HOPEFUL: usize = 4;
+/// Effects that may be the double of another: those that alone explain most.
+const DOUBLES: usize = 8;
 /// Starts that are taken further than one look.
 const PROMISING: usize = 18;
 /// A gain of squares no larger than this is nothing: chance over the whole library.
@@ -46,6 +48,7 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     options.say("fitting the stated model", 0.02);
     let baseline = fit_stated(prepared)?;
     let yardsticks = Yardsticks { line: super::locate::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
+    let stated = prepared.model.ids();
     let mut search = Search { baseline, grown: Vec::new() };
     let mut parents = vec![search.baseline.clone()];
     // A refit bends a model far from the truth to hide what is missing: then values near those stated are a second start.
@@ -58,15 +61,16 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     for size in 0..MOST {
         options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
         let singles = search.grown.first().cloned().unwrap_or_default();
-        let grown = grow(&parents, &singles, runs, &yardsticks)?;
+        search.grown.push(grow(&parents, &singles, runs, &yardsticks)?);
+        eliminate(&mut search.grown, &stated, runs)?;
+        swap(&mut search.grown, &stated, runs)?;
+        let Some(grown) = search.grown.last() else { break };
         let (Some(best), Some(parent)) = (grown.first(), parents.first()) else { break };
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
         let settled =
             gain < CHANCE || explains(best) || (left < SETTLED && foresees(prepared, &search.baseline, best)?);
         parents = grown.iter().take(BEAM).cloned().collect();
-        search.grown.push(grown);
-        eliminate(&mut search.grown, runs)?;
         if settled {
             break;
         }
@@ -74,16 +78,21 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     Ok(search)
 }
 
+/// Effects that a model has beside the stated one's.
+fn added(fit: &Fit, stated: &[&'static str]) -> Vec<&'static str> {
+    fit.model.ids().into_iter().filter(|id| !stated.contains(id)).collect()
+}
+
 /// Takes effects out of the best models of the last size, one at a time: a companion may have led the other to where it
 /// belongs. What does better than before without it takes its place among the smaller models.
-fn eliminate(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), SimulateError> {
+fn eliminate(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> Result<(), SimulateError> {
     let Some(([.., smaller], larger)) = grown.split_last_mut().map(|(larger, rest)| (rest, larger)) else {
         return Ok(());
     };
     let Some(least) = smaller.first().map(|best| best.squares) else { return Ok(()) };
     // An effect that freed one of the model's own parameters leaves more behind than it brought.
     let bare = |id: &&str| crate::plant::effects::entry(id).is_some_and(|entry| entry.frees.is_empty());
-    let out = |fit: &Fit| fit.model.ids().into_iter().filter(bare).map(|id| (fit.clone(), id)).collect::<Vec<_>>();
+    let out = |fit: &Fit| added(fit, stated).into_iter().filter(bare).map(|id| (fit.clone(), id)).collect::<Vec<_>>();
     let pairs: Vec<_> = larger.iter().take(BEAM).flat_map(out).collect();
     let refit = |(fit, id): (Fit, &str)| -> Result<Fit, SimulateError> {
         let mut fit = Fit::resume(fit.model.without(id), fit.locals, runs)?;
@@ -93,6 +102,42 @@ fn eliminate(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), SimulateError> 
     let refitted = pairs.into_par_iter().map(refit).collect::<Result<Vec<_>, _>>()?;
     smaller.extend(refitted.into_iter().filter(|fit| fit.squares < least));
     best_of_each_set(smaller);
+    Ok(())
+}
+
+/// Puts each effect of the best model out for one that explained about as much alone: what was taken up first may be the
+/// double of what is there. Goes on from a better model while there is one.
+fn swap(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> Result<(), SimulateError> {
+    let Some(([singles, ..], larger)) = grown.split_last_mut().map(|(larger, rest)| (rest, larger)) else {
+        return Ok(());
+    };
+    for _ in 0..MOST {
+        let Some(best) = larger.first().filter(|best| !explains(best)) else { return Ok(()) };
+        let known: Vec<_> = larger.iter().map(|fit| fit.model.ids()).collect();
+        let mut doubles = Vec::new();
+        let has = |p: &&Placed| !best.model.ids().contains(&p.entry.id);
+        for id in added(best, stated) {
+            let rest = best.model.without(id);
+            for placed in singles.iter().take(DOUBLES).filter_map(|single| single.model.effects.iter().find(has)) {
+                let swapped = rest.with(placed.clone());
+                if !known.contains(&swapped.ids()) {
+                    doubles.push(swapped);
+                }
+            }
+        }
+        let begun = |model: Model| Fit::resume(model, best.locals.clone(), runs);
+        let mut fits = doubles.into_par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+        fits.sort_by(|a, b| a.promised().total_cmp(&b.promised()));
+        fits.truncate(HOPEFUL);
+        further(&mut fits, HOPEFUL, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
+        further(&mut fits, 1, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
+        let (before, better) = (best.squares, fits.first().is_some_and(|fit| fit.squares < best.squares - CHANCE));
+        larger.extend(fits);
+        best_of_each_set(larger);
+        if !better || larger.first().is_none_or(|fit| fit.squares >= before) {
+            return Ok(());
+        }
+    }
     Ok(())
 }
 
