@@ -53,7 +53,7 @@ impl<S: Scalar> Backlash<S> {
 
 impl<S: Scalar> Effect<S> for Backlash<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { after: true, velocity: true, ..Hooks::default() }
+        Hooks { after: true, velocity: true, linear: true, ..Hooks::default() }
     }
     fn sharpest(&self) -> f64 {
         CONTACT
