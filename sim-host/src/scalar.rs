@@ -38,6 +38,17 @@ pub trait Scalar:
     /// Applies a function known by its value and derivative at this point.
     fn chain(self, value: f64, derivative: f64) -> Self;
 
+    /// `self + a b`.
+    #[inline]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
+    /// `self + a factor`.
+    #[inline]
+    fn plus_scaled(self, a: Self, factor: f64) -> Self {
+        self + a * factor
+    }
+
     /// Natural exponential.
     #[inline]
     fn exp(self) -> Self {
@@ -160,6 +171,22 @@ impl<const N: usize> Scalar for Dual<N> {
     #[inline(always)]
     fn value(self) -> f64 {
         self.value
+    }
+    #[inline(always)]
+    fn plus_product(mut self, a: Self, b: Self) -> Self {
+        self.value += a.value * b.value;
+        for i in 0..N {
+            self.tangent[i] += a.tangent[i] * b.value + b.tangent[i] * a.value;
+        }
+        self
+    }
+    #[inline(always)]
+    fn plus_scaled(mut self, a: Self, factor: f64) -> Self {
+        self.value += a.value * factor;
+        for i in 0..N {
+            self.tangent[i] += a.tangent[i] * factor;
+        }
+        self
     }
     #[inline(always)]
     fn chain(mut self, value: f64, derivative: f64) -> Self {

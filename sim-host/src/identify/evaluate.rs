@@ -6,7 +6,7 @@ use super::normal::Normal;
 use crate::motion::filter::{Cascade, Edge};
 use crate::plant::effects::Role;
 use crate::plant::model::Baseline;
-use crate::plant::simulate::{Drive, Placed, SimulateError, Start, Trace, balance, effect_states, simulate};
+use crate::plant::simulate::{Drive, Placed, SimulateError, Start, Trace, Wanted, balance, effect_states, simulate};
 use crate::scalar::{Dual, Scalar};
 use nalgebra::{DMatrix, DVector};
 
@@ -97,7 +97,7 @@ pub struct Predicted {
 
 /// Simulates a run and gives the prediction of each of its channels.
 pub fn predict(model: &Model, run: &Run, local: &Local) -> Result<Predicted, SimulateError> {
-    let (trace, scale, offset) = trace::<f64>(model, run, local, |value| value.value)?;
+    let (trace, scale, offset) = trace::<f64>(model, run, local, wanted(run, |_| true), |value| value.value)?;
     let channels = run
         .measured
         .iter()
@@ -105,11 +105,23 @@ pub fn predict(model: &Model, run: &Run, local: &Local) -> Result<Predicted, Sim
     Ok(Predicted { channels: channels.collect() })
 }
 
+/// What a comparison with the channels that `counted` lets through asks of a simulation.
+fn wanted(run: &Run, counted: impl Fn(&Measured) -> bool) -> Wanted {
+    let any = |channel| run.measured.iter().any(|m| m.channel == channel && counted(m));
+    Wanted {
+        velocity: any(Channel::Velocity),
+        acceleration: any(Channel::Acceleration),
+        command: any(Channel::Command),
+        load: any(Channel::PressureDifference),
+    }
+}
+
 /// The trace of a run with every value turned into a scalar by `lift`, in the order shared, then local.
 fn trace<S: Scalar>(
     model: &Model,
     run: &Run,
     local: &Local,
+    wanted: Wanted,
     mut lift: impl FnMut(&Value) -> S,
 ) -> Result<(Trace<S>, S, S), SimulateError> {
     let own: Vec<S> = model.own.iter().map(&mut lift).collect();
@@ -147,6 +159,7 @@ fn trace<S: Scalar>(
         law: run.law,
         sensor_noise,
         sharp: model.sharp,
+        wanted,
     };
     let trace = simulate(&baseline, &effects, &drive, &start)?;
     Ok((filtered(trace, run.filter.as_ref()), scale.unwrap_or(S::from(1.0)), offset))
@@ -172,7 +185,7 @@ fn shown<S: Scalar>(trace: &Trace<S>, channel: Channel, k: usize, scale: S, offs
         Channel::Acceleration => trace.acceleration.get(k).copied(),
         Channel::Velocity => trace.velocity.get(k).copied(),
         Channel::Command => trace.command.get(k).copied(),
-        Channel::SupplyPressure if trace.command.is_empty() => None,
+        Channel::SupplyPressure if trace.displacement.is_empty() => None,
         Channel::PressureDifference => trace.load.get(k).map(|&load| load * scale + offset),
         Channel::SupplyPressure => Some(trace.supply.get(k).copied().unwrap_or(S::from(1.0))),
     }
@@ -203,7 +216,7 @@ fn normal_of<const N: usize>(model: &Model, run: &Run, local: &Local, count: usi
         }
         dual
     };
-    let (trace, scale, offset) = trace(model, run, local, lift)?;
+    let (trace, scale, offset) = trace(model, run, local, wanted(run, |m| m.judged), lift)?;
     let mut sum = Sums::<N>::new(count, ((BLOCK / run.dt).round() as usize).max(1), run.len());
     let skip = usize::from(run.moving_start);
     for measured in run.measured.iter().filter(|m| m.judged) {
@@ -247,7 +260,8 @@ impl<const N: usize> Sums<N> {
         let block = &mut self.blocks[k / self.block];
         for i in 0..N {
             block[i] += jacobian[i] * residual;
-            for j in 0..N {
+            // The upper triangle, from an even column on so that lanes stay whole.
+            for j in (i & !1)..N {
                 self.matrix[i][j] += jacobian[i] * jacobian[j];
             }
         }
@@ -257,7 +271,7 @@ impl<const N: usize> Sums<N> {
         let blocks: Vec<_> = self.blocks.iter().map(|b| DVector::from_fn(self.count, |i, _| b[i])).collect();
         let gradient = blocks.iter().fold(DVector::zeros(self.count), |sum, block| sum + block);
         Normal {
-            matrix: DMatrix::from_fn(self.count, self.count, |i, j| self.matrix[i][j]),
+            matrix: DMatrix::from_fn(self.count, self.count, |i, j| self.matrix[i.min(j)][i.max(j)]),
             gradient,
             squares: self.squares,
             rows: self.rows,

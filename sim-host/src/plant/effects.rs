@@ -198,6 +198,27 @@ pub struct Hooks {
     pub velocity: bool,
     /// [`Effect::sense_acceleration`].
     pub acceleration: bool,
+    /// What it does within an integration step is linear in motion, states and command, with coefficients that stay the
+    /// same through a run.
+    pub linear: bool,
+}
+
+impl Hooks {
+    /// Every hook that one of the two uses; linear where both are.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            command: self.command || other.command,
+            valve: self.valve || other.valve,
+            flow: self.flow || other.flow,
+            force: self.force || other.force,
+            follow: self.follow || other.follow,
+            after: self.after || other.after,
+            displacement: self.displacement || other.displacement,
+            velocity: self.velocity || other.velocity,
+            acceleration: self.acceleration || other.acceleration,
+            linear: self.linear && other.linear,
+        }
+    }
 }
 
 /// What an effect does. Every hook has a neutral default; an effect overrides those it names in [`Effect::hooks`].

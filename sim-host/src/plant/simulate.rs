@@ -8,6 +8,8 @@
 mod balance;
 pub(super) mod dynamics;
 mod law;
+mod linear;
+mod sample;
 
 use super::effects::{Instant, build, entry};
 use super::model::Baseline;
@@ -15,6 +17,7 @@ use crate::scalar::Scalar;
 pub use balance::{MeasuredMotion, balance};
 use dynamics::{Dynamics, STATES};
 pub use law::Law;
+use sample::Sample;
 
 /// Longest integration step, s.
 pub const LONGEST_STEP: f64 = 2.6e-3;
@@ -43,6 +46,26 @@ pub struct Drive<'a> {
     pub sensor_noise: f64,
     /// Steps short enough for corners too; without, corners may be blurred over a step.
     pub sharp: bool,
+    /// What of it is asked for.
+    pub wanted: Wanted,
+}
+
+/// The series of a [`Trace`] that are filled beside displacement and supply pressure; the others stay empty.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// [`Trace::velocity`].
+    pub velocity: bool,
+    /// [`Trace::acceleration`].
+    pub acceleration: bool,
+    /// [`Trace::command`].
+    pub command: bool,
+    /// [`Trace::load`].
+    pub load: bool,
+}
+
+impl Wanted {
+    /// All of them.
+    pub const ALL: Self = Self { velocity: true, acceleration: true, command: true, load: true };
 }
 
 /// How a run starts.
@@ -121,55 +144,38 @@ pub fn simulate<S: Scalar>(
     drive: &Drive,
     start: &Start<S>,
 ) -> Result<Trace<S>, SimulateError> {
-    match dynamics::states_of(effects) {
-        0..=4 => Ok(run(Dynamics::<S, 4>::new(baseline, effects)?, drive, start)),
-        5..=8 => Ok(run(Dynamics::<S, 8>::new(baseline, effects)?, drive, start)),
-        _ => Ok(run(Dynamics::<S, STATES>::new(baseline, effects)?, drive, start)),
-    }
+    Ok(run(Dynamics::new(baseline, effects)?, drive, start, true))
 }
 
-fn run<S: Scalar, const M: usize>(mut dynamics: Dynamics<S, M>, drive: &Drive, start: &Start<S>) -> Trace<S> {
+/// Runs a plant; `matrices` lets linear stretches be taken by [`linear`], which changes no more than rounding.
+fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, matrices: bool) -> Trace<S> {
     dynamics.command_noise(drive.law.command_noise(drive.sensor_noise, drive.dt / drive.ticks as f64));
     let mut state = dynamics.rest(start);
-    let n = drive.input.len();
-    let mut trace = Trace::with_capacity(n);
+    let (n, wanted) = (drive.input.len(), drive.wanted);
+    let mut trace = Trace::with_capacity(n, wanted);
     let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, start.velocity);
     let steps = substeps(drive, dynamics.fastest(drive.sharp), dynamics.whole_steps());
-    let total = drive.ticks * steps;
-    let h = drive.dt / total as f64;
-    let mut before = dynamics.velocities(&state, h);
+    let mut sample = Sample::new(&mut dynamics, &state, drive, steps, matrices);
     for k in 0..n {
-        let mut first = None;
-        let mut middle = before;
-        for step in 0..total {
-            if step % steps == 0 {
-                let share = (step / steps) as f64 / drive.ticks as f64 * drive.law.between_samples();
-                let (now, next) = (drive.input[k], drive.input.get(k + 1).copied().unwrap_or(drive.input[k]));
-                let measured = dynamics.sense_displacement(&state);
-                let command = law.step(now + (next - now) * share, measured);
-                state.command = command + drive.added.get(k).copied().unwrap_or(0.0);
-                if step == 0 {
-                    trace.displacement.push(measured);
-                    trace.command.push(state.command);
-                }
-            }
-            dynamics.begin_step(&mut state, h);
-            let passage = dynamics.advance(&mut state, h, 2 * step + 1 == total);
-            if let Some(velocities) = passage.middle {
-                middle = velocities;
-            } else if 2 * (step + 1) == total {
-                middle = dynamics.velocities(&state, h);
-            }
-            first.get_or_insert((passage.start, passage.force));
+        let mut shown = None;
+        let next = drive.input.get(k + 1).copied().unwrap_or(drive.input[k]);
+        for tick in 0..drive.ticks {
+            let share = tick as f64 / drive.ticks as f64 * drive.law.between_samples();
+            let measured = dynamics.sense_displacement(&state);
+            let command = law.step(drive.input[k] + (next - drive.input[k]) * share, measured);
+            state.command = command + drive.added.get(k).copied().unwrap_or(0.0);
+            shown.get_or_insert((measured, state.command));
+            sample.tick(&mut dynamics, &mut state, tick);
         }
-        let Some((motion, force)) = first else { break };
-        trace.velocity.push(motion.velocity);
-        trace.acceleration.push(dynamics.sense_acceleration((middle.0 - before.0) / drive.dt, &motion));
-        trace.load.push((middle.1 - before.1) / drive.dt + force);
+        let Some((measured, command)) = shown else { break };
+        trace.displacement.push(measured);
+        if wanted.command {
+            trace.command.push(command);
+        }
+        sample.push(&dynamics, wanted, drive.dt, &mut trace);
         if let Some(pressure) = dynamics.supply_pressure(&state) {
             trace.supply.push(pressure);
         }
-        before = middle;
     }
     trace
 }
@@ -184,14 +190,14 @@ fn substeps(drive: &Drive, fastest: f64, whole: bool) -> usize {
 }
 
 impl<S> Trace<S> {
-    fn with_capacity(n: usize) -> Self {
-        let empty = || Vec::with_capacity(n);
+    fn with_capacity(n: usize, wanted: Wanted) -> Self {
+        let empty = |wanted: bool| Vec::with_capacity(if wanted { n } else { 0 });
         Self {
-            displacement: empty(),
-            velocity: empty(),
-            acceleration: empty(),
-            command: empty(),
-            load: empty(),
+            displacement: empty(true),
+            velocity: empty(wanted.velocity),
+            acceleration: empty(wanted.acceleration),
+            command: empty(wanted.command),
+            load: empty(wanted.load),
             supply: Vec::new(),
         }
     }

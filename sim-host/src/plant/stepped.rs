@@ -7,13 +7,13 @@ use super::Plant;
 use super::effects::Effect;
 use super::model::Baseline;
 use super::simulate::{Placed, SimulateError, Start, dynamics};
-use dynamics::{Dynamics, STATES, State};
+use dynamics::{Dynamics, State};
 
 /// A plant with effects at a fixed step.
 #[derive(Debug)]
 pub struct Stepped {
-    dynamics: Dynamics<f64, STATES>,
-    state: State<f64, STATES>,
+    dynamics: Dynamics<f64>,
+    state: State<f64>,
     dt: f64,
     limit: f64,
     /// Whether the command reaches the valve as it is, so that a jump of it is seen at once.
@@ -67,7 +67,7 @@ impl Plant for Stepped {
         self.state.command = command;
         for _ in 0..steps {
             self.dynamics.begin_step(&mut self.state, self.dt);
-            self.dynamics.advance(&mut self.state, self.dt, false);
+            self.dynamics.advance(&mut self.state, self.dt);
         }
     }
 

@@ -44,7 +44,7 @@ impl<S: Scalar> AccelerationGain<S> {
 
 impl<S: Scalar> Effect<S> for AccelerationGain<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { acceleration: true, ..Hooks::default() }
+        Hooks { acceleration: true, linear: true, ..Hooks::default() }
     }
     fn sense_acceleration(&self, acceleration: S, _at: &Instant<S>) -> S {
         acceleration * self.gain

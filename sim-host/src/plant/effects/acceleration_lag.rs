@@ -44,7 +44,7 @@ impl<S: Scalar> AccelerationLag<S> {
 
 impl<S: Scalar> Effect<S> for AccelerationLag<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { follow: true, velocity: true, ..Hooks::default() }
+        Hooks { follow: true, velocity: true, linear: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
         1.0 / self.time.value().max(1e-4)

@@ -59,7 +59,7 @@ impl<S: Scalar> AsymmetricLimit<S> {
 
 impl<S: Scalar> Effect<S> for AsymmetricLimit<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { flow: true, ..Hooks::default() }
+        Hooks { flow: true, linear: true, ..Hooks::default() }
     }
     fn flow(&self, _at: &Instant<S>, _y: &[S], flow: &mut Flow<S>) {
         flow.positive = self.positive;

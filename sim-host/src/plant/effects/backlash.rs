@@ -121,7 +121,7 @@ fn phi<S: Scalar>(x: S) -> S {
 
 impl<S: Scalar> Effect<S> for Backlash<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { after: true, velocity: true, ..Hooks::default() }
+        Hooks { after: true, velocity: true, linear: true, ..Hooks::default() }
     }
     fn sharpest(&self) -> f64 {
         if self.exponent.value() > HARD { CONTACT } else { 0.0 }

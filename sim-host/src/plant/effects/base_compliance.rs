@@ -78,7 +78,7 @@ impl<S: Scalar> BaseCompliance<S> {
 
 impl<S: Scalar> Effect<S> for BaseCompliance<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { follow: true, velocity: true, ..Hooks::default() }
+        Hooks { follow: true, velocity: true, linear: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
         self.frequency.value()

@@ -49,7 +49,7 @@ impl<S: Scalar> CommandDelay<S> {
 
 impl<S: Scalar> Effect<S> for CommandDelay<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { command: true, ..Hooks::default() }
+        Hooks { command: true, linear: true, ..Hooks::default() }
     }
     fn command(&mut self, u: S, h: f64) -> S {
         let steps = self.time / h;

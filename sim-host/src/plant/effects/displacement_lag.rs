@@ -44,7 +44,7 @@ impl<S: Scalar> DisplacementLag<S> {
 
 impl<S: Scalar> Effect<S> for DisplacementLag<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { follow: true, displacement: true, ..Hooks::default() }
+        Hooks { follow: true, displacement: true, linear: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
         1.0 / self.time.value().max(1e-4)

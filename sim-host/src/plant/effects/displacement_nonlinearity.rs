@@ -44,7 +44,7 @@ impl<S: Scalar> DisplacementNonlinearity<S> {
 
 impl<S: Scalar> Effect<S> for DisplacementNonlinearity<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { displacement: true, ..Hooks::default() }
+        Hooks { displacement: true, linear: true, ..Hooks::default() }
     }
     fn sense_displacement(&self, displacement: S, _y: &[S]) -> S {
         displacement * (self.cubic * displacement * displacement + 1.0)

@@ -44,7 +44,7 @@ impl<S: Scalar> Leakage<S> {
 
 impl<S: Scalar> Effect<S> for Leakage<S> {
     fn hooks(&self) -> Hooks {
-        Hooks::default()
+        Hooks { linear: true, ..Hooks::default() }
     }
     fn yields(&self, compliance: &mut Compliance<S>) {
         compliance.leakage = Some(self.coefficient);

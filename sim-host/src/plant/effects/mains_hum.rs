@@ -86,7 +86,7 @@ impl<S: Scalar> MainsHum<S> {
 
 impl<S: Scalar> Effect<S> for MainsHum<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { acceleration: true, ..Hooks::default() }
+        Hooks { acceleration: true, linear: true, ..Hooks::default() }
     }
     fn sense_acceleration(&self, acceleration: S, at: &Instant<S>) -> S {
         let angle = self.frequency * at.time;

@@ -46,7 +46,7 @@ impl<S: Scalar> NullBias<S> {
 
 impl<S: Scalar> Effect<S> for NullBias<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { command: true, ..Hooks::default() }
+        Hooks { command: true, linear: true, ..Hooks::default() }
     }
     fn command(&mut self, u: S, _h: f64) -> S {
         u + self.offset

@@ -59,7 +59,7 @@ impl<S: Scalar> OilCompliance<S> {
 
 impl<S: Scalar> Effect<S> for OilCompliance<S> {
     fn hooks(&self) -> Hooks {
-        Hooks::default()
+        Hooks { linear: true, ..Hooks::default() }
     }
     fn yields(&self, compliance: &mut Compliance<S>) {
         compliance.oil = Some((self.frequency * self.frequency, self.frequency * self.damping * 2.0));

@@ -72,7 +72,7 @@ impl<S: Scalar> PayloadResonance<S> {
 
 impl<S: Scalar> Effect<S> for PayloadResonance<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { force: true, ..Hooks::default() }
+        Hooks { force: true, linear: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
         self.frequency.value()

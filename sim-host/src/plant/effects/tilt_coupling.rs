@@ -44,7 +44,7 @@ impl<S: Scalar> TiltCoupling<S> {
 
 impl<S: Scalar> Effect<S> for TiltCoupling<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { acceleration: true, ..Hooks::default() }
+        Hooks { acceleration: true, linear: true, ..Hooks::default() }
     }
     fn sense_acceleration(&self, acceleration: S, at: &Instant<S>) -> S {
         acceleration + self.angle * at.displacement * GRAVITY

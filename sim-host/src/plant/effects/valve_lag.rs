@@ -59,7 +59,7 @@ impl<S: Scalar> ValveLag<S> {
 
 impl<S: Scalar> Effect<S> for ValveLag<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { valve: true, ..Hooks::default() }
+        Hooks { valve: true, linear: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
         self.frequency.value() * self.damping.value().max(1.0) * 2.0

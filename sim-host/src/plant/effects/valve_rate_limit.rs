@@ -45,7 +45,7 @@ impl<S: Scalar> ValveRateLimit<S> {
 
 impl<S: Scalar> Effect<S> for ValveRateLimit<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { command: true, ..Hooks::default() }
+        Hooks { command: true, linear: true, ..Hooks::default() }
     }
     fn command(&mut self, u: S, h: f64) -> S {
         let reach = self.rate * h;

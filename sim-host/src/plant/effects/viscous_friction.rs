@@ -44,7 +44,7 @@ impl<S: Scalar> ViscousFriction<S> {
 
 impl<S: Scalar> Effect<S> for ViscousFriction<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { force: true, ..Hooks::default() }
+        Hooks { force: true, linear: true, ..Hooks::default() }
     }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
         self.coefficient * at.velocity

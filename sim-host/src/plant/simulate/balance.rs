@@ -1,7 +1,7 @@
 //! A force balance: what load the measured motion asks for, with any effects that act as forces.
 
 use super::dynamics::Mounted;
-use super::{Placed, SimulateError, Trace};
+use super::{Placed, SimulateError, Trace, Wanted};
 use crate::plant::effects::Instant;
 use crate::scalar::Scalar;
 
@@ -30,7 +30,7 @@ pub fn balance<S: Scalar>(
     dt: f64,
     states: &[S],
 ) -> Result<Trace<S>, SimulateError> {
-    let (mut mounted, used, _) = Mounted::all(effects.iter().map(|p| (p.id, p.parameters.clone())), 0, MOST)?;
+    let (mut mounted, used, _) = Mounted::all(effects.iter().map(|p| (p.id, p.parameters.clone())), |_| 0, MOST)?;
     let n = motion.acceleration.len();
     let at = |k: usize, share: f64| {
         let next = (k + 1).min(n - 1);
@@ -56,7 +56,7 @@ pub fn balance<S: Scalar>(
         m.effect.rest(S::from(motion.displacement[0]), &mut y[m.first..m.last]);
     }
     y.iter_mut().zip(states).for_each(|(y, &away)| *y += away);
-    let mut trace = Trace::with_capacity(n);
+    let mut trace = Trace::with_capacity(n, Wanted { load: true, ..Wanted::default() });
     let h = dt / STEPS as f64;
     for k in 0..n {
         let now = at(k, 0.0);

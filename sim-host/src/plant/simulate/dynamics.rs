@@ -13,31 +13,70 @@ pub(in crate::plant) const STATES: usize = 16;
 const DISPLACEMENT: usize = 0;
 /// The servo's state z, or a rigid mass's velocity.
 const SPEED: usize = 1;
+/// Continuous states of a plant whose actuator does not yield.
+const STIFF: usize = 2;
 /// The table's velocity where the actuator yields.
 const TABLE: usize = 2;
 /// Load pressure over area and mass, m/s2, where the oil is compressible.
 const LOAD: usize = 3;
-const FIRST_OF_EFFECTS: usize = 4;
+/// Continuous states of a plant whose actuator yields.
+const YIELDING: usize = 4;
 
 /// Everything that changes during a run.
 #[derive(Debug, Clone)]
-pub(in crate::plant) struct State<S, const M: usize> {
+pub(in crate::plant) struct State<S> {
     /// The controller's command, in its unit.
     pub(in crate::plant) command: S,
     /// The command as the valve sees it during this step.
     pub(in crate::plant) spool: S,
-    time: f64,
-    y: [S; M],
+    pub(super) time: f64,
+    pub(super) y: Vec<S>,
+    /// Where a step does its sums.
+    pub(super) work: Work<S>,
 }
 
-/// What an integration step passes through.
-pub(in crate::plant) struct Passage<S> {
-    /// Motion at its start, after the command's update.
-    pub(super) start: Instant<S>,
-    /// Force per table mass at its start, m/s2.
+/// Where an integration step does its sums, and what it passed through last.
+#[derive(Debug, Clone)]
+pub(super) struct Work<S> {
+    k: [Vec<S>; 4],
+    /// The state half way, after a step that was asked for it.
+    pub(super) moved: Vec<S>,
+    /// The start of the step, after the command's update.
+    pub(super) start: Seen<S>,
+    later: Seen<S>,
+    /// What the valve was asked to let through at each stage, m/s.
+    pub(super) demands: [f64; 4],
+}
+
+/// What the equations imply at one instant.
+#[derive(Debug, Clone)]
+pub(super) struct Seen<S> {
+    /// The motion.
+    pub(super) at: Instant<S>,
+    /// Force per table mass, m/s2.
     pub(super) force: S,
-    /// Sensed and true velocity half way, m/s; none where they were not asked for.
-    pub(super) middle: Option<(S, S)>,
+    /// What the valve is asked to let through before its limits, as piston velocity, m/s.
+    demand: f64,
+}
+
+/// A spool's position with what Eq. 7 makes of it.
+struct Opening<S> {
+    spool: S,
+    /// `b1 u`, m/s.
+    direct: S,
+    /// `(b0 - b1 a1) u`, m/s2.
+    driven: S,
+}
+
+/// Which side of its limits the flow is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Regime {
+    /// Between them.
+    Free,
+    /// Held at the positive one.
+    Positive,
+    /// Held at the negative one.
+    Negative,
 }
 
 /// One effect in place.
@@ -50,11 +89,11 @@ pub(super) struct Mounted<S> {
 }
 
 impl<S: Scalar> Mounted<S> {
-    /// Puts effects in place, their states from index `first` on; gives them, the end of their states and how the
-    /// actuator yields.
+    /// Puts effects in place, their states from an index on that follows from how the actuator yields; gives them, the
+    /// end of their states and how the actuator yields.
     pub(super) fn all(
         effects: impl Iterator<Item = (&'static str, Vec<S>)>,
-        mut first: usize,
+        first: impl Fn(&Compliance<S>) -> usize,
         most: usize,
     ) -> Result<(Vec<Self>, usize, Compliance<S>), SimulateError> {
         let mut compliance = Compliance { oil: None, leakage: None, stall_acceleration: None };
@@ -63,47 +102,49 @@ impl<S: Scalar> Mounted<S> {
             let unknown = || SimulateError::UnknownEffect { id: id.to_owned(), count: parameters.len() };
             let effect = build(id, &parameters).ok_or_else(unknown)?;
             effect.yields(&mut compliance);
-            let last = first + effect.states();
-            mounted.push(Self { hooks: effect.hooks(), effect, first, last });
-            first = last;
+            mounted.push(Self { hooks: effect.hooks(), effect, first: 0, last: 0 });
         }
-        if first > most {
-            Err(SimulateError::TooManyStates { states: first })
-        } else {
-            Ok((mounted, first, compliance))
+        let mut end = first(&compliance);
+        for m in &mut mounted {
+            (m.first, m.last) = (end, end + m.effect.states());
+            end = m.last;
         }
+        if end > most { Err(SimulateError::TooManyStates { states: end }) } else { Ok((mounted, end, compliance)) }
     }
 }
 
-/// A plant ready to run, with `M` continuous states.
+/// A plant ready to run.
 #[derive(Debug)]
-pub(in crate::plant) struct Dynamics<S, const M: usize> {
+pub(in crate::plant) struct Dynamics<S> {
     baseline: Baseline<S>,
     mounted: Vec<Mounted<S>>,
+    /// The hooks that any of them uses.
+    pub(super) any: Hooks,
     compliance: Compliance<S>,
     yields: bool,
     velocity_limit: S,
-    used: usize,
+    /// `b0 - b1 a1` of a servo, 1/s2.
+    lagged: S,
+    /// Continuous states.
+    pub(super) used: usize,
+    /// Where set, the flow is taken to be on this side of its limits whatever is asked of it.
+    pub(super) forced: Option<Regime>,
 }
 
-/// Continuous states of a plant with these effects.
-pub(super) fn states_of<S: Scalar>(effects: &[Placed<S>]) -> usize {
-    let of = |p: &Placed<S>| build(p.id, &p.parameters).map_or(0, |effect| effect.states());
-    FIRST_OF_EFFECTS + effects.iter().map(of).sum::<usize>()
-}
-
-impl<S: Scalar, const M: usize> Dynamics<S, M> {
+impl<S: Scalar> Dynamics<S> {
     pub(in crate::plant) fn new(baseline: &Baseline<S>, effects: &[Placed<S>]) -> Result<Self, SimulateError> {
         let placed = effects.iter().map(|placed| (placed.id, per_mass(baseline, placed)));
-        let (mounted, first, compliance) = Mounted::all(placed, FIRST_OF_EFFECTS, M)?;
-        let velocity_limit = match *baseline {
-            Baseline::Servo { velocity_limit, .. } => velocity_limit,
-            Baseline::RigidMass { .. } => S::from(1.0),
+        let yields = |c: &Compliance<S>| c.oil.is_some() || c.leakage.is_some() || c.stall_acceleration.is_some();
+        let first = |c: &Compliance<S>| if yields(c) { YIELDING } else { STIFF };
+        let (mounted, used, compliance) = Mounted::all(placed, first, STATES)?;
+        let (velocity_limit, lagged) = match *baseline {
+            Baseline::Servo { velocity_limit, b1, b0, a1 } => (velocity_limit, b0 - b1 * a1),
+            Baseline::RigidMass { .. } => (S::from(1.0), S::from(0.0)),
             Baseline::ForceBalance { .. } => return Err(SimulateError::NoLoop),
         };
-        let yields =
-            compliance.oil.is_some() || compliance.leakage.is_some() || compliance.stall_acceleration.is_some();
-        Ok(Self { baseline: *baseline, mounted, compliance, yields, velocity_limit, used: first })
+        let any = mounted.iter().fold(Hooks::default(), |any, m| any.or(m.hooks));
+        let (yields, forced) = (yields(&compliance), None);
+        Ok(Self { baseline: *baseline, mounted, any, compliance, yields, velocity_limit, lagged, used, forced })
     }
 
     /// Tells the effects what noise (unit of u) the loop puts on the command.
@@ -112,16 +153,33 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
     }
 
     /// The state a run starts from.
-    pub(in crate::plant) fn rest(&self, start: &Start<S>) -> State<S, M> {
-        let mut y = [S::from(0.0); M];
+    pub(in crate::plant) fn rest(&self, start: &Start<S>) -> State<S> {
+        let mut y = vec![S::from(0.0); self.used];
         y[DISPLACEMENT] = start.displacement;
         y[SPEED] = start.velocity;
-        y[TABLE] = start.velocity;
+        if self.yields {
+            y[TABLE] = start.velocity;
+        }
         for m in &self.mounted {
             m.effect.rest(start.displacement, &mut y[m.first..m.last]);
         }
-        y.iter_mut().skip(FIRST_OF_EFFECTS).zip(&start.states).for_each(|(y, &away)| *y += away);
-        State { command: S::from(0.0), spool: S::from(0.0), time: 0.0, y }
+        let first = if self.yields { YIELDING } else { STIFF };
+        y.iter_mut().skip(first).zip(&start.states).for_each(|(y, &away)| *y += away);
+        State { command: S::from(0.0), spool: S::from(0.0), time: 0.0, work: self.work(), y }
+    }
+
+    fn work(&self) -> Work<S> {
+        let (zero, states) = (S::from(0.0), vec![S::from(0.0); self.used]);
+        let at = Instant {
+            time: 0.0,
+            displacement: zero,
+            velocity: zero,
+            sensed_velocity: zero,
+            velocity_limit: self.velocity_limit,
+        };
+        let seen = Seen { at, force: zero, demand: 0.0 };
+        let k = std::array::from_fn(|_| states.clone());
+        Work { k, moved: states, start: seen.clone(), later: seen, demands: [0.0; 4] }
     }
 
     /// The fastest rate among the effects' equations, 1/s: what the integration step has to resolve.
@@ -137,147 +195,258 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
         self.mounted.iter().any(|m| m.hooks.after && m.hooks.velocity)
     }
 
+    /// True where a step's equations are linear as long as the flow stays on one side of its limits.
+    pub(super) fn is_linear(&self) -> bool {
+        // A sensor behind lost motion follows it with a share that changes from step to step.
+        let shared = self.whole_steps() && self.mounted.iter().any(|m| m.hooks.follow && m.hooks.velocity);
+        self.mounted.iter().all(|m| m.hooks.linear) && self.compliance.stall_acceleration.is_none() && !shared
+    }
+
     /// Takes the command through what has memory, for a step of `h` seconds.
-    pub(in crate::plant) fn begin_step(&mut self, state: &mut State<S, M>, h: f64) {
+    pub(in crate::plant) fn begin_step(&mut self, state: &mut State<S>, h: f64) {
         state.spool = state.command;
         for m in self.mounted.iter_mut().filter(|m| m.hooks.command) {
             state.spool = m.effect.command(state.spool, h);
         }
     }
 
-    /// Advances the state by `h` seconds with the classical fourth-order rule; half way by its dense output.
-    pub(in crate::plant) fn advance(&mut self, state: &mut State<S, M>, h: f64, middle: bool) -> Passage<S> {
+    /// Advances the state by `h` seconds.
+    pub(in crate::plant) fn advance(&mut self, state: &mut State<S>, h: f64) {
+        self.integrate(state, h, false);
+        self.settle(state);
+    }
+
+    /// Tells what has memory of the displacement that a step reached.
+    pub(super) fn settle(&mut self, state: &State<S>) {
+        for m in self.mounted.iter_mut().filter(|m| m.hooks.after) {
+            m.effect.after(state.y[DISPLACEMENT]);
+        }
+    }
+
+    /// The classical fourth-order rule over `h` seconds; half way by its dense output.
+    pub(super) fn integrate(&self, state: &mut State<S>, h: f64, middle: bool) {
         let n = self.used;
-        let zero = [S::from(0.0); M];
-        let (mut k1, mut k2, mut k3, mut k4, mut moved) = (zero, zero, zero, zero, state.y);
-        let y = &mut state.y;
-        let shift = |moved: &mut [S; M], y: &[S; M], rate: &[S; M], scale: f64| {
-            for i in 0..n {
-                moved[i] = y[i] + rate[i] * scale;
-            }
-        };
-        let (t, u) = (state.time, state.spool);
-        let (start, force) = self.rates(t, u, y, h, &mut k1);
-        shift(&mut moved, y, &k1, 0.5 * h);
-        self.rates(t + 0.5 * h, u, &moved, h, &mut k2);
-        shift(&mut moved, y, &k2, 0.5 * h);
-        self.rates(t + 0.5 * h, u, &moved, h, &mut k3);
-        shift(&mut moved, y, &k3, h);
-        self.rates(t + h, u, &moved, h, &mut k4);
-        let middle = middle.then(|| {
+        let State { spool, time, y, work, .. } = state;
+        let Work { k: [k1, k2, k3, k4], moved, start, later, demands } = work;
+        let (t, opening) = (*time, self.opening(*spool));
+        self.rates(t, &opening, y, h, k1, start);
+        shifted(moved, y, k1, 0.5 * h);
+        self.rates(t + 0.5 * h, &opening, moved, h, k2, later);
+        demands[1] = later.demand;
+        shifted(moved, y, k2, 0.5 * h);
+        self.rates(t + 0.5 * h, &opening, moved, h, k3, later);
+        demands[2] = later.demand;
+        shifted(moved, y, k3, h);
+        self.rates(t + h, &opening, moved, h, k4, later);
+        (demands[0], demands[3]) = (start.demand, later.demand);
+        let (k1, k2, k3, k4, y) = (&k1[..n], &k2[..n], &k3[..n], &k4[..n], &mut y[..n]);
+        if middle {
+            let moved = &mut moved[..n];
             for i in 0..n {
                 moved[i] = y[i] + (k1[i] * 5.0 + (k2[i] + k3[i]) * 4.0 - k4[i]) * (h / 24.0);
             }
-            self.velocities_at(t + 0.5 * h, u, &moved, h)
-        });
+        }
         for i in 0..n {
             y[i] += (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0);
         }
-        state.time += h;
-        let displacement = state.y[DISPLACEMENT];
-        for m in self.mounted.iter_mut().filter(|m| m.hooks.after) {
-            m.effect.after(displacement);
-        }
-        Passage { start, force, middle }
+        *time += h;
     }
 
     /// The velocity whose difference the accelerometer shows, and the table's own.
-    pub(super) fn velocities(&self, state: &State<S, M>, h: f64) -> (S, S) {
-        self.velocities_at(state.time, state.spool, &state.y, h)
+    pub(super) fn velocities(&self, state: &State<S>) -> (S, S) {
+        self.velocities_at(state.time, state.spool, &state.y)
     }
 
-    fn velocities_at(&self, time: f64, command: S, y: &[S; M], h: f64) -> (S, S) {
-        let motion = self.rates(time, command, y, h, &mut [S::from(0.0); M]).0;
-        let mut sensed = motion.velocity;
+    /// The same at a time in the past, s, whose state was left in [`Work::moved`].
+    pub(super) fn velocities_halfway(&self, state: &State<S>, time: f64) -> (S, S) {
+        self.velocities_at(time, state.spool, &state.work.moved)
+    }
+
+    fn velocities_at(&self, time: f64, spool: S, y: &[S]) -> (S, S) {
+        let velocity = self.velocity_at(time, spool, y);
+        let mut sensed = velocity;
         for m in self.mounted.iter().filter(|m| m.hooks.velocity) {
             sensed = m.effect.sense_velocity(sensed, &y[m.first..m.last]);
         }
-        (sensed, motion.velocity)
+        (sensed, velocity)
     }
 
-    pub(in crate::plant) fn sense_displacement(&self, state: &State<S, M>) -> S {
-        self.mounted
-            .iter()
-            .filter(|m| m.hooks.displacement)
-            .fold(state.y[DISPLACEMENT], |x, m| m.effect.sense_displacement(x, &state.y[m.first..m.last]))
+    /// The motion at the start of a step, after the command's update; forces are left out.
+    pub(super) fn instant(&self, state: &State<S>) -> Instant<S> {
+        let (sensed_velocity, velocity) = self.velocities(state);
+        let (time, displacement) = (state.time, state.y[DISPLACEMENT]);
+        Instant { time, displacement, velocity, sensed_velocity, velocity_limit: self.velocity_limit }
     }
 
-    pub(super) fn sense_acceleration(&self, mean: S, at: &Instant<S>) -> S {
-        self.mounted.iter().filter(|m| m.hooks.acceleration).fold(mean, |a, m| m.effect.sense_acceleration(a, at))
+    /// The force per table mass at this instant, m/s2.
+    pub(super) fn force_now(&self, state: &mut State<S>, h: f64) -> S {
+        let State { spool, time, y, work, .. } = state;
+        self.rates(*time, &self.opening(*spool), y, h, &mut work.k[0], &mut work.later);
+        work.later.force
     }
 
-    pub(in crate::plant) fn supply_pressure(&self, state: &State<S, M>) -> Option<S> {
+    pub(in crate::plant) fn sense_displacement(&self, state: &State<S>) -> S {
+        let mut shown = state.y[DISPLACEMENT];
+        for m in self.mounted.iter().filter(|m| m.hooks.displacement) {
+            shown = m.effect.sense_displacement(shown, &state.y[m.first..m.last]);
+        }
+        shown
+    }
+
+    pub(super) fn sense_acceleration(&self, mut mean: S, at: &Instant<S>) -> S {
+        for m in self.mounted.iter().filter(|m| m.hooks.acceleration) {
+            mean = m.effect.sense_acceleration(mean, at);
+        }
+        mean
+    }
+
+    pub(in crate::plant) fn supply_pressure(&self, state: &State<S>) -> Option<S> {
         self.mounted.iter().find_map(|m| m.effect.supply_pressure(&state.y[m.first..m.last]))
     }
 
-    /// Derivatives of every state into `dy`; the motion and the force (m/s2) they imply.
-    fn rates(&self, time: f64, command: S, y: &[S; M], h: f64, dy: &mut [S; M]) -> (Instant<S>, S) {
-        let mut spool = command;
-        for m in self.mounted.iter().filter(|m| m.hooks.valve) {
-            spool = m.effect.valve(spool, &y[m.first..m.last], &mut dy[m.first..m.last]);
+    fn opening(&self, spool: S) -> Opening<S> {
+        match self.baseline {
+            Baseline::Servo { b1, .. } => Opening { spool, direct: b1 * spool, driven: self.lagged * spool },
+            _ => Opening { spool, direct: S::from(0.0), driven: S::from(0.0) },
         }
-        let mut at = Instant {
+    }
+
+    /// Derivatives of every state into `dy`; the motion and the force they imply into `seen`.
+    fn rates(&self, time: f64, opening: &Opening<S>, y: &[S], h: f64, dy: &mut [S], seen: &mut Seen<S>) {
+        let hooked;
+        let mut opening = opening;
+        if self.any.valve {
+            let mut spool = opening.spool;
+            for m in self.mounted.iter().filter(|m| m.hooks.valve) {
+                spool = m.effect.valve(spool, &y[m.first..m.last], &mut dy[m.first..m.last]);
+            }
+            hooked = self.opening(spool);
+            opening = &hooked;
+        }
+        let Seen { at, force, demand } = seen;
+        (at.time, at.displacement, at.velocity) = (time, y[DISPLACEMENT], y[SPEED]);
+        let flow = match self.baseline {
+            Baseline::Servo { .. } => self.flow(at, y[SPEED] + opening.direct, y, demand),
+            _ => y[SPEED],
+        };
+        at.velocity = if self.yields { y[TABLE] } else { flow };
+        *force = S::from(0.0);
+        for m in self.mounted.iter().filter(|m| m.hooks.force) {
+            *force += m.effect.force(at, &y[m.first..m.last], &mut dy[m.first..m.last]);
+        }
+        at.sensed_velocity = at.velocity;
+        for m in self.mounted.iter().filter(|m| m.hooks.follow || m.hooks.velocity) {
+            m.effect.follow(at, &y[m.first..m.last], &mut dy[m.first..m.last]);
+            at.sensed_velocity = m.effect.sense_velocity(at.sensed_velocity, &y[m.first..m.last]);
+        }
+        dy[DISPLACEMENT] = at.velocity;
+        dy[SPEED] = match self.baseline {
+            Baseline::Servo { a1, .. } => opening.driven - a1 * y[SPEED],
+            Baseline::RigidMass { mass, viscous, gain } => (gain * opening.spool - viscous * y[SPEED]) / mass,
+            Baseline::ForceBalance { .. } => S::from(0.0),
+        };
+        if self.any.force {
+            dy[SPEED] -= *force;
+        }
+        if self.yields {
+            self.yielding(flow, *force, y, dy, h);
+        }
+    }
+
+    /// The table's velocity at an instant, m/s.
+    fn velocity_at(&self, time: f64, spool: S, y: &[S]) -> S {
+        if self.yields { y[TABLE] } else { self.flow_at(time, spool, y) }
+    }
+
+    /// The velocity that the flow alone would give at an instant, m/s.
+    fn flow_at(&self, time: f64, mut spool: S, y: &[S]) -> S {
+        let Baseline::Servo { b1, .. } = self.baseline else { return y[SPEED] };
+        if self.any.valve {
+            let mut scratch = [S::from(0.0); STATES];
+            for m in self.mounted.iter().filter(|m| m.hooks.valve) {
+                spool = m.effect.valve(spool, &y[m.first..m.last], &mut scratch[m.first..m.last]);
+            }
+        }
+        let at = Instant {
             time,
             displacement: y[DISPLACEMENT],
             velocity: y[SPEED],
             sensed_velocity: S::from(0.0),
             velocity_limit: self.velocity_limit,
         };
-        let flow = match self.baseline {
-            Baseline::Servo { b1, .. } => self.flow(&at, y[SPEED] + b1 * spool, y),
-            _ => y[SPEED],
-        };
-        at.velocity = if self.yields { y[TABLE] } else { flow };
-        let mut force = S::from(0.0);
-        for m in self.mounted.iter().filter(|m| m.hooks.force) {
-            force += m.effect.force(&at, &y[m.first..m.last], &mut dy[m.first..m.last]);
-        }
-        at.sensed_velocity = at.velocity;
-        for m in self.mounted.iter().filter(|m| m.hooks.follow || m.hooks.velocity) {
-            m.effect.follow(&at, &y[m.first..m.last], &mut dy[m.first..m.last]);
-            at.sensed_velocity = m.effect.sense_velocity(at.sensed_velocity, &y[m.first..m.last]);
-        }
-        dy[DISPLACEMENT] = at.velocity;
-        match self.baseline {
-            Baseline::Servo { b1, b0, a1, .. } => {
-                dy[SPEED] = -a1 * y[SPEED] + (b0 - b1 * a1) * spool - force;
-                self.yielding(flow, force, y, dy, h);
-            }
-            Baseline::RigidMass { mass, viscous, gain } => {
-                dy[SPEED] = (gain * spool - viscous * y[SPEED]) / mass - force;
-            }
-            Baseline::ForceBalance { .. } => {}
-        }
-        (at, force)
+        self.flow(&at, y[SPEED] + b1 * spool, y, &mut 0.0)
     }
 
     /// The flow the valve lets through, as piston velocity, for the demand `w`.
-    fn flow(&self, at: &Instant<S>, w: S, y: &[S; M]) -> S {
-        let one = S::from(1.0);
+    fn flow(&self, at: &Instant<S>, w: S, y: &[S], asked: &mut f64) -> S {
         let limit = self.velocity_limit;
+        if !self.any.flow {
+            *asked = w.value();
+            return self.limited(w, (limit.value(), limit.value()), || limit, || limit);
+        }
+        let flow = self.shaped(at, y);
+        let demand = w * flow.gain;
+        *asked = demand.value();
+        let (positive, negative) = (|| flow.positive * flow.limit, || flow.negative * flow.limit);
+        match flow.sharpness {
+            None => {
+                let factor = flow.limit.value();
+                let limits = (flow.positive.value() * factor, flow.negative.value() * factor);
+                self.limited(demand, limits, positive, negative)
+            }
+            Some(n) if demand.value() >= 0.0 => soften(demand, positive(), n),
+            Some(n) => -soften(-demand, negative(), n),
+        }
+    }
+
+    fn shaped(&self, at: &Instant<S>, y: &[S]) -> Flow<S> {
+        let (one, limit) = (S::from(1.0), self.velocity_limit);
         let mut flow = Flow { gain: one, limit: one, positive: limit, negative: limit, sharpness: None };
-        let mut shaped = false;
         for m in self.mounted.iter().filter(|m| m.hooks.flow) {
             m.effect.flow(at, &y[m.first..m.last], &mut flow);
-            shaped = true;
         }
-        if !shaped {
-            return w.clamp(-limit, limit);
+        flow
+    }
+
+    /// A demand held between its limits, whose derivatives are asked for only where they are reached.
+    #[inline]
+    fn limited(&self, demand: S, (high, low): (f64, f64), positive: impl Fn() -> S, negative: impl Fn() -> S) -> S {
+        match self.forced {
+            Some(Regime::Free) => demand,
+            Some(Regime::Positive) => positive(),
+            Some(Regime::Negative) => -negative(),
+            None if demand.value() > high => positive(),
+            None if demand.value() < -low => -negative(),
+            None => demand,
         }
-        let demand = w * flow.gain;
-        let (positive, negative) = (flow.positive * flow.limit, flow.negative * flow.limit);
-        match flow.sharpness {
-            None => demand.clamp(-negative, positive),
-            Some(n) if demand.value() >= 0.0 => soften(demand, positive, n),
-            Some(n) => -soften(-demand, negative, n),
+    }
+
+    /// What the flow may be, m/s, at the start of a run: the lower and the upper limit; infinite for a rigid mass.
+    pub(super) fn limits(&self, state: &State<S>) -> (f64, f64) {
+        if !matches!(self.baseline, Baseline::Servo { .. }) {
+            return (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        let flow = self.shaped(&state.work.start.at, &state.y);
+        (-(flow.negative * flow.limit).value(), (flow.positive * flow.limit).value())
+    }
+
+    /// The states from which velocities follow, and so those that are asked for half way.
+    pub(super) fn behind_velocities(&self) -> Vec<usize> {
+        let of = |wanted: fn(&Hooks) -> bool| {
+            self.mounted.iter().filter(move |m| wanted(&m.hooks)).flat_map(|m| m.first..m.last)
+        };
+        let sensing = of(|hooks| hooks.velocity);
+        if self.yields {
+            sensing.chain([TABLE]).collect()
+        } else if self.any.flow {
+            (0..self.used).collect()
+        } else {
+            sensing.chain(of(|hooks| hooks.valve)).chain([SPEED]).collect()
         }
     }
 
     /// Velocity and load of an actuator that yields, driven by `flow`.
-    fn yielding(&self, flow: S, force: S, y: &[S; M], dy: &mut [S; M], h: f64) {
-        if !self.yields {
-            return;
-        }
+    fn yielding(&self, flow: S, force: S, y: &[S], dy: &mut [S], h: f64) {
         let (velocity, load) = (y[TABLE], y[LOAD]);
         let leakage = self.compliance.leakage.unwrap_or(S::from(0.0));
         if let Some((stiffness, damping)) = self.compliance.oil {
@@ -294,7 +463,18 @@ impl<S: Scalar, const M: usize> Dynamics<S, M> {
             time_constant += flow * flow / (stall * sum);
         }
         let shortest = S::from(h / 1.4);
+        dy[LOAD] = S::from(0.0);
         dy[TABLE] = (flow - velocity) / time_constant.max(shortest) - force;
+    }
+}
+
+/// `y + rate scale` into `moved`.
+#[inline]
+fn shifted<S: Scalar>(moved: &mut [S], y: &[S], rate: &[S], scale: f64) {
+    let n = moved.len();
+    let (y, rate) = (&y[..n], &rate[..n]);
+    for i in 0..n {
+        moved[i] = y[i] + rate[i] * scale;
     }
 }
 

@@ -34,6 +34,7 @@ fn run<S: Scalar>(effects: &[Placed<S>]) -> Trace<S> {
         law: Law::Pi { kp: 6.0, ki: 1.0 },
         sensor_noise: 1e-5,
         sharp: false,
+        wanted: Wanted::ALL,
     };
     let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
     simulate(&paper(), effects, &drive, &start).unwrap()
@@ -74,13 +75,75 @@ fn sensitivities_are_those_of_the_simulation() {
     assert!(worst.is_empty(), "{worst:#?}");
 }
 
+/// Matrices are a short way through the same rule: values and derivatives are the same but for rounding, in the free
+/// stretches and at the limit.
+#[test]
+fn matrices_give_what_the_rule_gives() {
+    let input = reference(1200);
+    let sets = ENTRIES.iter().filter(|e| e.kinds.contains(&Kind::Servo)).map(|e| vec![*e]);
+    let pair = |a: &str, b: &str| vec![entry(a).unwrap(), entry(b).unwrap()];
+    let more = [vec![], pair("oil_compliance", "payload_resonance"), pair("command_delay", "valve_lag")];
+    for (set, ticks) in sets.chain(more).flat_map(|set| [(set.clone(), 1), (set, 2)]) {
+        let mut lane = 2;
+        let mut parameters = |entry: &'static crate::plant::effects::Entry| {
+            let start = Start0::start(entry, 0, &YARDSTICKS).unwrap();
+            let variable = |v: &crate::identify::model::Value| {
+                lane += 1;
+                Dual::<8>::variable(1.037 * v.value, lane)
+            };
+            Placed { id: entry.id, parameters: start.values.iter().map(variable).collect() }
+        };
+        let effects: Vec<Placed<Dual<8>>> = set.iter().map(|entry| parameters(entry)).collect();
+        let model = Baseline::Servo {
+            b1: 0.69.into(),
+            b0: Dual::variable(138.0, 0),
+            a1: Dual::variable(57.65, 1),
+            velocity_limit: Dual::variable(0.242, 2),
+        };
+        let law = Law::Pi { kp: 6.0, ki: 1.0 };
+        let drive = Drive {
+            dt: DT,
+            ticks,
+            input: &input,
+            added: &[],
+            law,
+            sensor_noise: 1e-5,
+            sharp: false,
+            wanted: Wanted::ALL,
+        };
+        let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
+        let [short, long] = [true, false]
+            .map(|matrices| super::run(Dynamics::new(&model, &effects).unwrap(), &drive, &start, matrices));
+        let series = |t: &Trace<Dual<8>>| [&t.displacement, &t.velocity, &t.acceleration, &t.load].map(Clone::clone);
+        for (short, long) in series(&short).iter().zip(&series(&long)) {
+            assert_eq!(short.len(), input.len());
+            for part in 0..=8 {
+                let largest = long.iter().fold(0.0_f64, |m, x| m.max(x.part(part).abs()));
+                for (k, (a, b)) in short.iter().zip(long).enumerate() {
+                    let apart = (a.part(part) - b.part(part)).abs();
+                    let ids: Vec<_> = set.iter().map(|e| e.id).collect();
+                    assert!(apart <= 1e-9 * largest, "{ids:?}, part {part} at {k}: {a:?} {b:?}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn without_effects_it_is_the_papers_plant() {
     // The exact solution of one step: z settles as one exponential, x is its integral.
     let (b1, b0, a1, u) = (0.69, 138.0, 57.65, 0.05);
     let input = vec![u; 200];
-    let drive =
-        Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Recorded, sensor_noise: 0.0, sharp: true };
+    let drive = Drive {
+        dt: DT,
+        ticks: 1,
+        input: &input,
+        added: &[],
+        law: Law::Recorded,
+        sensor_noise: 0.0,
+        sharp: true,
+        wanted: Wanted::ALL,
+    };
     let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
     let trace = simulate::<f64>(&paper(), &[], &drive, &start).unwrap();
     let settled = (b0 - b1 * a1) * u / a1;
@@ -95,8 +158,16 @@ fn without_effects_it_is_the_papers_plant() {
 #[test]
 fn an_unknown_effect_is_refused_by_name() {
     let effects = [Placed { id: "phlogiston", parameters: vec![1.0] }];
-    let drive =
-        Drive { dt: DT, ticks: 1, input: &[0.0], added: &[], law: Law::Recorded, sensor_noise: 0.0, sharp: true };
+    let drive = Drive {
+        dt: DT,
+        ticks: 1,
+        input: &[0.0],
+        added: &[],
+        law: Law::Recorded,
+        sensor_noise: 0.0,
+        sharp: true,
+        wanted: Wanted::ALL,
+    };
     let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
     let refused = simulate::<f64>(&paper(), &effects, &drive, &start);
     assert!(matches!(refused, Err(SimulateError::UnknownEffect { id, count: 1 }) if id == "phlogiston"));

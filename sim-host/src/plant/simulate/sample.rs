@@ -1,0 +1,137 @@
+//! The integration steps between one sample and the next, and the motion that the sample's sensors see of them.
+
+use super::dynamics::{Dynamics, State};
+use super::linear::Linear;
+use super::{Drive, Trace, Wanted};
+use crate::plant::effects::Instant;
+use crate::scalar::Scalar;
+
+/// The way from one sample to the next.
+#[derive(Debug)]
+pub(super) struct Sample<S> {
+    /// Integration steps in a controller tick.
+    steps: usize,
+    /// Integration steps in a sample.
+    total: usize,
+    /// Length of a step, s.
+    h: f64,
+    linear: Option<Linear<S>>,
+    /// The spool's position in each step of a tick.
+    spools: Vec<S>,
+    /// Whether the motion at the sample itself is asked for, and the force there.
+    asked: (bool, bool),
+    start: Option<(Instant<S>, S)>,
+    /// Sensed and true velocity in the middle of the sample before, m/s, and of this one.
+    before: (S, S),
+    middle: (S, S),
+}
+
+impl<S: Scalar> Sample<S> {
+    /// From a state of rest; `matrices` lets linear stretches be taken by [`Linear`].
+    pub(super) fn new(
+        dynamics: &mut Dynamics<S>,
+        rest: &State<S>,
+        drive: &Drive,
+        steps: usize,
+        matrices: bool,
+    ) -> Self {
+        let total = drive.ticks * steps;
+        let h = drive.dt / total as f64;
+        // What has memory of the displacement is told of every step.
+        let span = if drive.ticks == 1 && !dynamics.any.after { total } else { 1 };
+        let linear = if matrices { Linear::of(dynamics, rest, h, span) } else { None };
+        let moves = drive.wanted.velocity || (drive.wanted.acceleration && dynamics.any.acceleration);
+        let velocities = dynamics.velocities(rest);
+        Self {
+            steps,
+            total,
+            h,
+            linear,
+            spools: vec![S::from(0.0); steps],
+            asked: (moves || drive.wanted.load, drive.wanted.load),
+            start: None,
+            before: velocities,
+            middle: velocities,
+        }
+    }
+
+    /// Moves on by one controller tick, the `number`-th of its sample, under the command that the state holds.
+    pub(super) fn tick(&mut self, dynamics: &mut Dynamics<S>, state: &mut State<S>, number: usize) {
+        for i in 0..self.steps {
+            dynamics.begin_step(state, self.h);
+            self.spools[i] = state.spool;
+        }
+        if let Some(linear) = &mut self.linear
+            && linear.span() > 1
+            && linear.holds(state, &self.spools)
+        {
+            state.spool = self.spools[0];
+            self.start = noted(dynamics, state, self.asked, self.h);
+            state.spool = self.spools[(self.total - 1) / 2];
+            let middle = state.time + 0.5 * self.h * self.total as f64;
+            linear.advance(state, self.h, true);
+            self.middle = dynamics.velocities_halfway(state, middle);
+            return;
+        }
+        for i in 0..self.steps {
+            state.spool = self.spools[i];
+            self.step(dynamics, state, number * self.steps + i);
+        }
+    }
+
+    /// One integration step, the `number`-th of its sample.
+    fn step(&mut self, dynamics: &mut Dynamics<S>, state: &mut State<S>, number: usize) {
+        let (halfway, middle) = (2 * number + 1 == self.total, state.time + 0.5 * self.h);
+        if let Some(linear) = &mut self.linear
+            && linear.span() == 1
+            && linear.holds(state, std::slice::from_ref(&state.spool.clone()))
+        {
+            if number == 0 {
+                self.start = noted(dynamics, state, self.asked, self.h);
+            }
+            linear.advance(state, self.h, halfway);
+        } else {
+            dynamics.integrate(state, self.h, halfway);
+            if number == 0 && self.asked.0 {
+                self.start = Some((state.work.start.at, state.work.start.force));
+            }
+        }
+        if halfway {
+            self.middle = dynamics.velocities_halfway(state, middle);
+        }
+        dynamics.settle(state);
+        if 2 * (number + 1) == self.total {
+            self.middle = dynamics.velocities(state);
+        }
+    }
+
+    /// What the sensors of motion show at this sample.
+    pub(super) fn push(&mut self, dynamics: &Dynamics<S>, wanted: Wanted, dt: f64, trace: &mut Trace<S>) {
+        if wanted.acceleration {
+            let mean = (self.middle.0 - self.before.0) / dt;
+            trace.acceleration.push(self.start.map_or(mean, |(at, _)| dynamics.sense_acceleration(mean, &at)));
+        }
+        if let Some((at, force)) = &self.start {
+            if wanted.velocity {
+                trace.velocity.push(at.velocity);
+            }
+            if wanted.load {
+                trace.load.push((self.middle.1 - self.before.1) / dt + *force);
+            }
+        }
+        self.before = self.middle;
+    }
+}
+
+/// Motion and force at the start of a step, where they are asked for.
+fn noted<S: Scalar>(
+    dynamics: &Dynamics<S>,
+    state: &mut State<S>,
+    (motion, force): (bool, bool),
+    h: f64,
+) -> Option<(Instant<S>, S)> {
+    motion.then(|| {
+        let force = if force { dynamics.force_now(state, h) } else { S::from(0.0) };
+        (dynamics.instant(state), force)
+    })
+}
