@@ -9,6 +9,7 @@ pub mod locate;
 mod next_test;
 pub mod remainder;
 pub mod result;
+mod rivals;
 pub mod search;
 
 use crate::identify::data::Run;

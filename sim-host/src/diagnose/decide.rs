@@ -1,6 +1,7 @@
 //! Names what stands: significance on the runs fitted, gain on the runs held back, and at least nine tenths of the
 //! excess explained. What falls short is said to be outside the library.
 
+use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
@@ -21,6 +22,8 @@ const WORTH: f64 = 0.65;
 const NOTICEABLE: f64 = 0.018;
 /// Share of the excess that must be explained for names to be given.
 const EXPLAINED: f64 = 0.9;
+/// The same where an effect fits only at the end of what makes sense for it, which a stranger to the mismatch may do.
+const EXPLAINED_AT_BOUND: f64 = 0.97;
 /// Excess of chi2 that is never called physics: noise is not known better.
 const NEGLIGIBLE: f64 = 0.06;
 /// Share of the misfit that the best model leaves which each parameter of a model has to earn.
@@ -100,6 +103,13 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
         sizes.push(size);
     }
     let after = polished(choose(&before, &sizes), prepared, runs)?;
+    if after.added.is_empty() {
+        return Ok(weigh(before, after, sizes));
+    }
+    let grown = search.grown.get(after.added.len() - 1).map_or(&[][..], Vec::as_slice);
+    let rivals = rivals(prepared, &after.fit, grown)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
+    let (after, rivals) = best_of(after, rivals);
+    sizes.push(rivals);
     Ok(weigh(before, after, sizes))
 }
 
@@ -121,6 +131,15 @@ impl Ranking {
         let parameters: usize = judged.fit.model.values().filter(|v| v.free).count();
         judged.total() + self.parameter * parameters as f64
     }
+}
+
+/// The accepted model, or a rival that does better with no more parameters' worth; and the rest.
+fn best_of(accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
+    let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
+    let ranking = Ranking::new(&all);
+    all.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
+    let best = all.remove(0);
+    (best, all)
 }
 
 /// The accepted model fitted to the end: corners leave a search in hollows that a fresh start of the fit climbs out of.
@@ -160,6 +179,14 @@ fn choose(before: &Judged, sizes: &[Vec<Judged>]) -> Judged {
 fn weigh(before: Judged, mut after: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
     let others = sizes.into_iter().flatten().filter(|c| c.added != after.added);
     let mut candidates: Vec<Judged> = std::iter::once(before.clone()).chain(others).collect();
+    // A set that was fitted twice counts once, at its best.
+    candidates.sort_by(|a, b| a.total().total_cmp(&b.total()));
+    let mut seen: Vec<Vec<&'static str>> = Vec::new();
+    candidates.retain(|c| {
+        let new = !seen.contains(&c.added);
+        seen.push(c.added.clone());
+        new
+    });
     if !after.added.is_empty() {
         candidates.push(after.clone());
     }
@@ -195,12 +222,19 @@ fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
         && held_gain > NOTICEABLE * excess
 }
 
+/// True where an added effect fits only at the end of what makes sense for it.
+fn strained(judged: &Judged) -> bool {
+    let added = judged.fit.model.effects.iter().filter(|p| judged.added.contains(&p.entry.id));
+    added.flat_map(|p| &p.values).any(|v| v.free && (v.value <= v.low * 1.001 || v.value >= v.high * 0.999))
+}
+
 /// Whether what is left lies outside the library, and how probable that is.
 fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
     let excess = before.hold.chi2 - 1.0;
     let left = after.hold.chi2 - 1.0;
     let blur = 3.0 * (2.0 / after.hold.samples.max(1) as f64).sqrt();
-    let allowed = (NEGLIGIBLE + blur).max((1.0 - EXPLAINED) * excess);
+    let explained = if strained(after) { EXPLAINED_AT_BOUND } else { EXPLAINED };
+    let allowed = (NEGLIGIBLE + blur).max((1.0 - explained) * excess);
     let ratio = (left / allowed).max(1e-3);
     (left > allowed, 1.0 / (1.0 + (-3.0 * ratio.ln()).exp()) * if ratio < 0.3 { 0.5 } else { 1.0 })
 }
