@@ -6,6 +6,7 @@ use super::search::{CHANCE, Search};
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::{Score, gains, score};
+use crate::identify::model::Value;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -14,6 +15,8 @@ use rayon::prelude::*;
 const JUDGED: usize = 6;
 /// Gain of squares on the runs held back that chance does not give a model fitted elsewhere.
 const SURE: f64 = 16.0;
+/// Gain there that needs no other on the runs fitted.
+const OVERWHELMING: f64 = 600.0;
 /// Most of that gain that blocks may lose elsewhere.
 const LOST: f64 = 0.5;
 /// Share of what was left that one more effect must take away.
@@ -215,17 +218,21 @@ fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
     let (better, worse) = gains(&present.hold.blocks, &larger.hold.blocks);
     // Where little is left its colour is the noise's own; a misfit's colour is no noise.
     let colour = if larger.hold.chi2 < 1.3 { larger.hold.colour } else { 1.0 };
-    gained > (CHANCE + 4.0 * added) * colour
+    // What values far from those stated hide on the runs fitted shows on those held back.
+    let shown_there = gained > -CHANCE && better - worse > OVERWHELMING * colour;
+    (gained > (CHANCE + 4.0 * added) * colour || shown_there)
         && better - worse > SURE * colour
         && worse < LOST * better
         && (present.added.is_empty() || held_gain > (WORTH * left).max(LEAST_GAIN))
         && held_gain > NOTICEABLE * excess
 }
 
-/// True where an added effect fits only at the end of what makes sense for it.
+/// True where an added effect fits only with as much of it as makes sense. The other ends mean something: little of an
+/// effect is none of it, a short travel before sliding a rigid contact, a large exponent a hard corner.
 fn strained(judged: &Judged) -> bool {
     let added = judged.fit.model.effects.iter().filter(|p| judged.added.contains(&p.entry.id));
-    added.flat_map(|p| &p.values).any(|v| v.free && (v.value <= v.low * 1.001 || v.value >= v.high * 0.999))
+    let exponent = |v: &Value| v.low >= 1.0 && v.high <= 1e3;
+    added.flat_map(|p| &p.values).any(|v| v.free && v.positive && !exponent(v) && v.value >= v.high * 0.999)
 }
 
 /// Whether what is left lies outside the library, and how probable that is.

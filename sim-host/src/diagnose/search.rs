@@ -7,7 +7,7 @@ use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::score;
 use crate::identify::model::{Model, Placed, Yardsticks};
 use crate::identify::prepare::{Prepared, candidates};
-use crate::identify::stated::{fit_near, fit_stated};
+use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -53,7 +53,9 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     let mut parents = vec![search.baseline.clone()];
     // A refit bends a model far from the truth to hide what is missing: then values near those stated are a second start.
     if !explains(&search.baseline) {
-        parents.extend(fit_near(prepared, &search.baseline)?);
+        parents.extend(fit_from_near(prepared, &search.baseline)?);
+    } else if !foresees(prepared, &search.baseline, &search.baseline)? {
+        parents = fit_near(prepared, &search.baseline)?.map_or(parents, |near| vec![near]);
     }
     if parents.len() == 1 && search.baseline.chi2() > BENT {
         parents.push(Fit::begin(prepared.model.clone(), runs)?);
@@ -65,14 +67,19 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
         eliminate(&mut search.grown, &stated, runs)?;
         swap(&mut search.grown, &stated, runs)?;
         let Some(grown) = search.grown.last() else { break };
-        let (Some(best), Some(parent)) = (grown.first(), parents.first()) else { break };
+        let (Some(best), Some(parent)) = (grown.first(), parents.last()) else { break };
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
-        let settled =
-            gain < CHANCE || explains(best) || (left < SETTLED && foresees(prepared, &search.baseline, best)?);
-        parents = grown.iter().take(BEAM).cloned().collect();
-        if settled {
+        let foreseen = foresees(prepared, &search.baseline, best)?;
+        if gain < CHANCE || (foreseen && (explains(best) || left < SETTLED)) {
             break;
+        }
+        parents = grown.iter().take(BEAM).cloned().collect();
+        if explains(best) {
+            // The runs fitted are explained and those held back are not: values far from what was stated may have taken
+            // in what is missing. Held near, they cannot.
+            let near = parents.iter().map(|fit| fit_near(prepared, fit)).collect::<Result<Vec<_>, _>>()?;
+            parents = near.into_iter().flatten().collect();
         }
     }
     Ok(search)
@@ -187,7 +194,7 @@ fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks)
     let mut fits = promising(fits, &seedlings, singles.is_empty());
     fits.par_iter_mut().try_for_each(|fit| fit.improve(runs, Effort { steps: 2, tolerance: 1e-4 }))?;
     best_of_each_set(&mut fits);
-    let floor = parents.iter().map(|parent| parent.squares).fold(f64::INFINITY, f64::min) - CHANCE;
+    let floor = parents.iter().map(|parent| parent.squares).fold(f64::NEG_INFINITY, f64::max) - CHANCE;
     if fits.first().is_some_and(|best| best.squares > floor && best.promised() > floor) {
         return Ok(fits);
     }

@@ -52,8 +52,8 @@ pub fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
     Ok(fit)
 }
 
-/// The stated model fitted with no value further than a quarter from what was stated; none where `free` went no further.
-/// A fit far from what was stated bends the model to hide what is missing.
+/// A model fitted with no stated value further than a quarter from what was stated, and held there from now on; none where
+/// `free` went no further. A fit far from what was stated bends the model to hide what is missing.
 pub fn fit_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, SimulateError> {
     let far = |(stated, fitted): (&super::model::Value, &super::model::Value)| {
         stated.free && (fitted.value - stated.value).abs() > FAR * stated.value.abs()
@@ -69,8 +69,16 @@ pub fn fit_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, Simulate
     }
     let mut fit = Fit::resume(near, free.locals.clone(), &prepared.fit)?;
     fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-4 })?;
-    fit.model.own = with_bounds_of(&fit.model, &prepared.model);
     Ok(Some(fit))
+}
+
+/// The same, its values free again to go where the stated model's may.
+pub fn fit_from_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, SimulateError> {
+    let mut near = fit_near(prepared, free)?;
+    if let Some(fit) = &mut near {
+        fit.model.own = with_bounds_of(&fit.model, &prepared.model);
+    }
+    Ok(near)
 }
 
 fn with_bounds_of(model: &Model, other: &Model) -> Vec<super::model::Value> {
