@@ -22,6 +22,7 @@ use rigless::time::VirtualNanos;
 use crate::{ReplayError, World};
 pub use count::{Mark, marks};
 use driver::Lockstep;
+pub use driver::Stack;
 use wire::Wire;
 
 /// Virtual time in which the firmware must start its timer, ms.
@@ -44,8 +45,8 @@ pub struct Ran<W> {
     pub resets: Vec<u64>,
     /// Addresses that the firmware touched and the emulator has nothing at; a list that grows is a new blind spot.
     pub blind_spots: Vec<String>,
-    /// Deepest the stack has been, byte; the firmware paints it at reset.
-    pub stack: u64,
+    /// The stack, which the firmware paints at reset.
+    pub stack: Stack,
     /// What [`follow`] followed.
     pub followed: Vec<u64>,
 }
