@@ -29,7 +29,7 @@ impl Control {
             return self.tick_noticing(inputs, false);
         }
         let outcome = self.decide.tick(inputs);
-        self.act(&outcome);
+        self.act(outcome);
     }
 
     /// The same when the board has something to say.
@@ -43,12 +43,12 @@ impl Control {
             no_sample,
         };
         let outcome = self.decide.tick_with(inputs, events);
-        self.act(&outcome);
+        self.act(outcome);
     }
 
     /// What follows from a tick on the board.
     #[inline(always)]
-    fn act(&mut self, outcome: &Outcome) {
+    fn act(&mut self, outcome: Outcome) {
         let _ = self.converters.write(outcome.output);
         self.pins.set_relay(outcome.relay);
         self.watchdog.feed();

@@ -14,10 +14,7 @@ use crate::board::{
 };
 
 /// Sets everything up. The watchdog runs from here on; the first tick follows one period later.
-pub(crate) fn start(
-    device: pac::Peripherals,
-    queues: &'static mut Queues,
-) -> (Control, &'static mut Link) {
+pub(crate) fn start(device: pac::Peripherals, queues: &'static mut Queues) -> (Control, &'static mut Link) {
     let mut rcc = clock::start(device.RCC);
     let restarted = clock::restarted(&rcc);
     let flash = Flash(LockedFlash::new(device.FLASH));
