@@ -2,6 +2,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
+    clippy::panic,
     clippy::large_types_passed_by_value,
     reason = "tests and their helpers"
 )]
@@ -64,7 +65,7 @@ impl World for Asking {
             }
         }
         self.ticks += 1;
-        if self.ticks % PAUSE != 0 {
+        if !self.ticks.is_multiple_of(PAUSE) {
             return true;
         }
         let Some(question) = self.questions.next() else { return false };
@@ -150,5 +151,4 @@ fn what_is_saved_is_stored_and_the_stack_is_deep_enough_for_it() {
         ref other => panic!("{other:?}"),
     }
     assert!(ran.stack.deepest * 4 <= ran.stack.size * 3, "{:?}", ran.stack);
-    println!("{:?}", ran.stack);
 }

@@ -32,7 +32,8 @@ mod target {
         input.read(&mut bytes)?;
         let (setup, _) = postcard::take_from_bytes::<Setup>(&bytes).ok()?;
         let (loop_end, mut desk) = queues.split();
-        let mut decide = Loop::new(&setup, loop_end, false).ok()?;
+        let decide = cortex_m::singleton!(: Loop<'static> = Loop::wired(&setup, loop_end))?;
+        decide.begin(&setup, false).ok()?;
         let mut bytes = [0; Given::LENGTH];
         while input.read(&mut bytes).is_some() {
             let given = Given::from_bytes(bytes);
