@@ -8,6 +8,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use serde_reflection::{Samples, Tracer, TracerConfig};
+use shakedown_core::Modification;
+use shakedown_core::control::InnerLoop;
 use shakedown_core::guard::{State, Trip};
 use shakedown_core::link::{Cause, RefusedBecause, Report, Request, Source, VERSION};
 use shakedown_core::settings::{Mode, ReferenceRates, VelocitySource};
@@ -20,7 +22,8 @@ fn shape() -> String {
         ($($kind:ty),*) => { $(tracer.trace_type::<$kind>(&samples).unwrap();)* };
     }
     // A type's own enums come first: one hidden in a field is seen with its first variant alone.
-    trace!(State, Trip, Cause, RefusedBecause, Source, Mode, ReferenceRates, VelocitySource, Request, Report);
+    trace!(State, Trip, Cause, RefusedBecause, Source);
+    trace!(Mode, InnerLoop, Modification, ReferenceRates, VelocitySource, Request, Report);
     let registry = tracer.registry().unwrap();
     registry.iter().fold(String::new(), |mut text, (name, format)| {
         let _ = writeln!(text, "{name}: {format:?}");
