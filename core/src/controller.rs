@@ -23,7 +23,7 @@ pub(crate) use {config::Config, track::tracking};
 
 use crate::guard::{Refused, Request, State, Supervisor, Trip};
 use crate::modifier::ModifierState;
-use crate::sample::{Channels, Command, Sample, Status};
+use crate::sample::{Channels, Command, Relay, Sample, Status};
 use crate::scalar::Scalar;
 use crate::settings::{Mode, Settings, SettingsError};
 
@@ -64,26 +64,34 @@ impl Controller {
     /// A controller at rest, if the settings hold. With a guard it is off, and moves nothing before it is armed and
     /// started; without one it runs.
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        let config = Config::new(settings)?;
-        Ok(Self {
+        let mut controller = Self::inert();
+        controller.retune(settings)?;
+        Ok(controller)
+    }
+
+    /// A controller that has no settings yet: it is off, asks for nothing and refuses every request. [`Self::retune`] makes
+    /// it what [`Self::new`] gives, in the place where it lies: a small target has no stack for a second one.
+    pub fn inert() -> Self {
+        let config = Config::none();
+        Self {
             readings: Sample::default(),
             watch: Watch::new(&config),
             law: Law::default(),
-            supervisor: if config.guard.is_some() { Supervisor::off() } else { Supervisor::unguarded() },
+            supervisor: Supervisor::off(),
             blend: Blend::default(),
             anchor: 0.0,
             target: 0.0,
             reference: 0.0,
-            output: config.null_bias,
+            output: 0.0,
             excess: 0.0,
             limited: false,
             blending: false,
             begun: false,
-            tracker: Tracker::new(tracking(settings)?.as_ref()),
+            tracker: Tracker::default(),
             quiet: false,
-            modifier: config.modifier.start(0.0),
+            modifier: ModifierState::Off,
             config,
-        })
+        }
     }
 
     /// Exchanges the settings between two ticks, whole or not at all, while the state goes on. The output does not jump:
@@ -98,7 +106,12 @@ impl Controller {
             }
             (Some(_), None) => self.supervisor = Supervisor::unguarded(),
             (None, Some(_)) => self.supervisor = Supervisor::off(),
+            // Without a guard only a controller that was inert is off.
+            (None, None) if self.supervisor.state() == State::Off => self.supervisor = Supervisor::unguarded(),
             _ => {}
+        }
+        if !self.begun {
+            self.output = config.null_bias;
         }
         self.watch.retune(&config, &self.config);
         self.tracker.retune(law.as_ref(), self.readings.displacement);
@@ -165,6 +178,14 @@ impl Controller {
     /// One tick: measure, decide, command.
     #[inline]
     pub fn step(&mut self, sample: &Sample) -> Command {
+        let missing = self.advance(sample);
+        self.command(missing)
+    }
+
+    /// The first half of [`Self::step`]: the tick itself. Gives the needed inputs that were no believable numbers. A caller
+    /// that reads of the command only what it needs, when it needs it, spares the rest.
+    #[inline]
+    pub fn advance(&mut self, sample: &Sample) -> Channels {
         let missing = self.config.walls.take(sample, &mut self.readings);
         // A test that runs whole, which is where the ticks count, asks no questions; see `go_on` for all of them.
         if self.quiet && missing.is_empty() {
@@ -176,7 +197,7 @@ impl Controller {
             let cause = self.watch(missing);
             self.go_on(missing, cause);
         }
-        self.command(missing)
+        missing
     }
 
     /// The rest of a tick in which something may be missing, fading or blending, or the guard may have found a cause to
@@ -326,8 +347,21 @@ impl Controller {
         self.reference
     }
 
+    /// What goes out after the last tick, m: [`Command::valve`].
     #[inline]
-    fn command(&self, missing: Channels) -> Command {
+    pub const fn valve(&self) -> f32 {
+        self.output
+    }
+
+    /// What the relay of the hydraulic block is to do after the last tick: [`Status::relay`].
+    #[inline]
+    pub const fn relay(&self) -> Relay {
+        self.supervisor.relay()
+    }
+
+    /// The other half of [`Self::step`]: the command, and what happened in the tick that `missing` is from.
+    #[inline]
+    pub fn command(&self, missing: Channels) -> Command {
         Command {
             valve: self.output,
             reference: self.reference,

@@ -5,38 +5,15 @@
 //! board can see.
 
 use shakedown_core::link::{Cause, Record, Setup};
-use shakedown_core::{Command, Controller, Refused, Relay, Request, Sample, State, Trip};
+use shakedown_core::{Channels, Controller, Refused, Relay, Request, Sample, SettingsError, State, Trip};
 
+mod outcome;
+
+pub use outcome::{Events, Outcome};
+
+use crate::output::ZeroFlow;
 use crate::queues::{Entry, LoopEnd, Order, Standing};
 use crate::wires::Wires;
-
-/// What the board noticed since the last tick; the default is nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Events {
-    /// The emergency-stop circuit is open.
-    pub emergency_stop: bool,
-    /// The supply is below its threshold.
-    pub supply_low: bool,
-    /// The last tick was not done when this one began.
-    pub overrun: bool,
-    /// There is no sample: the inputs are those of an earlier tick.
-    pub no_sample: bool,
-}
-
-/// What a tick leaves for the board to do.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
-    /// Output code.
-    pub output: u16,
-    /// Whether the relay of the hydraulic block is closed.
-    pub relay: bool,
-    /// Displacement that was measured, m; no number when it was not.
-    pub displacement: f32,
-    /// There is a new setup.
-    pub new_setup: bool,
-    /// The standing is another than in the last tick.
-    pub changed: bool,
-}
 
 /// Everything that decides the output.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
@@ -55,30 +32,51 @@ pub struct Loop<'a> {
     probe: Option<u16>,
     /// Reference of the last tick, m.
     reference: f32,
+    /// A record of telemetry every so many ticks.
+    every: u16,
     controller: Controller,
-    setup: Setup,
+    /// Control rate, Hz.
+    rate: f32,
+    zero_flow: ZeroFlow,
 }
 
 impl<'a> Loop<'a> {
-    /// A loop around a controller made of `setup`. `restarted` when the last reset was none that anyone asked for: it
-    /// begins tripped.
-    pub fn new(mut controller: Controller, setup: &Setup, queues: LoopEnd<'a>, restarted: bool) -> Self {
-        if restarted {
-            let _ = controller.request(Request::Trip);
-        }
+    /// A loop under `setup`. `restarted` when the last reset was none that anyone asked for: it begins tripped.
+    pub fn new(setup: &Setup, queues: LoopEnd<'a>, restarted: bool) -> Result<Self, SettingsError> {
+        let mut new = Self::wired(setup, queues);
+        new.begin(setup, restarted)?;
+        Ok(new)
+    }
+
+    /// A loop wired as `setup` says that decides nothing before [`Self::begin`]: the half of [`Self::new`] that needs little
+    /// stack.
+    pub fn wired(setup: &Setup, queues: LoopEnd<'a>) -> Self {
         Self {
-            controller,
-            setup: *setup,
+            controller: Controller::inert(),
             wires: Wires::new(setup),
             queues,
             told: u16::MAX,
-            cause: restarted.then_some(Cause::Restarted),
+            cause: None,
             tick: 0,
             until_record: 0,
             dropped: 0,
             probe: None,
             reference: 0.0,
+            every: setup.telemetry_every,
+            rate: setup.control.rate,
+            zero_flow: ZeroFlow::new(setup),
         }
+    }
+
+    /// The other half: works out the control of the same `setup`, in place.
+    #[inline(never)]
+    pub fn begin(&mut self, setup: &Setup, restarted: bool) -> Result<(), SettingsError> {
+        self.controller.retune(&setup.control)?;
+        if restarted {
+            let _ = self.controller.request(Request::Trip);
+            self.cause = Some(Cause::Restarted);
+        }
+        Ok(())
     }
 
     /// Where the test stands and why.
@@ -97,17 +95,24 @@ impl<'a> Loop<'a> {
         (self.tick, self.dropped)
     }
 
-    /// The setup in force.
-    pub const fn setup(&self) -> &Setup {
-        &self.setup
+    /// The control rate in force, Hz.
+    pub const fn rate(&self) -> f32 {
+        self.rate
+    }
+
+    /// What a program that fails is to leave on the output, under the setup in force.
+    pub const fn zero_flow(&self) -> ZeroFlow {
+        self.zero_flow
     }
 
     /// One tick. `inputs` are the codes of reference, displacement, acceleration and existing command.
     #[inline]
     pub fn tick(&mut self, inputs: [u16; 4]) -> Outcome {
-        let new_setup = self.queues.orders.ready() && self.obey();
+        if self.queues.orders.ready() {
+            return self.tick_with(inputs, Events::default());
+        }
         let sample = self.sample(inputs);
-        self.decide(inputs, sample, new_setup)
+        self.decide(inputs, sample, false)
     }
 
     /// The same when the board has noticed something.
@@ -129,25 +134,25 @@ impl<'a> Loop<'a> {
     #[inline(always)]
     fn decide(&mut self, inputs: [u16; 4], sample: Sample, new_setup: bool) -> Outcome {
         self.reference = sample.reference;
-        let command = self.controller.step(&sample);
-        let mut output = self.wires.output.code(command.valve);
+        let missing = self.controller.advance(&sample);
+        let mut output = self.wires.output.code(self.controller.valve());
         if self.probe.is_some() {
             output = self.probed(output);
         }
-        self.report(inputs, &command, output);
+        self.report(inputs, missing, output);
         self.tick = self.tick.wrapping_add(1);
-        let relay = command.status.relay == Relay::Closed;
+        let relay = self.controller.relay() == Relay::Closed;
         let changes = u16::from(self.controller.changes());
         let changed = changes != self.told;
         self.told = changes;
-        Outcome { output, relay, displacement: sample.displacement, new_setup, changed }
+        Outcome { output, relay, new_setup, changed }
     }
 
     /// The probe's code while the test is off, `output` otherwise.
     #[cold]
     fn probed(&self, output: u16) -> u16 {
         match self.probe {
-            Some(code) if self.controller.state() == State::Off => code.min(self.setup.wiring.full_scale),
+            Some(code) if self.controller.state() == State::Off => self.wires.output.nearest(code),
             _ => output,
         }
     }
@@ -211,20 +216,27 @@ impl<'a> Loop<'a> {
     #[inline(never)]
     fn obey(&mut self) -> bool {
         match self.queues.orders.dequeue() {
-            Some(Order::Setup(setup)) => {
-                let taken = self.controller.retune(&setup.control).is_ok();
-                if taken {
-                    self.wires = Wires::new(&setup);
-                    self.setup = setup;
-                    self.until_record = 0;
-                }
-                return taken;
-            }
+            Some(Order::TakeSetup) => return self.take_setup(),
             Some(Order::Ask(request)) => self.ask(request),
             Some(Order::Probe(code)) => self.probe = code,
             None => {}
         }
         false
+    }
+
+    /// Takes the setup that waits, from where it lies: a copy would cost the stack.
+    #[inline(never)]
+    fn take_setup(&mut self) -> bool {
+        let Some(setup) = self.queues.setups.peek() else { return false };
+        let taken = self.controller.retune(&setup.control).is_ok();
+        if taken {
+            self.wires = Wires::new(setup);
+            (self.every, self.rate) = (setup.telemetry_every, setup.control.rate);
+            self.zero_flow = ZeroFlow::new(setup);
+            self.until_record = 0;
+        }
+        self.queues.setups.dequeue();
+        taken
     }
 
     fn ask(&mut self, request: Request) {
@@ -244,15 +256,16 @@ impl<'a> Loop<'a> {
 
     /// Telemetry, every so many ticks.
     #[inline]
-    fn report(&mut self, inputs: [u16; 4], command: &Command, output: u16) {
+    fn report(&mut self, inputs: [u16; 4], missing: Channels, output: u16) {
         if self.until_record > 1 {
             self.until_record -= 1;
             return;
         }
-        self.until_record = self.setup.telemetry_every;
+        self.until_record = self.every;
         if self.until_record == 0 {
             return;
         }
+        let command = self.controller.command(missing);
         let record = Record {
             reference: self.reference,
             fitted: command.reference,

@@ -17,8 +17,8 @@ const CHALLENGE_LIFE: u32 = 1000;
 pub enum Action {
     /// Send this report.
     Send(Report),
-    /// Write the setup in force to flash, then report what came of it.
-    Save(Setup),
+    /// Write [`Desk::setup`] to flash, then report what came of it.
+    Save,
 }
 
 /// What the loop published last.
@@ -74,6 +74,11 @@ impl<'a> Desk<'a> {
         self.stored = true;
     }
 
+    /// The setup in force.
+    pub const fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
     /// `ticks` as milliseconds, for challenges.
     pub fn milliseconds(&self, ticks: u32) -> u32 {
         (u64::from(ticks) * 1000 / u64::from((self.setup.control.rate as u32).max(1))) as u32
@@ -86,7 +91,7 @@ impl<'a> Desk<'a> {
             Request::Identify => Report::Identity(self.identity()),
             Request::ReadSetup => Report::Setup(self.setup),
             Request::WriteSetup(setup) => self.write(&setup, state),
-            Request::Save if at_rest(state) => return Action::Save(self.setup),
+            Request::Save if at_rest(state) => return Action::Save,
             Request::RequestArming => self.challenge(state, now),
             Request::Arm(given) => self.arm(given, state, now),
             Request::Start => self.ask(Ask::Start, state == State::Ready, state),
@@ -156,12 +161,13 @@ impl<'a> Desk<'a> {
         if setup.validate().is_err() || setup.wiring.full_scale != self.setup.wiring.full_scale {
             return Report::Refused(RefusedBecause::Setup);
         }
-        let report = self.order(Order::Setup(*setup));
-        if report == Report::Done {
-            self.setup = *setup;
-            self.stored = false;
+        // Both or neither: one without the other would be the setup of another order.
+        if !self.queues.orders.ready() || self.queues.setups.enqueue(*setup).is_err() {
+            return Report::Refused(RefusedBecause::Full);
         }
-        report
+        self.setup = *setup;
+        self.stored = false;
+        self.order(Order::TakeSetup)
     }
 
     fn challenge(&mut self, state: State, now: u32) -> Report {

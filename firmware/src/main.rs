@@ -20,12 +20,12 @@ mod app {
     #[local]
     struct Local {
         control: Control,
-        link: Link,
+        link: &'static mut Link,
     }
 
     #[init(local = [queues: Queues = Queues::new()])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let (control, link) = start::start(context.core, context.device, context.local.queues);
+        let (control, link) = start::start(context.device, context.local.queues);
         (Shared {}, Local { control, link })
     }
 

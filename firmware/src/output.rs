@@ -3,6 +3,8 @@
 use shakedown_core::link::{Setup, Wiring};
 use shakedown_core::{Mode, control::InnerLoop};
 
+use crate::wires::Wires;
+
 /// 2^23: an `f32` from here to 2^24 is a whole number, and holds it in its last bits.
 const WHOLE: f32 = 8_388_608.0;
 
@@ -26,31 +28,70 @@ impl Output {
         }
     }
 
+    /// The code nearest to `code` that the converter has.
+    pub fn nearest(&self, code: u16) -> u16 {
+        let [low, high] = self.ends;
+        code.min((high - low) as u16)
+    }
+
     /// The code for `value`, m: the nearest one, halves to even; the converter's ends where it reaches no further; the code
     /// of zero for what is no number.
+    ///
+    /// What is no number lies beyond either end, by its sign, and is told apart there.
     ///
     /// By adding 2^23 and taking the last bits, and by comparing bits as whole numbers, whose order is that of the numbers
     /// they stand for: half the instructions of a conversion.
     #[inline]
     pub fn code(&self, value: f32) -> u16 {
-        let value = if value.is_nan() { 0.0 } else { value };
         let [low, high] = self.ends;
-        let bits = (value * self.per_unit + self.zero + WHOLE).to_bits() as i32;
-        let bits = if bits < low { low } else { bits };
-        (if bits > high { high } else { bits }) as u16
+        let bits = self.bits(value);
+        if bits < low || bits > high { self.end(value) } else { bits as u16 }
+    }
+
+    #[inline(always)]
+    fn bits(&self, value: f32) -> i32 {
+        (value * self.per_unit + self.zero + WHOLE).to_bits() as i32
+    }
+
+    /// The code for a `value` beyond the ends.
+    #[inline(never)]
+    fn end(&self, value: f32) -> u16 {
+        let [low, high] = self.ends;
+        let value = if value.is_nan() { 0.0 } else { value };
+        self.bits(value).clamp(low, high) as u16
     }
 }
 
-/// The output code at which no oil flows with the table at `displacement`, m: what a program that fails leaves behind.
+/// What a program that fails leaves behind: the output code at which no oil flows, worked out ahead as far as it can be.
 ///
 /// Zero volts is not zero flow: with a hard-wired inner loop (Fig. 2), or an existing position controller behind the
 /// device, the LVDT is subtracted from the output, and a zero from x = 0.1 m is an order to return at 0.21 m/s.
-pub fn zero_flow(setup: &Setup, displacement: f32) -> u16 {
-    let control = &setup.control;
-    let follows = control.mode == Mode::Modifier || control.inner_loop == InnerLoop::Hardwired;
-    let displacement = if displacement.is_finite() && follows { displacement } else { 0.0 };
-    let bias = if control.mode == Mode::Modifier { 0.0 } else { control.valve.null_bias };
-    Output::new(&setup.wiring).code(displacement + bias)
+#[derive(Debug, Clone, Copy)]
+pub struct ZeroFlow {
+    wires: Wires,
+    /// Whether the LVDT is subtracted behind the device.
+    follows: bool,
+    /// Null bias of the valve, m.
+    bias: f32,
+}
+
+impl ZeroFlow {
+    /// For the wiring of `setup`.
+    pub fn new(setup: &Setup) -> Self {
+        let control = &setup.control;
+        Self {
+            wires: Wires::new(setup),
+            follows: control.mode == Mode::Modifier || control.inner_loop == InnerLoop::Hardwired,
+            bias: if control.mode == Mode::Modifier { 0.0 } else { control.valve.null_bias },
+        }
+    }
+
+    /// The code, with `displacement` the LVDT's own.
+    pub fn code(&self, displacement: u16) -> u16 {
+        let displacement = self.wires.read(self.wires.displacement, displacement);
+        let displacement = if displacement.is_finite() && self.follows { displacement } else { 0.0 };
+        self.wires.output.code(displacement + self.bias)
+    }
 }
 
 #[cfg(test)]
@@ -60,7 +101,6 @@ mod tests {
     use crate::defaults;
     use crate::queues::Queues;
     use proptest::prelude::*;
-    use shakedown_core::Controller;
     use shakedown_core::link::Scale;
 
     #[test]
@@ -102,10 +142,9 @@ mod tests {
             setup.control.inner_loop = if hardwired { InnerLoop::Hardwired } else { InnerLoop::Absent };
             setup.control.valve.null_bias = bias;
             let mut queues = Queues::new();
-            let controller = Controller::new(&setup.control).unwrap();
-            let mut decide = Loop::new(controller, &setup, queues.split().0, false);
+            let mut decide = Loop::new(&setup, queues.split().0, false).unwrap();
             let outcome = decide.tick([2048, code, 2048, 2048]);
-            prop_assert_eq!(outcome.output, zero_flow(&setup, setup.wiring.displacement.to_si(code)));
+            prop_assert_eq!(outcome.output, ZeroFlow::new(&setup).code(code));
             prop_assert!(!outcome.relay);
         }
     }

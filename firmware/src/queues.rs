@@ -13,11 +13,11 @@ pub const POINTS: usize = 1024;
 pub const ORDERS: usize = 4;
 
 /// What the desk tells the loop.
-#[derive(Debug, Clone, PartialEq)]
-#[allow(clippy::large_enum_variant, reason = "a queue without allocation holds its items whole")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
-    /// Take this setup, which was validated whole.
-    Setup(Setup),
+    /// Take the setup that waits in the queue of setups, which was validated whole. There it needs room for one, and
+    /// not for as many as there are orders.
+    TakeSetup,
     /// Ask the core for this.
     Ask(Request),
     /// Put this code on the output while the test is off; none ends it.
@@ -120,10 +120,11 @@ impl Point {
     }
 }
 
-/// The memory of the three queues.
+/// The memory of the queues.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
 pub struct Queues {
     orders: Queue<Order, ORDERS>,
+    setups: Queue<Setup, 2>,
     points: Queue<Point, POINTS>,
     records: Queue<Entry, RECORDS>,
 }
@@ -133,6 +134,8 @@ pub struct Queues {
 pub struct LoopEnd<'a> {
     /// What to do.
     pub orders: Consumer<'a, Order>,
+    /// What [`Order::TakeSetup`] is about.
+    pub setups: Consumer<'a, Setup>,
     /// The streamed reference, m.
     pub points: Consumer<'a, Point>,
     /// Telemetry.
@@ -144,6 +147,8 @@ pub struct LoopEnd<'a> {
 pub struct DeskEnd<'a> {
     /// What the loop shall do.
     pub orders: Producer<'a, Order>,
+    /// What [`Order::TakeSetup`] is about.
+    pub setups: Producer<'a, Setup>,
     /// The streamed reference, m.
     pub points: Producer<'a, Point>,
     /// Telemetry.
@@ -159,17 +164,18 @@ impl Default for Queues {
 impl Queues {
     /// Empty queues.
     pub const fn new() -> Self {
-        Self { orders: Queue::new(), points: Queue::new(), records: Queue::new() }
+        Self { orders: Queue::new(), setups: Queue::new(), points: Queue::new(), records: Queue::new() }
     }
 
     /// The two sides.
     pub fn split(&mut self) -> (LoopEnd<'_>, DeskEnd<'_>) {
         let (give_orders, take_orders) = self.orders.split();
+        let (give_setups, take_setups) = self.setups.split();
         let (give_points, take_points) = self.points.split();
         let (give_records, take_records) = self.records.split();
         (
-            LoopEnd { orders: take_orders, points: take_points, records: give_records },
-            DeskEnd { orders: give_orders, points: give_points, records: take_records },
+            LoopEnd { orders: take_orders, setups: take_setups, points: take_points, records: give_records },
+            DeskEnd { orders: give_orders, setups: give_setups, points: give_points, records: take_records },
         )
     }
 }

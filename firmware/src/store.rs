@@ -40,15 +40,25 @@ pub struct Found {
 
 /// The setup in force; none when neither slot holds a good one.
 pub fn load(slots: &impl Slots) -> Option<Found> {
-    match (read(slots, 0), read(slots, 1)) {
-        (Some(a), Some(b)) => Some(if b.sequence.wrapping_sub(a.sequence).cast_signed() > 0 { b } else { a }),
-        (a, b) => a.or(b),
-    }
+    let later = match (sequence(slots, 0), sequence(slots, 1)) {
+        (Some(a), Some(b)) if b.wrapping_sub(a).cast_signed() > 0 => 1,
+        (None, Some(_)) => 1,
+        _ => 0,
+    };
+    // One at a time: the stack holds one.
+    read(slots, later).or_else(|| read(slots, 1 - later))
 }
 
-fn read(slots: &impl Slots, slot: usize) -> Option<Found> {
+/// The sequence of a slot that is whole, whatever it holds.
+#[inline(never)]
+fn sequence(slots: &impl Slots, slot: usize) -> Option<u32> {
     let mut bytes = [0; SLOT];
     slots.read(slot, &mut bytes);
+    whole(&bytes).map(|(sequence, _)| sequence)
+}
+
+/// Sequence and content of a slot with its mark and the right check sum.
+fn whole(bytes: &[u8; SLOT]) -> Option<(u32, &[u8])> {
     let (head, rest) = bytes.split_first_chunk::<HEAD>()?;
     let (mark, numbers) = head.split_first_chunk::<4>()?;
     let (length, sequence) = numbers.split_first_chunk::<4>()?;
@@ -56,9 +66,14 @@ fn read(slots: &impl Slots, slot: usize) -> Option<Found> {
     let sequence = u32::from_le_bytes(*sequence.first_chunk::<4>()?);
     let body = rest.get(..length)?;
     let check = u32::from_le_bytes(*rest.get(length..)?.first_chunk::<4>()?);
-    if *mark != MARK || checksum(body) ^ sequence != check {
-        return None;
-    }
+    (*mark == MARK && checksum(body) ^ sequence == check).then_some((sequence, body))
+}
+
+#[inline(never)]
+fn read(slots: &impl Slots, slot: usize) -> Option<Found> {
+    let mut bytes = [0; SLOT];
+    slots.read(slot, &mut bytes);
+    let (sequence, body) = whole(&bytes)?;
     match postcard::from_bytes::<(u8, Setup)>(body) {
         Ok((VERSION, setup)) if setup.validate().is_ok() => Some(Found { setup, slot, sequence }),
         _ => None,

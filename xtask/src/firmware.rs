@@ -41,7 +41,8 @@ pub(crate) fn replay(words: &[String]) -> Result<(), Problem> {
     bare("shakedown-second-opinion", &[])?;
     beside_image()?;
     execute(&mut command(&["cargo", "test", "--locked", "--package", "shakedown-firmware", "--lib"]))?;
-    execute(&mut command(&["cargo", "build", "--locked", "--package", "shakedown", "--bin", "shakedown"]))?;
+    let tool = ["cargo", "build", "--locked", "--release", "--package", "shakedown", "--bin", "shakedown"];
+    execute(&mut command(&tool))?;
     test(words, &[])
 }
 
@@ -55,8 +56,8 @@ pub(crate) fn beside(words: &[String]) -> Result<(), Problem> {
 /// Runs tests of the image, all or those named.
 fn test(names: &[String], more: &[&str]) -> Result<(), Problem> {
     let names: Vec<&str> = names.iter().flat_map(|name| ["--test", name.as_str()]).collect();
-    // The emulator states a newer compiler than it needs.
-    let cargo = ["cargo", "test", "--locked", "--ignore-rust-version", "--package", "shakedown-replay"];
+    // The emulator states a newer compiler than it needs, and a minute on the device is a minute here without optimisation.
+    let cargo = ["cargo", "test", "--release", "--locked", "--ignore-rust-version", "--package", "shakedown-replay"];
     execute(&mut command(&[&cargo, names.as_slice(), &["--"], more].concat()))
 }
 

@@ -58,6 +58,33 @@ pub(crate) struct Config {
 }
 
 impl Config {
+    /// No settings yet: nothing is read, nothing watched, nothing asked for.
+    pub(crate) fn none() -> Self {
+        Self {
+            mode: Mode::Controller,
+            walls: Walls::shut(),
+            observer: None,
+            smoothing: Lag::none(),
+            velocity_sensor: false,
+            detector: None,
+            modifier: Modifier::Off,
+            displacement: DisplacementLoop::new(LoopGains { proportional: 0.0, integral: 0.0 }, 0.0, 0.0),
+            velocity: None,
+            acceleration: None,
+            rates: Rates::Zero,
+            uses_rates: false,
+            cancellation: 0.0,
+            null_bias: 0.0,
+            valve_gain: 0.0,
+            command_limit: 0.0,
+            wide_open: 0.0,
+            anti_windup: false,
+            velocity_limit: 0.0,
+            blend_step: 1.0,
+            guard: None,
+        }
+    }
+
     /// Works out `settings`, or says which field does not hold.
     pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
         settings.check_fields()?;

@@ -6,7 +6,7 @@ use crate::sample::Sample;
 use crate::settings::{Settings, SettingsError};
 
 /// The law, where the settings have one, and what it remembers.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Tracker {
     law: Option<Tracking>,
     state: TrackingState,
@@ -26,11 +26,6 @@ pub(crate) fn tracking(settings: &Settings) -> Result<Option<Tracking>, Settings
 }
 
 impl Tracker {
-    /// At rest at zero.
-    pub(super) fn new(law: Option<&Tracking>) -> Self {
-        Self { law: law.copied(), state: TrackingState::default() }
-    }
-
     /// Takes over another law; the state goes on, or begins at rest at `displacement` (m) where there was no law.
     pub(super) fn retune(&mut self, law: Option<&Tracking>, displacement: f32) {
         match (&self.law, law) {

@@ -171,18 +171,19 @@ impl Watch {
     /// The monitor whose turn it is.
     #[inline(always)]
     fn take_turn(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
+        // Down rather than up: the end of a turn is then a borrow and no comparison.
         let turn = self.turn;
-        self.turn = if turn + 1 < TURNS { turn + 1 } else { 0 };
+        self.turn = turn.checked_sub(1).unwrap_or(TURNS - 1);
         match (turn, &config.guard) {
             (0, _) => {
                 self.detect(config, readings, drive);
                 None
             }
-            (1, Some(Guard { plausibility: Some(plausibility), .. })) => {
+            (1, Some(guard)) => self.judge(config, guard, readings, drive),
+            (_, Some(Guard { plausibility: Some(plausibility), .. })) => {
                 let (x, a) = (readings.displacement, readings.acceleration);
                 plausibility.advance(&mut self.plausibility, x, a, &self.observer)
             }
-            (2, Some(guard)) => self.judge(config, guard, readings, drive),
             _ => None,
         }
     }

@@ -17,6 +17,19 @@ pub struct Walls {
 }
 
 impl Walls {
+    /// Walls that nothing is behind: no range for any reading.
+    pub(crate) fn shut() -> Self {
+        let none = Ranges {
+            reference: 0.0,
+            displacement: 0.0,
+            velocity: 0.0,
+            acceleration: 0.0,
+            external: 0.0,
+            pressure_difference: 0.0,
+        };
+        Self { ranges: none, follows_external: false, accelerometer: false, rare: Channels::NONE }
+    }
+
     /// The channels and ranges of `settings`.
     pub fn new(settings: &Settings) -> Self {
         let rare = [

@@ -8,6 +8,8 @@ mod blocks;
 #[cfg(test)]
 mod guard;
 #[cfg(test)]
+mod link_shape;
+#[cfg(test)]
 mod modes;
 #[cfg(test)]
 mod plain_law;

@@ -38,11 +38,11 @@ pub(crate) struct OnChip {
     dac: DAC,
     dma: DMA2,
     late: bool,
-    live: bool,
 }
 
 impl OnChip {
-    /// Sets both up. The first sample comes with TIM2's first update; the output stays high-impedance until the first write.
+    /// Sets both up. The first sample comes with TIM2's first update; the output stays high-impedance until
+    /// [`Self::go_live`].
     pub(crate) fn new(adc: ADC1, common: &ADC_COMMON, dac: DAC, dma: DMA2, rcc: &mut Rcc) -> Self {
         ADC1::enable(rcc);
         ADC1::reset(rcc);
@@ -51,7 +51,7 @@ impl OnChip {
         DMA2::enable(rcc);
         DMA2::reset(rcc);
         common.ccr().modify(|_, w| w.adcpre().div4());
-        let pair = Self { adc, dac, dma, late: false, live: false };
+        let pair = Self { adc, dac, dma, late: false };
         pair.arm();
         pair
     }
@@ -86,16 +86,28 @@ impl OnChip {
         });
     }
 
-    /// Whether the last tick was not done when this one began; asked once a tick, after [`Converters::write`].
+    /// Notes whether the next tick has come already; asked at the end of a tick.
     #[inline]
     pub(crate) fn note_lateness(&mut self) {
-        self.late = self.dma.lisr().read().tcif0().bit_is_set();
+        if self.dma.lisr().read().tcif0().bit_is_set() {
+            self.late = true;
+        }
     }
 
-    /// What [`Self::note_lateness`] noted in the last tick.
+    /// Whether the last tick was not done when this one began.
     #[inline]
     pub(crate) const fn late(&self) -> bool {
         self.late
+    }
+
+    /// The same, for the last time.
+    pub(crate) const fn take_lateness(&mut self) -> bool {
+        core::mem::replace(&mut self.late, false)
+    }
+
+    /// Lets the last code written out, if it is not out yet.
+    pub(crate) fn go_live(&mut self) {
+        self.dac.cr().modify(|_, w| w.en1().enabled());
     }
 }
 
@@ -120,12 +132,15 @@ impl Converters for OnChip {
     #[inline]
     fn write(&mut self, code: u16) -> Result<(), Fault> {
         self.dac.dhr12r(0).write(|w| unsafe { w.bits(u32::from(code)) });
-        if !self.live {
-            self.dac.cr().modify(|_, w| w.en1().enabled());
-            self.live = true;
-        }
         Ok(())
     }
+}
+
+/// Code of the LVDT as the converter last saw it, whoever reads it otherwise.
+pub(crate) fn last_displacement() -> u16 {
+    // SAFETY: the buffer is never anything but codes.
+    let [_, displacement, ..] = unsafe { SAMPLES.0.get().read_volatile() };
+    displacement
 }
 
 /// Writes `code` to the output, whoever owns it: for the end of a program that has failed.

@@ -8,15 +8,10 @@ static STANDING: AtomicU32 = AtomicU32::new(0);
 static TICKS: AtomicU32 = AtomicU32::new(0);
 static DROPPED: AtomicU32 = AtomicU32::new(0);
 
-/// Publishes how many ticks there were.
-#[inline]
-pub(crate) fn count(ticks: u32) {
+/// Publishes where the loop stands, how many ticks there were and how many records found no room; needed before the desk is
+/// woken.
+pub(crate) fn publish(standing: Standing, ticks: u32, dropped: u32) {
     TICKS.store(ticks, Ordering::Relaxed);
-}
-
-/// Publishes where the loop stands and how many records found no room; needed before the desk is woken.
-#[inline(never)]
-pub(crate) fn publish(standing: Standing, dropped: u32) {
     STANDING.store(standing.to_word(), Ordering::Relaxed);
     DROPPED.store(dropped, Ordering::Relaxed);
 }

@@ -11,8 +11,7 @@ fn with_loop(test: impl FnOnce(&mut Loop<'_>, &mut DeskEnd<'_>)) {
     if let Some(guard) = &mut setup.control.guard {
         guard.ramps.test = 0.0;
     }
-    let controller = Controller::new(&setup.control).unwrap();
-    test(&mut Loop::new(controller, &setup, loop_end, false), &mut desk);
+    test(&mut Loop::new(&setup, loop_end, false).unwrap(), &mut desk);
 }
 
 fn ask(desk: &mut DeskEnd<'_>, request: Request) {
@@ -42,7 +41,7 @@ fn a_restart_begins_tripped_and_only_a_reset_clears_it() {
     let mut queues = Queues::new();
     let (loop_end, mut desk) = queues.split();
     let setup = defaults::setup();
-    let mut decide = Loop::new(Controller::new(&setup.control).unwrap(), &setup, loop_end, true);
+    let mut decide = Loop::new(&setup, loop_end, true).unwrap();
     let tripped = Standing { state: State::Tripped, cause: Some(Cause::Restarted) };
     for request in [Request::Arm, Request::Start, Request::Off] {
         ask(&mut desk, request);

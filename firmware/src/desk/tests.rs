@@ -61,7 +61,12 @@ fn wiring_and_rate_change_only_at_rest_and_nothing_is_taken_by_half() {
         let mut tuned = defaults::setup();
         tuned.control.displacement.proportional = 2.0;
         assert_eq!(report(desk, Request::WriteSetup(tuned), State::Running, 0), Report::Done);
-        assert_eq!(decide.orders.dequeue(), Some(Order::Setup(tuned)));
+        // One waits at a time, and what is refused changes nothing.
+        let full = Report::Refused(RefusedBecause::Full);
+        assert_eq!(report(desk, Request::WriteSetup(defaults::setup()), State::Running, 0), full);
+        assert_eq!(report(desk, Request::ReadSetup, State::Off, 0), Report::Setup(tuned));
+        assert_eq!((decide.orders.dequeue(), decide.setups.dequeue()), (Some(Order::TakeSetup), Some(tuned)));
+        assert_eq!(decide.orders.dequeue(), None);
     });
 }
 

@@ -9,7 +9,7 @@ use crate::board::{converters::OnChip, failure, line, pins::Pins, standing, tick
 /// What the tick owns.
 pub(crate) struct Control {
     /// What decides.
-    pub(crate) decide: Loop<'static>,
+    pub(crate) decide: &'static mut Loop<'static>,
     /// Inputs and output.
     pub(crate) converters: OnChip,
     /// Relay, emergency stop, supply.
@@ -29,7 +29,7 @@ impl Control {
             return self.tick_noticing(inputs, false);
         }
         let outcome = self.decide.tick(inputs);
-        self.act(&outcome);
+        self.act(outcome);
     }
 
     /// The same when the board has something to say.
@@ -39,20 +39,19 @@ impl Control {
         let events = Events {
             emergency_stop: self.pins.emergency_stop(),
             supply_low: self.pins.supply_low(),
-            overrun: self.converters.late(),
+            overrun: self.converters.take_lateness(),
             no_sample,
         };
         let outcome = self.decide.tick_with(inputs, events);
-        self.act(&outcome);
+        self.act(outcome);
     }
 
     /// What follows from a tick on the board.
     #[inline(always)]
-    fn act(&mut self, outcome: &Outcome) {
+    fn act(&mut self, outcome: Outcome) {
         let _ = self.converters.write(outcome.output);
         self.pins.set_relay(outcome.relay);
         self.watchdog.feed();
-        failure::remember(outcome.displacement);
         if outcome.new_setup {
             self.take_setup();
         }
@@ -63,19 +62,24 @@ impl Control {
     /// What else a setup changes: the rate, and what a failing program leaves on the output.
     #[inline(never)]
     fn take_setup(&mut self) {
-        let setup = self.decide.setup();
-        self.ticker.set_rate(setup.control.rate as u32);
-        failure::prepare(setup);
+        self.ticker.set_rate(self.decide.rate() as u32);
+        failure::prepare(self.decide.zero_flow());
     }
 
-    /// Tells the others, and wakes the desk when there is something for it.
+    /// Tells the others where the loop stands when that is news, and every so many ticks.
     #[inline]
-    fn publish(&self, changed: bool) {
-        let (ticks, dropped) = self.decide.counts();
-        standing::count(ticks);
-        if changed || ticks % MAX_BATCH as u32 == 0 {
-            standing::publish(self.decide.standing(), dropped);
-            line::wake();
+    fn publish(&mut self, changed: bool) {
+        if changed || self.decide.counts().0 % MAX_BATCH as u32 == 0 {
+            self.tell();
         }
+    }
+
+    /// Tells them, and wakes the desk. The first tick is news, so that the output is out from then on.
+    #[inline(never)]
+    fn tell(&mut self) {
+        let (ticks, dropped) = self.decide.counts();
+        standing::publish(self.decide.standing(), ticks, dropped);
+        self.converters.go_live();
+        line::wake();
     }
 }

@@ -23,34 +23,57 @@ impl Link {
         self.line.acknowledge();
         while self.answer.is_none() {
             let Some(byte) = self.line.take() else { break };
-            match self.assembler.push::<Request>(byte) {
-                Some(Ok(request)) => self.answer = Some(self.carry_out(request)),
-                Some(Err(_)) => self.desk.count_garbled(),
-                None => {}
+            if self.assembler.gather(byte) {
+                self.hear();
             }
         }
         if self.line.ready() {
-            if let Some(report) = self.answer.take().or_else(|| self.desk.volunteer(seen())) {
-                self.line.send(|buffer: &mut [u8; MAX_FRAME]| encode(&report, buffer).unwrap_or(0));
+            self.speak();
+        }
+    }
+
+    /// A frame is whole. By itself, like what follows: what one of them needs of the stack the others need not have free.
+    #[inline(never)]
+    fn hear(&mut self) {
+        match self.assembler.frame::<Request>() {
+            Some(Ok(request)) => self.carry_out(request),
+            Some(Err(_)) => self.desk.count_garbled(),
+            None => {}
+        }
+    }
+
+    fn carry_out(&mut self, request: Request) {
+        let seen = seen();
+        self.answer = match self.desk.take(request, seen, self.desk.milliseconds(seen.ticks)) {
+            Action::Send(report) => Some(report),
+            Action::Save => Some(self.save()),
+        };
+    }
+
+    #[inline(never)]
+    fn save(&mut self) -> Report {
+        let Self { flash, desk, .. } = self;
+        match flash.write(|flash| store::save(flash, desk.setup())) {
+            Ok(()) => {
+                desk.saved();
+                Report::Done
+            }
+            Err(error) => {
+                defmt::error!("settings not saved: {}", defmt::Debug2Format(&error));
+                Report::Refused(RefusedBecause::Flash)
             }
         }
     }
 
-    fn carry_out(&mut self, request: Request) -> Report {
-        let seen = seen();
-        match self.desk.take(request, seen, self.desk.milliseconds(seen.ticks)) {
-            Action::Send(report) => report,
-            Action::Save(setup) => match self.flash.write(|flash| store::save(flash, &setup)) {
-                Ok(()) => {
-                    self.desk.saved();
-                    Report::Done
-                }
-                Err(error) => {
-                    defmt::error!("settings not saved: {}", defmt::Debug2Format(&error));
-                    Report::Refused(RefusedBecause::Flash)
-                }
-            },
+    /// Sends the answer that waits, or else what the desk has to say of its own accord.
+    #[inline(never)]
+    fn speak(&mut self) {
+        if self.answer.is_none() {
+            self.answer = self.desk.volunteer(seen());
         }
+        let Some(report) = &self.answer else { return };
+        self.line.send(|buffer: &mut [u8; MAX_FRAME]| encode(report, buffer).unwrap_or(0));
+        self.answer = None;
     }
 }
 

@@ -1,9 +1,9 @@
 //! From reset to the first tick.
 
+use cortex_m::{peripheral::DWT, singleton};
 use defmt_rtt as _;
-use shakedown_core::Controller;
-use shakedown_core::link::Assembler;
-use shakedown_firmware::queues::Queues;
+use shakedown_core::link::{Assembler, Setup};
+use shakedown_firmware::queues::{DeskEnd, LoopEnd, Queues};
 use shakedown_firmware::{Desk, Loop, defaults, store};
 use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
 
@@ -14,18 +14,11 @@ use crate::board::{
 };
 
 /// Sets everything up. The watchdog runs from here on; the first tick follows one period later.
-pub(crate) fn start(
-    core: rtic::export::Peripherals,
-    device: pac::Peripherals,
-    queues: &'static mut Queues,
-) -> (Control, Link) {
+pub(crate) fn start(device: pac::Peripherals, queues: &'static mut Queues) -> (Control, &'static mut Link) {
     let mut rcc = clock::start(device.RCC);
     let restarted = clock::restarted(&rcc);
     let flash = Flash(LockedFlash::new(device.FLASH));
-    let (setup, stored) = match store::load(&flash) {
-        Some(found) => (found.setup, true),
-        None => (defaults::setup(), false),
-    };
+    let (setup, stored) = stored_or_default(&flash);
     let port_a = device.GPIOA.split(&mut rcc);
     let port_b = device.GPIOB.split(&mut rcc);
     let port_d = device.GPIOD.split(&mut rcc);
@@ -42,12 +35,36 @@ pub(crate) fn start(
     let line = Line::new(device.USART3, device.DMA1, &mut rcc);
     let ticker = Ticker::new(device.TIM2, setup.control.rate as u32, &mut rcc);
     let (loop_end, desk_end) = queues.split();
-    failure::prepare(&setup);
-    let Ok(controller) = Controller::new(&setup.control) else { failure::park() };
-    let decide = Loop::new(controller, &setup, loop_end, restarted);
-    let desk = Desk::new(setup, stored, entropy::since_power_on(core.DWT.cyccnt.read()), desk_end);
+    let decide = place_loop(&setup, loop_end);
+    failure::prepare(decide.zero_flow());
+    let Ok(()) = decide.begin(&setup, restarted) else { failure::park() };
+    let link = place_link(&setup, stored, desk_end, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
     let control = Control { decide, converters, pins, ticker, watchdog: Watchdog::start(device.IWDG) };
     control.ticker.start();
-    (control, Link { desk, line, flash, assembler: Assembler::new(), answer: None })
+    (control, link)
+}
+
+/// The setup in flash, and whether there is one.
+#[inline(never)]
+fn stored_or_default(flash: &Flash) -> (Setup, bool) {
+    match store::load(flash) {
+        Some(found) => (found.setup, true),
+        None => (defaults::setup(), false),
+    }
+}
+
+/// Puts the loop where it stays. Every large thing is made by a function of its own: what one of them needs of the stack
+/// the others need not have free.
+#[inline(never)]
+fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut Loop<'static> {
+    singleton!(: Loop<'static> = Loop::wired(setup, queues)).unwrap_or_else(|| failure::park())
+}
+
+/// Puts the link where it stays.
+#[inline(never)]
+fn place_link(setup: &Setup, stored: bool, queues: DeskEnd<'static>, line: Line, flash: Flash) -> &'static mut Link {
+    let desk = Desk::new(*setup, stored, entropy::since_power_on(DWT::cycle_count()), queues);
+    let link = singleton!(: Link = Link { desk, line, flash, assembler: Assembler::new(), answer: None });
+    link.unwrap_or_else(|| failure::park())
 }

@@ -91,6 +91,35 @@ mod target {
         law.advance(state, x)
     }
 
+    /// Five products, two states: the form that `idsp`'s biquad has, written as the core writes its blocks. The core has none,
+    /// for what its [`SecondOrder`] documents.
+    struct DirectForm {
+        b: [f32; 3],
+        a: [f32; 2],
+    }
+
+    impl Block for DirectForm {
+        type State = [f32; 2];
+
+        #[inline]
+        fn advance(&self, state: &mut [f32; 2], x: f32) -> f32 {
+            let y = self.b[0] * x + state[0];
+            state[0] = self.b[1] * x + self.a[0] * y + state[1];
+            state[1] = self.b[2] * x + self.a[1] * y;
+            y
+        }
+
+        #[inline]
+        fn last(&self, state: &[f32; 2]) -> f32 {
+            state[0]
+        }
+    }
+
+    #[inline(never)]
+    extern "C" fn direct(law: &DirectForm, state: &mut [f32; 2], x: f32) -> f32 {
+        law.advance(state, x)
+    }
+
     /// Runs the steps between two marks; gives a sum over the outputs' bits.
     fn measure<C, S>(number: u32, step: Step<C, S>, law: &C, state: &mut S) -> u32 {
         let step = black_box(step);
@@ -132,7 +161,9 @@ mod target {
         if ours != theirs::c::measure(DT, LIMIT, GAINS) {
             mark(DIFFERENT);
         }
-        let _ = black_box(ours);
+        let [b0, b1, b2, a1, a2] = theirs::idsp::SECTION;
+        let direct_form = DirectForm { b: [b0, b1, b2], a: [a1, a2] };
+        let _ = black_box((ours, measure(5, direct, &direct_form, &mut [0.0; 2])));
         theirs::idsp::measure(DT, LIMIT, GAINS);
         super::step::measure();
     }

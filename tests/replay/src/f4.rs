@@ -22,6 +22,7 @@ use rigless::time::VirtualNanos;
 use crate::{ReplayError, World};
 pub use count::{Mark, marks};
 use driver::Lockstep;
+pub use driver::Stack;
 use wire::Wire;
 
 /// Virtual time in which the firmware must start its timer, ms.
@@ -44,28 +45,38 @@ pub struct Ran<W> {
     pub resets: Vec<u64>,
     /// Addresses that the firmware touched and the emulator has nothing at; a list that grows is a new blind spot.
     pub blind_spots: Vec<String>,
-    /// Deepest the stack has been, byte; the firmware paints it at reset.
-    pub stack: u64,
+    /// The stack, which the firmware paints at reset.
+    pub stack: Stack,
     /// What [`follow`] followed.
     pub followed: Vec<u64>,
 }
 
 /// Runs the image at `elf` in `world` until the world ends it.
 pub fn run<W: World>(elf: &Path, world: W) -> Result<Ran<W>, ReplayError> {
-    start(elf, |wire| Lockstep::new(world, wire))
+    start(elf, &[], |wire| Lockstep::new(world, wire))
+}
+
+/// The same, with bytes at addresses of the flash that an earlier life of the device left there.
+pub fn run_with<W: World>(elf: &Path, flash: &[(u64, Vec<u8>)], world: W) -> Result<Ran<W>, ReplayError> {
+    start(elf, flash, |wire| Lockstep::new(world, wire))
 }
 
 /// The same, and follows the program through one tick: the instructions among `addresses` that it came by, in order.
 pub fn follow<W: World>(elf: &Path, world: W, tick: u64, addresses: &[u64]) -> Result<Ran<W>, ReplayError> {
-    start(elf, |wire| Lockstep::new(world, wire).follow(tick, addresses))
+    start(elf, &[], |wire| Lockstep::new(world, wire).follow(tick, addresses))
 }
 
 fn start<W: World>(
     elf: &Path,
+    flash: &[(u64, Vec<u8>)],
     driver: impl FnOnce(Arc<Mutex<crate::Line>>) -> Lockstep<W>,
 ) -> Result<Ran<W>, ReplayError> {
-    let image = Image::read(elf, None)
-        .map_err(|error| ReplayError::Image { path: elf.to_owned(), reason: error.to_string() })?;
+    let unreadable = |reason: String| ReplayError::Image { path: elf.to_owned(), reason };
+    let mut images = vec![Image::read(elf, None).map_err(|error| unreadable(error.to_string()))?];
+    for (address, bytes) in flash {
+        let content = Image::new(Path::new("flash"), bytes.clone(), Some(*address));
+        images.push(content.map_err(|error| unreadable(error.to_string()))?);
+    }
     let emulator = |error: &dyn std::error::Error| ReplayError::Emulator(error.to_string());
     let mut board = Box::new(Stm32f427Bench::new().map_err(|error| emulator(&error))?);
     for channel in INPUTS.iter().filter_map(|&number| Channel::new(number)) {
@@ -76,7 +87,6 @@ fn start<W: World>(
     board.mcu.usart[PORT].attach(Wire(Arc::clone(&wire)));
     let until = VirtualNanos(BOOT_LIMIT * 1_000_000);
     let session = Session::new(board, 0, until).map_err(|error| emulator(&error))?;
-    let images = [image];
     let finished = emulator::run(session, &Start::new(&images), driver(wire)).map_err(|error| emulator(&error))?;
     let stop = finished.stop;
     if !finished.driver.ticked() {

@@ -103,7 +103,7 @@ fn summary(ran: &Ran<Seen>) -> (Table, serde_json::Value) {
         ("ticks", ran.world.codes.len() as u64),
         ("ticks of the test", telemetry.run().count() as u64),
         ("instructions a tick, median", median),
-        ("deepest stack, byte", ran.stack),
+        ("deepest stack, byte", ran.stack.deepest),
         ("records of telemetry missing", u64::from(missing)),
         ("resets", ran.resets.len() as u64),
     ];
@@ -111,7 +111,7 @@ fn summary(ran: &Ran<Seen>) -> (Table, serde_json::Value) {
     let columns = vec![String::new(), "image".to_owned()];
     let json = serde_json::json!({
         "version": env!("CARGO_PKG_VERSION"), "ticks": facts[0].1, "test_ticks": facts[1].1, "instructions_a_tick": median,
-        "stack_bytes": ran.stack, "missing_records": missing, "resets": ran.resets.len(),
+        "stack_bytes": ran.stack.deepest, "missing_records": missing, "resets": ran.resets.len(),
         "ended": format!("{:?}", ran.world.progress),
     });
     (Table { columns, rows, caption: "The image in the loop".into() }, json)

@@ -97,8 +97,8 @@ fn with_device(host: impl FnOnce(&Path)) -> Wired {
 }
 
 fn shakedown(words: &[&str], typed: &str) -> Output {
-    let tool = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/debug/shakedown");
-    assert!(tool.exists(), "{} is missing: run `cargo build -p shakedown`", tool.display());
+    let tool = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/release/shakedown");
+    assert!(tool.exists(), "{} is missing: run `cargo build --release -p shakedown`", tool.display());
     let mut child = Command::new(tool)
         .args(words)
         .stdin(Stdio::piped())
@@ -116,12 +116,7 @@ fn shakedown(words: &[&str], typed: &str) -> Output {
 fn the_recording_says_what_the_device_did() {
     let folder = tempfile::tempdir().unwrap();
     let record = near_field(3);
-    let mut text = String::from("time [s],reference [m]\n");
-    for (tick, x) in record.iter().enumerate() {
-        text += &format!("{},{x}\n", tick as f64 / 1000.0);
-    }
-    let (reference, out) = (folder.path().join("reference.csv"), folder.path().join("run"));
-    std::fs::write(&reference, text).unwrap();
+    let (reference, out) = (written(folder.path(), &record), folder.path().join("run"));
     let (reference, out) = (reference.to_str().unwrap(), out.to_str().unwrap());
     let world = with_device(|port| {
         shakedown(&["device", "--port", port.to_str().unwrap(), "run", reference, "--out", out], "");
@@ -145,6 +140,37 @@ fn the_recording_says_what_the_device_did() {
         same.then_some(start)
     };
     assert!((0..world.codes.len()).find_map(at).is_some(), "the recording is none of what the device did");
+}
+
+/// A file with `record`, m, at 1 kHz.
+fn written(folder: &Path, record: &[f32]) -> PathBuf {
+    let mut text = String::from("time [s],reference [m]\n");
+    for (tick, x) in record.iter().enumerate() {
+        text += &format!("{},{x}\n", tick as f64 / 1000.0);
+    }
+    let path = folder.join("reference.csv");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn the_steps_with_oil_measure_what_the_table_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let (notes, record) = (folder.path().join("notes.toml"), written(folder.path(), &near_field(2)));
+    with_device(|port| {
+        let words = ["device", "--port", port.to_str().unwrap(), "commission"];
+        let files = ["--out", notes.to_str().unwrap(), "--record", record.to_str().unwrap()];
+        // Dry, then held, pushed, tilted, and the record at a tenth.
+        let typed = format!("{}{}", "0\nyes\n\n\n\n\n0\n5\nyes\n", "yes\nyes\n\n\nyes\nstop\n");
+        shakedown(&[&words[..], &files].concat(), &typed);
+    });
+    let notes: toml::Table = std::fs::read_to_string(&notes).unwrap().parse().unwrap();
+    let number = |step: &str, key: &str| notes[step][key].as_float().unwrap();
+    assert!(number("step-9", "creeps_by").abs() < 1e-4 && number("step-9", "null_bias").abs() < 1e-4);
+    assert_eq!(notes["step-10"]["polarity"].as_str(), Some("right"));
+    assert!((number("step-10", "moved_by") - 0.002).abs() < 2e-4);
+    assert_eq!(notes["step-12-tenth"]["ended"].as_str(), Some("done"));
+    assert!(!notes.contains_key("step-12-third"));
 }
 
 #[test]

@@ -11,7 +11,9 @@ mod common;
 
 use common::{image, near_field, seen::Mischief, seen::Seen, setup};
 use shakedown::device::{DriveError, Progress};
-use shakedown_core::link::{Cause, Scale};
+use shakedown_core::control::tracking::flow::FlowSettings;
+use shakedown_core::control::tracking::{NotchSettings, TrackingSettings};
+use shakedown_core::link::{Cause, Request, Scale, Setup, Source};
 use shakedown_core::{Mode, State, Trip};
 
 /// When the fault begins: in the middle of a run.
@@ -26,8 +28,14 @@ struct Outcome {
 }
 
 fn run(mischief: Mischief, dead_from: Option<usize>) -> Outcome {
-    let mut seen = Seen::new(setup(Mode::Controller), near_field(12));
+    run_under(setup(Mode::Controller), mischief, dead_from)
+}
+
+fn run_under(setup: Setup, mischief: Mischief, dead_from: Option<usize>) -> Outcome {
+    let mut seen = Seen::new(setup, near_field(12));
     seen.mischief = Some(mischief);
+    // A tenth of a second.
+    seen.after = (setup.control.rate / 10.0) as u32;
     seen.dead_from = dead_from;
     seen.limit = 16_000;
     let seen = shakedown_replay::run(&image(), seen).unwrap().world;
@@ -36,6 +44,18 @@ fn run(mischief: Mischief, dead_from: Option<usize>) -> Outcome {
     // By the clock, for a reset stops the ticks.
     let opened_after = opened_after.map(|ticks| ((seen.times[AT + ticks] - seen.times[AT]) / 1_000_000) as usize);
     Outcome { seen, opened_after }
+}
+
+/// A setup whose control takes long to work out: everything that the core has, and a soft limit's table.
+fn elaborate(mut setup: Setup) -> Setup {
+    let flow = FlowSettings { sharpness: 4.0, ..FlowSettings::default() };
+    let tracking = TrackingSettings {
+        flow,
+        notch: Some(NotchSettings { frequency: 20.0, damping: 0.1 }),
+        ..TrackingSettings::default()
+    };
+    setup.control.tracking = Some(tracking);
+    setup
 }
 
 /// From tick [`AT`] on, `change` acts on the input codes.
@@ -62,12 +82,15 @@ fn accounted_for(outcome: &Outcome) {
 }
 
 fn trips(mischief: Mischief, expected: &[Cause], within: usize) {
-    let outcome = run(mischief, None);
-    assert!(cause(&outcome).is_some_and(|cause| expected.contains(&cause)), "{:?}", outcome.seen.progress);
+    tripped(&run(mischief, None), expected, within);
+}
+
+fn tripped(outcome: &Outcome, expected: &[Cause], within: usize) {
+    assert!(cause(outcome).is_some_and(|cause| expected.contains(&cause)), "{:?}", outcome.seen.progress);
     let opened = outcome.opened_after.expect("the relay stayed closed");
     assert!(opened <= within, "the relay opened after {opened} ms");
     assert_eq!(outcome.seen.codes.iter().rev().nth(1).map(|codes| codes.output), Some(MIDDLE));
-    accounted_for(&outcome);
+    accounted_for(outcome);
 }
 
 #[test]
@@ -99,6 +122,34 @@ fn an_accelerometer_that_contradicts_the_lvdt_trips() {
 fn the_emergency_stop_trips() {
     let stop: Mischief = Box::new(|tick, _| *tick.circuit_closed = (tick.index as usize) < AT);
     trips(stop, &[Cause::EmergencyStop], 60);
+}
+
+/// At 20 kHz a tick has 50 microseconds, and working out an elaborate setup takes more: the ticks that come meanwhile are
+/// lost, which is what an overrun is. At 1 kHz the same setup is taken without one.
+#[test]
+fn a_tick_that_takes_longer_than_its_period_trips() {
+    for (rate, overruns) in [(20_000.0, true), (1000.0, false)] {
+        let mut setup = setup(Mode::Controller);
+        setup.control.rate = rate;
+        setup.telemetry_every = (rate / 1000.0) as u16;
+        // A reference from the converter: at this rate the line is too slow for a stream.
+        setup.wiring.source = Source::Analog;
+        let tuned = elaborate(setup);
+        let mut said = false;
+        let write: Mischief = Box::new(move |tick, talker| {
+            if tick.index as usize >= AT && !said {
+                said = true;
+                talker.say(&Request::WriteSetup(tuned));
+            }
+        });
+        let outcome = run_under(setup, write, None);
+        if overruns {
+            // From the frame's first byte: 4 ms until it is there, 50 ms of safe ramp.
+            tripped(&outcome, &[Cause::Overrun], 60);
+        } else {
+            assert_eq!(cause(&outcome), None, "{:?}", outcome.seen.progress);
+        }
+    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 
 use common::{bench::Bench, near_field, setup};
 use shakedown_core::link::Setup;
-use shakedown_core::{Controller, Mode, Request};
+use shakedown_core::{Mode, Request};
 use shakedown_firmware::Loop;
 use shakedown_firmware::queues::{DeskEnd, Order, Point, Queues};
 use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
@@ -102,7 +102,7 @@ fn first_difference(mode: Mode, seconds: usize, mut spoil: impl FnMut(usize, Don
 
     let mut queues = Queues::new();
     let (loop_end, mut desk) = queues.split();
-    let mut decide = Loop::new(Controller::new(&setup.control).unwrap(), &setup, loop_end, false);
+    let mut decide = Loop::new(&setup, loop_end, false).unwrap();
     let mut outside = Outside::new(setup, record.clone());
     let mut codes = std::collections::BTreeSet::new();
     let difference = (0..START + record.len() + AFTER).find(|&at| {
@@ -122,7 +122,6 @@ fn first_difference(mode: Mode, seconds: usize, mut spoil: impl FnMut(usize, Don
 }
 
 #[test]
-#[ignore = "hangs: one memory map serves all images, and with it this one does not start on QEMU's board"]
 fn another_emulator_gives_the_same_codes() {
     for mode in [Mode::Guard, Mode::Modifier, Mode::Controller] {
         let (difference, codes) = first_difference(mode, SECONDS, |_, done| done);
@@ -133,7 +132,6 @@ fn another_emulator_gives_the_same_codes() {
 
 /// The control of the test above.
 #[test]
-#[ignore = "hangs: one memory map serves all images, and with it this one does not start on QEMU's board"]
 fn one_wrong_bit_is_found_here_too() {
     let spoil = |tick, done: Done| if tick == 2500 { Done { output: done.output ^ 1, ..done } } else { done };
     assert_eq!(first_difference(Mode::Controller, 4, spoil).0, Some(2500));

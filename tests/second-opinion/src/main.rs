@@ -6,7 +6,6 @@ mod pipe;
 
 #[cfg(target_os = "none")]
 mod target {
-    use shakedown_core::Controller;
     use shakedown_core::link::Setup;
     use shakedown_firmware::Loop;
     use shakedown_firmware::queues::{Order, Point, Queues};
@@ -21,18 +20,20 @@ mod target {
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        exit(run().is_some())
+        // Not on the stack, which is smaller.
+        static mut QUEUES: Queues = Queues::new();
+        exit(run(QUEUES).is_some())
     }
 
     /// Until the other end closes the pipe. None: it never got as far as a tick.
-    fn run() -> Option<()> {
+    fn run(queues: &'static mut Queues) -> Option<()> {
         let (input, output) = (Pipe::reading(TO_DEVICE)?, Pipe::writing(FROM_DEVICE)?);
         let mut bytes = [0; SETUP];
         input.read(&mut bytes)?;
         let (setup, _) = postcard::take_from_bytes::<Setup>(&bytes).ok()?;
-        let mut queues = Queues::new();
         let (loop_end, mut desk) = queues.split();
-        let mut decide = Loop::new(Controller::new(&setup.control).ok()?, &setup, loop_end, false);
+        let decide = cortex_m::singleton!(: Loop<'static> = Loop::wired(&setup, loop_end))?;
+        decide.begin(&setup, false).ok()?;
         let mut bytes = [0; Given::LENGTH];
         while input.read(&mut bytes).is_some() {
             let given = Given::from_bytes(bytes);

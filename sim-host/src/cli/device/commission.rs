@@ -1,6 +1,8 @@
 //! The first steps of `docs/commissioning.md`, one after the other, with what each measured in a file.
 
-use super::failed;
+mod oil;
+
+use super::{failed, record};
 use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use shakedown::device::{Port, Session};
@@ -16,6 +18,9 @@ pub(super) struct Commission {
     /// Where what was measured is written.
     #[arg(long, value_name = "FILE", default_value = "commissioning.toml")]
     out: PathBuf,
+    /// The record of steps 12 and 13, columns `time` (s) and `reference` (m); without it they are left out.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
 }
 
 /// What a step measures.
@@ -48,25 +53,29 @@ impl Commission {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
         print("Hydraulics off. Enter goes on; `stop` ends, and keeps what was measured so far.\n");
         let mut text = String::from("# What the first steps of the commissioning guide measured.\n");
+        let ended =
+            self.dry(session, &mut text).and_then(|all| if all { self.oil(session, &mut text) } else { Ok(()) });
+        // What was measured before something failed is kept too.
+        write_whole(&self.out, text.as_bytes())?;
+        print(&format!("\nWrote {}.\n", self.out.display()));
+        ended
+    }
+
+    /// The steps with the hydraulics off; whether all were walked.
+    fn dry(&self, session: &mut Session<Port>, text: &mut String) -> Result<bool, Failure> {
         for &(number, instruction, measures) in STEPS {
             if let Measures::Output(code) = measures {
                 clear(session)?;
                 session.order(&Request::Probe(code)).map_err(failed)?;
             }
-            print(&format!("{number}. {instruction} "));
-            let mut typed = String::new();
-            let read = std::io::stdin().lock().read_line(&mut typed).map_err(|e| Failure::Work(e.to_string()))?;
-            let typed = typed.trim();
-            if read == 0 || typed == "stop" {
-                break;
-            }
+            let Some(typed) = prompted(number, instruction)? else { return Ok(false) };
             let _ = writeln!(text, "\n[step-{number}]\ninstruction = {instruction:?}\ntyped = {typed:?}");
             match measures {
                 Measures::Typed => {}
                 Measures::Output(code) => {
                     let _ = writeln!(text, "output_code = {code}");
                 }
-                Measures::Inputs => inputs(session, &mut text)?,
+                Measures::Inputs => inputs(session, text)?,
                 Measures::Standing => {
                     let vitals = session.vitals().map_err(failed)?;
                     let cause = vitals.cause.map_or("none".into(), |cause| format!("{cause:?}"));
@@ -74,10 +83,28 @@ impl Commission {
                 }
             }
         }
-        write_whole(&self.out, text.as_bytes())?;
-        print(&format!("\nWrote {}. Next: the steps with pressure low, in the guide.\n", self.out.display()));
-        Ok(())
+        Ok(true)
     }
+
+    /// The steps with the pressure low, each begun by a `yes`.
+    fn oil(&self, session: &mut Session<Port>, text: &mut String) -> Result<(), Failure> {
+        clear(session)?;
+        let setup = session.setup().map_err(failed)?;
+        let record = match &self.record {
+            Some(file) => Some(record::resampled(file, "reference", f64::from(setup.control.rate))?),
+            None => None,
+        };
+        oil::Oil { session, setup, record }.walk(text)
+    }
+}
+
+/// Asks for a step; what was typed, or none at the end or at `stop`.
+fn prompted(number: &str, instruction: &str) -> Result<Option<String>, Failure> {
+    print(&format!("{number}. {instruction} "));
+    let mut typed = String::new();
+    let read = std::io::stdin().lock().read_line(&mut typed).map_err(|e| Failure::Work(e.to_string()))?;
+    let typed = typed.trim().to_owned();
+    Ok((read > 0 && typed != "stop").then_some(typed))
 }
 
 /// Leaves a trip behind, and what was on the output.

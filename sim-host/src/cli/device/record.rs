@@ -85,7 +85,7 @@ fn save(folder: &Path, rows: &[Row], setup: &Setup) -> Result<(), Failure> {
 }
 
 /// The reference at the device's rate, m, by straight lines between its samples.
-fn resampled(path: &Path, column: &str, rate: f64) -> Result<Vec<f32>, Failure> {
+pub(super) fn resampled(path: &Path, column: &str, rate: f64) -> Result<Vec<f32>, Failure> {
     let table = file::read(path, &["time", column]).map_err(|e| Failure::Input(e.to_string()))?;
     let [time, reference] = table.columns.as_slice() else {
         return Err(Failure::Input(format!("{}: no columns `time` and `{column}`", path.display())));

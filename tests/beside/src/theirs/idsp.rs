@@ -17,6 +17,9 @@ extern "C" fn section(law: &Biquad<f32>, state: &mut DirectForm2Transposed<f32>,
     law.process(state, x)
 }
 
+/// A low-pass of the core's corner; a step costs the same whatever the coefficients.
+pub(crate) const SECTION: [f32; 5] = [0.0126, 0.0253, 0.0126, 1.6564, -0.7069];
+
 /// Measures both.
 pub(crate) fn measure(dt: f32, limit: f32, gains: LoopGains) {
     let pid: Biquad<f32> = pid::Builder::default()
@@ -26,7 +29,5 @@ pub(crate) fn measure(dt: f32, limit: f32, gains: LoopGains) {
     let mut pid = BiquadClamp::from(pid);
     (pid.min, pid.max) = (-limit, limit);
     run(17, controller, &pid, &mut DirectForm1::default());
-    // A low-pass of the core's corner; a step costs the same whatever the coefficients.
-    let section_law = Biquad { ba: [0.0126, 0.0253, 0.0126, 1.6564, -0.7069] };
-    run(18, section, &section_law, &mut DirectForm2Transposed::default());
+    run(18, section, &Biquad { ba: SECTION }, &mut DirectForm2Transposed::default());
 }

@@ -28,8 +28,10 @@ const PATIENCE: u64 = 1_000_000;
 /// Port B, and the emergency stop on it.
 const PORT_B: usize = 1;
 const STOP_PIN: u8 = 1;
-/// The stack (`memory.x`), and what the firmware paints it with at reset.
-const STACK: std::ops::Range<u64> = 0x2000_0000..0x2000_2000;
+/// Where the vector table holds the top of the stack, whose bottom is that of the memory (`memory.x`); and what the firmware
+/// paints it with at reset.
+const STACK_TOP: u64 = 0x0800_0000;
+const MEMORY: u64 = 0x2000_0000;
 const PAINT: u64 = 0xCCCC_CCCC;
 
 /// The timer's updates, from its registers.
@@ -66,7 +68,16 @@ pub(super) struct Lockstep<W> {
     /// Instructions to follow, and from which tick to the next.
     follow: Option<(u64, Vec<u64>)>,
     followed: Vec<u64>,
-    stack: u64,
+    stack: Stack,
+}
+
+/// The stack, byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stack {
+    /// Deepest it has been.
+    pub deepest: u64,
+    /// What there is of it.
+    pub size: u64,
 }
 
 impl<W: World> Lockstep<W> {
@@ -85,7 +96,7 @@ impl<W: World> Lockstep<W> {
             ticked: false,
             follow: None,
             followed: Vec::new(),
-            stack: 0,
+            stack: Stack::default(),
         }
     }
 
@@ -93,15 +104,17 @@ impl<W: World> Lockstep<W> {
         self.ticked
     }
 
-    pub(super) const fn stack(&self) -> u64 {
+    pub(super) const fn stack(&self) -> Stack {
         self.stack
     }
 
     /// How deep the paint is gone.
     fn measure_stack(&mut self, host: &mut dyn Host) {
+        let top = host.read(STACK_TOP, Width::W32).unwrap_or(MEMORY);
         let painted = |&address: &u64| host.read(address, Width::W32).is_ok_and(|word| word == PAINT);
-        let untouched = STACK.step_by(4).take_while(painted).count() as u64 * 4;
-        self.stack = STACK.end - STACK.start - untouched;
+        let untouched = (MEMORY..top).step_by(4).take_while(painted).count() as u64 * 4;
+        let size = top.saturating_sub(MEMORY);
+        self.stack = Stack { deepest: size - untouched, size };
     }
 
     pub(super) fn into_world(self) -> (W, Vec<u64>) {

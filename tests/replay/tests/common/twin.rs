@@ -3,7 +3,7 @@
 
 use shakedown::device::Telemetry;
 use shakedown_core::link::Setup;
-use shakedown_core::{Controller, Request, State};
+use shakedown_core::{Request, State};
 use shakedown_firmware::Loop;
 use shakedown_firmware::queues::{Entry, Order, Point, Queues};
 
@@ -33,8 +33,7 @@ pub(crate) fn run(
     let changes = changes(telemetry);
     let mut queues = Queues::new();
     let (loop_end, mut desk) = queues.split();
-    let controller = Controller::new(&setup.control).unwrap();
-    let mut decide = Loop::new(controller, &setup, loop_end, false);
+    let mut decide = Loop::new(&setup, loop_end, false).unwrap();
     let mut bench = Bench::new(setup, record.to_vec());
     let mut points = record.iter().filter_map(|&point| Point::new(point)).chain([Point::END]);
     let mut twin = Twin { codes: Vec::new(), entries: Vec::new() };

@@ -1,0 +1,154 @@
+//! What is in the flash at power-on, and what is left there: a slot that is not whole never counts.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::large_types_passed_by_value,
+    reason = "tests and their helpers"
+)]
+
+mod common;
+
+use common::{bench::Bench, image, setup};
+use shakedown::device::Talker;
+use shakedown_core::link::{Report, Request, Setup, Vitals};
+use shakedown_core::{Mode, State};
+use shakedown_firmware::defaults;
+use shakedown_firmware::store::{SLOT, Slots, save};
+use shakedown_replay::{Ran, Tick, World};
+
+/// Where the slots lie (`memory.x`).
+const SLOTS: [u64; 2] = [0x080C_0000, 0x080E_0000];
+/// Ticks between two questions.
+const PAUSE: usize = 50;
+
+/// A flash on the host.
+#[derive(Clone)]
+struct Memory([[u8; SLOT]; 2]);
+
+impl Slots for Memory {
+    type Error = ();
+
+    fn read(&self, slot: usize, bytes: &mut [u8; SLOT]) {
+        *bytes = self.0[slot];
+    }
+
+    fn erase(&mut self, slot: usize) -> Result<(), ()> {
+        self.0[slot] = [0xFF; SLOT];
+        Ok(())
+    }
+
+    fn program(&mut self, slot: usize, offset: usize, bytes: &[u8]) -> Result<(), ()> {
+        self.0[slot][offset..offset + bytes.len()].copy_from_slice(bytes);
+        Ok(())
+    }
+}
+
+/// Asks one question after the other, and keeps what it hears.
+struct Asking {
+    bench: Bench,
+    talker: Talker,
+    questions: std::vec::IntoIter<Request>,
+    heard: Vec<Report>,
+    ticks: usize,
+    relay: bool,
+}
+
+impl World for Asking {
+    fn tick(&mut self, tick: Tick<'_>) -> bool {
+        *tick.inputs = self.bench.codes();
+        self.relay |= tick.relay;
+        self.talker.hear(tick.line.from_device.drain(..));
+        while let Some(report) = self.talker.report() {
+            if !matches!(report, Report::Telemetry(_)) {
+                self.heard.push(report);
+            }
+        }
+        self.ticks += 1;
+        if !self.ticks.is_multiple_of(PAUSE) {
+            return true;
+        }
+        let Some(question) = self.questions.next() else { return false };
+        self.talker.say(&question);
+        tick.line.to_device.extend(self.talker.outgoing().drain(..));
+        true
+    }
+}
+
+fn ask(memory: &Memory, questions: Vec<Request>) -> Ran<Asking> {
+    let world = Asking {
+        bench: Bench::new(setup(Mode::Controller), Vec::new()),
+        talker: Talker::new(),
+        questions: questions.into_iter(),
+        heard: Vec::new(),
+        ticks: 0,
+        relay: false,
+    };
+    let flash: Vec<(u64, Vec<u8>)> = SLOTS.iter().zip(memory.0).map(|(&at, slot)| (at, slot.to_vec())).collect();
+    let ran = shakedown_replay::run_with(&image(), &flash, world).unwrap();
+    assert!(!ran.world.relay, "the relay closed");
+    ran
+}
+
+/// The setup in force after a reset with this in the flash, and how the device fares.
+fn at_power_on(memory: &Memory) -> (Setup, Vitals) {
+    match ask(memory, vec![Request::ReadSetup, Request::ReadVitals]).world.heard[..] {
+        [Report::Setup(setup), Report::Vitals(vitals)] => (setup, vitals),
+        ref other => panic!("{other:?}"),
+    }
+}
+
+fn gain(proportional: f32) -> Setup {
+    let mut setup = setup(Mode::Controller);
+    setup.control.displacement.proportional = proportional;
+    setup
+}
+
+/// A flash to which these were saved, one after the other.
+fn holding(setups: &[Setup]) -> Memory {
+    let mut memory = Memory([[0xFF; SLOT]; 2]);
+    for setup in setups {
+        save(&mut memory, setup).unwrap();
+    }
+    memory
+}
+
+#[test]
+fn the_setup_saved_last_is_in_force() {
+    let (setup, vitals) = at_power_on(&holding(&[gain(2.0), gain(3.0)]));
+    assert_eq!((setup, vitals.stored, vitals.state), (gain(3.0), true, State::Off));
+}
+
+/// One wrong bit anywhere in the slot: the setup before it is in force.
+#[test]
+fn a_corrupted_slot_leaves_the_setup_before_it_in_force() {
+    for (byte, bit) in [(0, 0), (5, 3), (9, 7), (20, 1), (300, 5)] {
+        let mut memory = holding(&[gain(2.0), gain(3.0)]);
+        memory.0[1][byte] ^= 1 << bit;
+        let (setup, vitals) = at_power_on(&memory);
+        assert_eq!((setup, vitals.stored, vitals.state), (gain(2.0), true, State::Off), "byte {byte}");
+    }
+}
+
+#[test]
+fn with_both_slots_corrupted_the_device_is_as_it_was_never_set_up() {
+    let mut memory = holding(&[gain(2.0), gain(3.0)]);
+    memory.0[0][40] ^= 2;
+    memory.0[1][40] ^= 2;
+    let (setup, vitals) = at_power_on(&memory);
+    assert_eq!((setup, vitals.stored, vitals.state), (defaults::setup(), false, State::Off));
+}
+
+/// Saved on the device, by the device: and the stack that the longest way through it takes.
+#[test]
+fn what_is_saved_is_stored_and_the_stack_is_deep_enough_for_it() {
+    let questions = vec![Request::WriteSetup(gain(4.0)), Request::Save, Request::ReadVitals, Request::ReadSetup];
+    let ran = ask(&holding(&[gain(2.0), gain(3.0)]), questions);
+    match ran.world.heard[..] {
+        [Report::Done, Report::Done, Report::Vitals(vitals), Report::Setup(setup)] => {
+            assert_eq!((setup, vitals.stored), (gain(4.0), true));
+        }
+        ref other => panic!("{other:?}"),
+    }
+    assert!(ran.stack.deepest * 4 <= ran.stack.size * 3, "{:?}", ran.stack);
+}
