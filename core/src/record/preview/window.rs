@@ -176,7 +176,7 @@ impl<const N: usize, const PLACES: usize> Window<N, PLACES> {
             set(place, highest);
             set(place + 1, lowest);
         } else {
-            set(place, highest << 4 | lowest);
+            set(place, (highest << 4) | lowest);
         }
     }
 }
