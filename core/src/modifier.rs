@@ -24,9 +24,10 @@ pub enum Modification {
     },
 }
 
-/// Samples of the reference that a preview can hold: half a second at 1 kHz; 32 where the feature `short-preview`
-/// spares a small target's memory, 24 bytes a sample.
-pub const PREVIEW_WINDOW: usize = if cfg!(feature = "short-preview") { 32 } else { 512 };
+/// Samples of the reference that a preview can hold: half a second at 1 kHz.
+pub const PREVIEW_WINDOW: usize = 512;
+/// Bytes that it keeps beside them.
+pub const PREVIEW_PLACES: usize = preview::places(PREVIEW_WINDOW);
 
 /// Configuration of the modifier chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +44,7 @@ pub(crate) enum ModifierState {
     Off,
     Clip(clip::State),
     Causal(causal::State),
-    Preview(preview::State<PREVIEW_WINDOW>),
+    Preview(preview::State<PREVIEW_WINDOW, PREVIEW_PLACES>),
 }
 
 impl Modifier {
@@ -72,10 +73,14 @@ impl Modifier {
         }
     }
 
-    /// Puts `state` at rest at `reference` (m).
+    /// Puts `state` at rest at `reference` (m). A preview stays where it is: on a small target the stack does not hold
+    /// another.
     #[inline(never)]
     pub(crate) fn restart(&self, state: &mut ModifierState, reference: f32) {
-        *state = self.start(reference);
+        match (self, &mut *state) {
+            (Self::Preview(_), ModifierState::Preview(state)) => state.restart(reference),
+            _ => *state = self.start(reference),
+        }
     }
 
     /// Whether `state` is of this modifier, so that it can go on under a new configuration.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::BlockError;
 use crate::control::{InnerLoop, TrackingSettings};
 use crate::guard::GuardSettings;
-pub use crate::modifier::{Modification, PREVIEW_WINDOW};
+pub use crate::modifier::{Modification, PREVIEW_PLACES, PREVIEW_WINDOW};
 use crate::saturation::Detection;
 
 /// Proportional and integral gain of one feedback loop of Fig. 12.

@@ -24,7 +24,8 @@ fn modifiers(limits: &Limits) -> Result<Vec<Modifier>, SettingsError> {
     let clip_config = clip::Config::new(limits)?;
     let causal_config = causal::Config::new(limits, &causal::Config::WASHOUT, causal::Config::MEMORY)?;
     let preview_config = preview::Config::new::<WINDOW>(limits, &preview::Config::WASHOUT, 0.2)?;
-    let (mut a, mut b, mut c) = (clip::State::at(0.0), causal::State::at(0.0), preview::State::<WINDOW>::at(0.0));
+    let (mut a, mut b, mut c) =
+        (clip::State::at(0.0), causal::State::at(0.0), preview::State::<WINDOW, { preview::places(WINDOW) }>::at(0.0));
     Ok(vec![
         Modifier {
             name: "clip",

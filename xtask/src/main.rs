@@ -39,7 +39,11 @@ const CHORES: &[Chore] = &[
         does: "builds it and runs it in the loop, on an emulated processor [TEST...]",
         run: firmware::replay,
     },
-    Chore { name: "law-cost", does: "counts the tracking law's instructions (QEMU)", run: law_cost::count },
+    Chore {
+        name: "law-cost",
+        does: "counts the instructions of tracking law and preview (QEMU)",
+        run: law_cost::count,
+    },
     Chore {
         name: "beside",
         does: "what the core's laws cost beside the same in C and beside idsp's, in instructions",

@@ -84,6 +84,11 @@ impl Integrator {
         (reference - self.displacement) - self.carry
     }
 
+    /// How far it lies beyond `other`, m.
+    pub(super) fn beyond(&self, other: &Self) -> f32 {
+        (self.displacement - other.displacement) + (self.carry - other.carry)
+    }
+
     /// Moves by `step`, m, to within one unit in the last place of the displacement.
     pub(super) fn advance(&mut self, step: f32) -> f32 {
         let sum = step + self.carry;

@@ -19,8 +19,9 @@ use std::path::{Path, PathBuf};
   shakedown bench --records DIR --figures               the held figures alone
   shakedown bench --tables paper,oil                    two tables, generated records
 
-DIR holds the PEER files of El Centro (IELC180), Kobe (KJM000) and Taft (TAF021); what is missing is left out, and the held
-figures need the first two. Three generated records are always there.")]
+DIR holds the PEER files of El Centro (IELC180), Kobe (KJM000) and Taft (TAF021); what is
+missing is left out, and the held figures need the first two. Three generated records are
+always there.")]
 pub(crate) struct Args {
     /// Folder with records.
     #[arg(long, value_name = "DIR")]
@@ -78,7 +79,7 @@ fn played(folder: Option<&Path>) -> Result<Played, Failure> {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let failed = |e: &dyn std::fmt::Display| Failure::Work(format!("bench: {e}"));
     let played = played(args.records.as_deref())?;
-    let held = held(&played, args.figures).map_err(|e| failed(&e))?;
+    let held = held(&played, args)?;
     let names: Vec<&str> = match &args.tables {
         _ if args.figures => Vec::new(),
         None => TABLES.to_vec(),
@@ -100,17 +101,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// The held figures, where their two records are there.
-fn held(played: &Played, asked: bool) -> Result<Vec<Figure>, String> {
+fn held(played: &Played, args: &Args) -> Result<Vec<Figure>, Failure> {
     let find = |name: &str| played.cases.iter().find(|case| case.name == name);
     let (Some(el_centro), Some(kobe)) = (find(FILES[0].0), find(FILES[1].0)) else {
-        return if asked {
-            Err("the figures need El Centro (IELC180) and Kobe (KJM000)".into())
-        } else {
-            Ok(Vec::new())
-        };
+        let Some(folder) = args.records.as_ref().filter(|_| args.figures) else { return Ok(Vec::new()) };
+        let need = "no file of El Centro and Kobe: --figures needs files whose names hold IELC180 and KJM000";
+        return Err(Failure::Input(format!("{}: {need}", folder.display())));
     };
     let spinner = progress::spinner("held figures".into());
-    let found = figures::all(&Records { el_centro, kobe }).map_err(|e| e.to_string());
+    let found = figures::all(&Records { el_centro, kobe }).map_err(|e| Failure::Work(format!("bench: {e}")));
     spinner.finish_and_clear();
     found
 }
@@ -158,7 +157,7 @@ const NOTES: [&str; 5] = [
 
 fn held_table(held: &[Figure]) -> Table {
     let cells = |f: &Figure| {
-        let bound = format!("{} {}", if f.at_least { "at least" } else { "at most" }, f.bound);
+        let bound = format!("{} {}", if f.at_least { "at least" } else { "at most" }, (1e4 * f.bound).round() / 1e4);
         let verdict = if f.holds() { "holds" } else { "does not hold" };
         vec![f.name.clone(), format!("{:.4}", f.value), bound, verdict.into(), f.note.clone()]
     };

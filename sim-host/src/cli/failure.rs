@@ -22,3 +22,11 @@ impl Failure {
         })
     }
 }
+
+/// Refuses an option whose value lies outside its range, or is no number.
+pub(crate) fn within(option: &str, value: f64, low: f64, high: f64) -> Result<(), Failure> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Failure::Input(format!("{option} {value}: expected {low} to {high}")))
+}

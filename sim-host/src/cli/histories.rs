@@ -4,9 +4,6 @@ use shakedown::closed_loop::trial::Trial;
 use shakedown::plant::sensors::GRAVITY;
 use shakedown::report::{Axis, Band, Item, Plot, Series, Style};
 
-/// Time between the points drawn, s: a 4.7 Hz record and the spikes of saturation need no more.
-const SPACING: f64 = 0.005;
-
 /// One curve over a test's time.
 pub(crate) struct History<'a> {
     /// Name in the legend.
@@ -19,14 +16,13 @@ pub(crate) struct History<'a> {
     pub(crate) style: Style,
 }
 
-/// A figure of several curves over time, the test's saturated stretches shaded.
+/// A figure of several curves over time, the test's saturated stretches shaded. The page thins them and keeps every spike.
 pub(crate) fn plot(trial: &Trial, group: &str, title: &str, label: &str, curves: &[History]) -> Plot {
     let dt = trial.trace.dt;
-    let stride = ((SPACING / dt).round() as usize).max(1);
     let series = |c: &History| Series {
         name: c.name.into(),
-        x: (0..c.values.len()).step_by(stride).map(|k| k as f64 * dt).collect(),
-        y: c.values.iter().step_by(stride).map(|v| v * c.scale).collect(),
+        x: (0..c.values.len()).map(|k| k as f64 * dt).collect(),
+        y: c.values.iter().map(|v| v * c.scale).collect(),
         style: c.style,
     };
     let band = |(from, to)| Band { from, to, label: "velocity at its limit".into() };

@@ -1,5 +1,6 @@
 //! `shakedown learn`: iterative learning over repeated runs on the twin.
 
+use super::failure::within;
 use super::output::Outputs;
 use super::source::Source;
 use super::{Failure, present, progress};
@@ -10,6 +11,8 @@ use shakedown::closed_loop::named;
 use shakedown::closed_loop::trial::Setup;
 use shakedown::closed_loop::twin::Twin;
 use shakedown::motion::condition::Recipe;
+use shakedown::motion::fit::named::Fit;
+use shakedown::motion::{Motion, Record};
 use shakedown::plant::sensors::SensorModel;
 use shakedown::report::{Item, Page, Section, Table};
 
@@ -17,17 +20,23 @@ use shakedown::report::{Item, Page, Section, Table};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   shakedown learn --record taft.AT2 --controller current --runs 6
-  shakedown learn --record kobe.AT2 --velocity 0.2          stops before a run that would be faster")]
+  shakedown learn --record kobe.AT2 --velocity 0.2          learns the record fitted to 0.2 m/s
+  shakedown learn --record kobe.AT2 --fit none              refused: as it is it asks for more than the table can do
+
+A drive that is predicted to pass a limit is not run, be it the first or a later one.")]
 pub(crate) struct Args {
     #[command(flatten)]
     source: Source,
     /// Controller by name.
     #[arg(long, value_name = "NAME", default_value = "current", value_parser = PossibleValuesParser::new(named::names()))]
     controller: String,
-    /// Runs at most.
-    #[arg(long, default_value_t = 6)]
+    /// Fits the record to speed and stroke first; `none` leaves it as it is.
+    #[arg(long, value_name = "NAME", default_value = "nearest", value_parser = PossibleValuesParser::new(fits()))]
+    fit: String,
+    /// Runs at most, 1 to 50.
+    #[arg(long, value_name = "N", default_value_t = 6)]
     runs: usize,
-    /// Frequency up to which is learned, Hz.
+    /// Frequency up to which is learned, 0.5 to 50 Hz.
     #[arg(long, value_name = "HZ", default_value_t = 12.0)]
     band: f64,
     /// Largest displacement that a run may be predicted to reach, m.
@@ -43,17 +52,45 @@ pub(crate) struct Args {
     outputs: Outputs,
 }
 
+/// What `--fit` takes.
+fn fits() -> impl Iterator<Item = &'static str> {
+    std::iter::once(AS_IT_IS).chain(Fit::names())
+}
+
+/// No fit.
+const AS_IT_IS: &str = "none";
+
+impl Args {
+    fn check(&self) -> Result<(), Failure> {
+        within("--runs", self.runs as f64, 1.0, 50.0)?;
+        within("--band", self.band, 0.5, 50.0)?;
+        within("--stroke", self.stroke, 0.001, 10.0)?;
+        within("--velocity", self.velocity, 0.001, 10.0)?;
+        within("--acceleration", self.acceleration, 0.01, 1000.0)
+    }
+
+    /// What the table is to do.
+    fn wanted(&self, record: &Record) -> Result<Motion, Failure> {
+        let wrong = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", record.name));
+        let motion = Recipe::table1(named::RATE).apply(record).map_err(|e| wrong(&e))?;
+        let Some(fit) = Fit::parse(&self.fit) else { return Ok(motion) };
+        let bar = progress::spinner(format!("fitting {}", record.name));
+        let fitted = fit.apply(&motion, self.velocity, self.stroke, |line| bar.set_message(line.to_owned()));
+        bar.finish_and_clear();
+        fitted.map_err(|e| wrong(&e))
+    }
+}
+
 /// Learns, shows every run beside what was predicted of it.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    args.check()?;
     let record = args.source.load()?;
-    let wanted = Recipe::table1(named::RATE)
-        .apply(&record)
-        .map_err(|e| Failure::Input(format!("{}: conditioning: {e}", record.name)))?;
+    let wanted = args.wanted(&record)?;
     let settings = named::by_name(&args.controller, named::RATE)
         .ok_or_else(|| Failure::Input(format!("--controller {}: no such controller", args.controller)))?;
     let setup = Setup { settings, table: Twin::default(), sensors: SensorModel::laboratory(1), steps: 10 };
     let limits = Limits { displacement: args.stroke, velocity: args.velocity, acceleration: args.acceleration };
-    let how = Learning { band: args.band.clamp(0.5, 50.0), runs: args.runs.clamp(1, 50), ..Learning::default() };
+    let how = Learning { band: args.band, runs: args.runs, ..Learning::default() };
     let bar = progress::spinner(format!("learning {}", record.name));
     let learned = learn(&setup, &wanted, &limits, &how).map_err(|e| Failure::Work(format!("learn: {e}")))?;
     bar.finish_and_clear();
@@ -90,8 +127,11 @@ fn section(learned: &Learned, record: &str) -> Section {
         columns: columns.map(String::from).to_vec(),
         rows: learned.rounds.iter().enumerate().map(row).collect(),
     };
-    let mut items = vec![Item::Table(table)];
+    let mut items: Vec<Item> = (!learned.rounds.is_empty()).then_some(Item::Table(table)).into_iter().collect();
     items.extend(learned.refused.map(|refusal| Item::Note(refusal.to_string())));
+    if learned.rounds.is_empty() {
+        items.push(Item::Note("Nothing was run. Fitted to the table first (--fit), the record may be learned.".into()));
+    }
     Section { heading: format!("Learning {record}"), items }
 }
 

@@ -10,11 +10,12 @@ use clap::ValueEnum;
 use shakedown::motion::condition::{Recipe, Step, peak_acceleration};
 use shakedown::motion::fit::certificate::{self, Relaxation, Relaxed};
 use shakedown::motion::fit::method::{Method, modify};
+use shakedown::motion::fit::named::PREVIEW;
 use shakedown::motion::fit::spectrum::Band;
 use shakedown::motion::fit::{FitError, Limits, Norm, Reference};
 use shakedown::motion::resample::Interpolation;
 use shakedown::motion::{AccelerationUnit, Motion, Record, generate, read, write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Fits a record to the table's limits: the drive is written in the record's own format.
@@ -64,21 +65,21 @@ pub(crate) struct Args {
     /// What is kept.
     #[arg(long, value_enum, default_value_t = Objective::Waveform)]
     objective: Objective,
-    /// What "nearest" means for --method convex.
-    #[arg(long, value_enum, default_value_t = Measure::Two)]
-    norm: Measure,
+    /// What "nearest" means for --method convex [default: two].
+    #[arg(long, value_enum)]
+    norm: Option<Measure>,
     /// Preview of the online modifier, s [default: 0.5].
     #[arg(long, value_name = "S")]
     preview: Option<f64>,
-    /// Periods whose spectral ordinates are kept, s.
-    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', default_values_t = [0.05, 0.5])]
-    band: Vec<f64>,
-    /// Damping of the spectrum, 1.
-    #[arg(long, default_value_t = 0.05)]
-    damping: f64,
-    /// Largest relative deviation of the spectrum, 1.
-    #[arg(long, default_value_t = 0.05)]
-    tolerance: f64,
+    /// Periods whose spectral ordinates are kept, s [default: 0.05,0.5].
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',')]
+    band: Option<Vec<f64>>,
+    /// Damping of the spectrum that is kept, 1 [default: 0.05].
+    #[arg(long, value_name = "RATIO")]
+    damping: Option<f64>,
+    /// Largest relative deviation of the spectrum that is kept, 1 [default: 0.05].
+    #[arg(long, value_name = "SHARE")]
+    tolerance: Option<f64>,
     /// An `E_a` to come down to: where the limits do not allow it, the smallest factor on them that does.
     #[arg(long, value_name = "E_A")]
     target: Option<f64>,
@@ -143,6 +144,13 @@ enum Measure {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let method = args.method()?;
     let limits = args.limits()?;
+    // Said before the work, not after it.
+    if let Some(folder) = args.out.as_deref().and_then(Path::parent)
+        && !folder.as_os_str().is_empty()
+        && !folder.is_dir()
+    {
+        return Err(Failure::Input(format!("modify: --out: {} is no folder: make it first", folder.display())));
+    }
     let (record, inputs) = args.read()?;
     let motion = args.condition(&record)?;
     let spinner = progress::spinner(format!("fitting {}", record.name));
@@ -203,21 +211,39 @@ impl Args {
         {
             return clash(&format!("{name} is a limit that only --method convex keeps: leave one of them out"));
         }
-        let (shortest, longest) = pair("--band", &self.band)?;
-        Ok(match (named, self.objective) {
-            (How::Clip, _) => Method::Clip,
-            (How::Taut, _) => Method::Taut,
-            (How::Causal, _) => Method::Causal,
-            (How::Preview, _) => Method::Preview(self.preview.unwrap_or(0.5)),
-            (How::Convex, Objective::Spectrum) => {
-                Method::Spectrum(Band { shortest, longest, damping: self.damping, tolerance: self.tolerance })
-            }
-            (How::Convex, Objective::Waveform) => Method::Convex(match self.norm {
-                Measure::Two => Norm::Two,
-                Measure::One => Norm::One,
-                Measure::Peak => Norm::Peak,
+        let kept = self.objective == Objective::Spectrum;
+        let spectral = [
+            ("--band", self.band.is_some()),
+            ("--damping", self.damping.is_some()),
+            ("--tolerance", self.tolerance.is_some()),
+        ];
+        if let Some((name, _)) = spectral.iter().find(|(_, given)| *given && !kept) {
+            return clash(&format!("{name} says what --objective spectrum keeps: add that, or leave {name} out"));
+        }
+        if self.norm.is_some() && (kept || named != How::Convex) {
+            return clash("--norm belongs to --method convex with --objective waveform: leave it out");
+        }
+        Ok(match named {
+            How::Clip => Method::Clip,
+            How::Taut => Method::Taut,
+            How::Causal => Method::Causal,
+            How::Preview => Method::Preview(self.preview.unwrap_or(PREVIEW)),
+            How::Convex if kept => Method::Spectrum(self.kept()?),
+            How::Convex => Method::Convex(match self.norm {
+                None | Some(Measure::Two) => Norm::Two,
+                Some(Measure::One) => Norm::One,
+                Some(Measure::Peak) => Norm::Peak,
             }),
         })
+    }
+
+    /// The part of the spectrum that is kept.
+    fn kept(&self) -> Result<Band, Failure> {
+        let usual = Band::USUAL;
+        let (shortest, longest) =
+            self.band.as_ref().map_or(Ok((usual.shortest, usual.longest)), |values| pair("--band", values))?;
+        let (damping, tolerance) = (self.damping.unwrap_or(usual.damping), self.tolerance.unwrap_or(usual.tolerance));
+        Ok(Band { shortest, longest, damping, tolerance })
     }
 
     /// What is asked for, and what a table's model file says of the rest.

@@ -75,7 +75,9 @@ pub(crate) struct Args {
 /// Conditioning by name.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Recipe {
+    /// As the paper's references are: nothing above 4.7 Hz.
     Table1,
+    /// All of it.
     Plain,
     /// As fits are measured: 200 Hz, 40 s, nothing below 0.1 Hz.
     Fitting,
@@ -84,6 +86,7 @@ enum Recipe {
 /// The core's modifiers.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Online {
+    /// Not at all.
     Off,
     /// Eq. 10.
     Clip,

@@ -1,10 +1,12 @@
 //! Gains from a model and its uncertainty, margins first.
 //!
 //! The law's feedback follows from two frequencies. A pair is safe when on the model, and on every corner of its
-//! uncertainty, the loop is stable with at least the margins asked for ([`super::margin`]: the very law, run). Of the safe
-//! pairs the one is taken that leaves the least of what acts on the plant's input, in the worst corner. Where none is safe,
-//! nothing is written and the nearest is named.
+//! uncertainty, the loop is stable with at least the margins asked for ([`super::margin`]: the very law, run). Wide feedback
+//! undoes what the model has wrong and lets the sensors' noise through, so of the safe pairs the one is taken with the
+//! least of both: the share of a motion that the uncertainty leaves in the worst corner, and the share that noise adds. A
+//! model known well gets a quiet law. Where no pair is safe, nothing is written and the nearest is named.
 
+mod noise;
 mod table;
 
 pub use table::{Corner, Spread, Table, TableError};
@@ -43,6 +45,16 @@ pub struct Design {
     pub worst: Margins,
     /// How many corners were looked at.
     pub corners: usize,
+    /// Of the motion's acceleration, what the uncertainty leaves in the worst corner, and what the sensors' noise adds below
+    /// 15 Hz, 1.
+    pub expected: [f64; 2],
+}
+
+impl Design {
+    /// Both errors together, 1.
+    fn error(&self) -> f64 {
+        self.expected[0].hypot(self.expected[1])
+    }
 }
 
 /// Why there is no design.
@@ -73,6 +85,9 @@ pub enum DesignError {
     #[error(transparent)]
     Loop(#[from] ClosedLoopError),
 }
+
+/// Root mean square of the acceleration that noise is held against, m/s2: a moderate record's over its length.
+const MOTION: f64 = 0.5;
 
 /// Disturbance observers tried, as shares of the rate, from the widest, and feedback as shares of the observer. Wider feedback
 /// leaves less of nothing and lets the LVDT's step shake the table: at half the observer half as much again.
@@ -133,23 +148,31 @@ pub fn judge(table: &Table, settings: &Settings, demand: &Demand) -> Result<Resu
 pub fn design(table: &Table, demand: &Demand, mut tried: impl FnMut(f64, f64)) -> Result<Design, DesignError> {
     let mut best: Option<Design> = None;
     let mut last = (0.0, 0.0, String::new());
-    for observer in OBSERVERS.map(|share| share * demand.rate) {
+    'observers: for observer in OBSERVERS.map(|share| share * demand.rate) {
         for share in FEEDBACK {
             let pair = (share * observer, observer);
             tried(pair.0, pair.1);
             let settings = settings(table, demand.rate, pair);
             match judge(table, &settings, demand)? {
                 Err(why) => last = (pair.0, pair.1, why),
-                Ok([nominal, worst]) if best.as_ref().is_none_or(|b| worst.left < b.worst.left) => {
-                    best = Some(Design { settings, nominal, worst, corners: demand.spread.corners().len() + 1 });
+                Ok([nominal, worst]) => {
+                    let noise = noise::shaken(table, &smooth(&settings))? / MOTION;
+                    let expected = [demand.spread.largest() * worst.left, noise];
+                    let corners = demand.spread.corners().len() + 1;
+                    let found = Design { settings, nominal, worst, corners, expected };
+                    // A slower observer leaves more.
+                    if best.as_ref().is_some_and(|best| expected[0] > best.error()) {
+                        break 'observers;
+                    }
+                    if best.as_ref().is_none_or(|best| found.error() < best.error()) {
+                        best = Some(found);
+                    }
                 }
-                Ok(_) => {}
             }
         }
-        // A slower observer leaves more.
-        if let Some(best) = best {
-            return Ok(best);
-        }
+    }
+    if let Some(best) = best {
+        return Ok(best);
     }
     let (bandwidth, disturbance, found) = last;
     let (gain_db, phase_degrees) = demand.margins;
@@ -188,6 +211,19 @@ mod tests {
         };
         assert_eq!(with(0.0), None);
         assert!(with(0.015).unwrap().reach((6.0, 30.0)), "{:?}", with(0.015));
+    }
+
+    /// What is known well needs little feedback, and little feedback lets little noise through.
+    #[test]
+    fn a_model_known_well_gets_a_quiet_law() {
+        let of = |spread: f64| {
+            let demand = Demand { spread: Spread::all(spread), ..Demand::default() };
+            let found = design(&Table::default(), &demand, |_, _| ()).unwrap();
+            (found.settings.tracking.unwrap().disturbance, found.expected)
+        };
+        let (unsure, sure) = (of(0.3), of(0.05));
+        assert!(sure.0 < 0.5 * unsure.0, "{sure:?} {unsure:?}");
+        assert!(sure.1[1] < unsure.1[1] && sure.1[0] < unsure.1[0], "{sure:?} {unsure:?}");
     }
 
     fn found_of(design: &Design) -> (f64, f64) {

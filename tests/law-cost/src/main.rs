@@ -1,4 +1,4 @@
-//! The tracking law on an emulated Cortex-M4, and how many instructions a tick of it retires.
+//! The tracking law and the preview modifier on an emulated Cortex-M4, and how many instructions a tick of them retires.
 //!
 //! `cargo xtask law-cost` runs this under QEMU, on an STM32F405, with `-icount shift=0`: one instruction is one
 //! nanosecond, and the board's timer runs at 168 MHz, 168 counts to a thousand of them. It also says a hash over the bits
@@ -19,6 +19,8 @@ mod target {
     use cortex_m::peripheral::syst::SystClkSource;
     use shakedown_core::control::TrackingSettings;
     use shakedown_core::control::tracking::{Seen, Surroundings, Tracking, TrackingState};
+    use shakedown_core::record::{Limits, preview};
+    use shakedown_core::settings::{PREVIEW_PLACES, PREVIEW_WINDOW};
     use shakedown_core::{Controller, Sample, Settings};
 
     const TICKS: u32 = 2000;
@@ -90,6 +92,26 @@ mod target {
         say(name, count(tick));
     }
 
+    /// A preview of half a second: the most of any tick. A reference that keeps inside the tube is looked
+    /// at to the end of the window, one that leaves it only as far as decides.
+    #[inline(never)]
+    fn of_preview(name: &core::ffi::CStr, amplitude: f32) {
+        let limits = Limits::new(1000.0, 0.242, 0.12);
+        let washout = preview::Config::WASHOUT;
+        let Ok(config) = preview::Config::new::<PREVIEW_WINDOW>(black_box(&limits), &washout, 0.5) else { return };
+        let mut state = preview::State::<PREVIEW_WINDOW, PREVIEW_PLACES>::at(0.0);
+        let mut sine = [amplitude, 0.0_f32];
+        let mut most = 0;
+        for _ in 0..TICKS {
+            sine[1] += 0.006 * sine[0];
+            sine[0] -= 0.006 * sine[1];
+            let before = SYST::get_current();
+            black_box(preview::step(black_box(&config), &mut state, sine[1], 0.242));
+            most = u32::max(most, before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff);
+        }
+        say(name, most * (1_000_000 / COUNTS_A_THOUSAND) / 1000);
+    }
+
     /// The end of the memory: controllers by value need more stack than the image's memory map gives, and there is room.
     const TOP: u32 = 0x2002_0000;
 
@@ -117,6 +139,8 @@ mod target {
         of_controller(c"controller, bare, paper's loops ", None);
         of_controller(c"controller, bare, law for the paper's table ", Some(TrackingSettings::default()));
         of_controller(c"controller, bare, law with every part ", Some(full()));
+        of_preview(c"preview, quiet record, most ", 0.01);
+        of_preview(c"preview, record at three times the limit, most ", 0.12);
         say(c"hash, paper's table ", hash(TrackingSettings::default()));
         say(c"hash, every part ", hash(full()));
         host(0x18, 0x2_0026);

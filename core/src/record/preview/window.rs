@@ -1,35 +1,20 @@
-//! The last N samples of the reference, and the extremes of every aligned run of 2, 4, 8 ... of them.
+//! The last N steps of the reference, and where the extremes of every aligned run of 4, 16 and 64 of them lie.
 
-/// One sample of the reference.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
-    /// Displacement, m.
-    pub(super) displacement: f32,
-    /// Displacement moved in that tick, m.
-    pub(super) step: f32,
-}
-
-/// A step and the slot that holds it.
-#[derive(Debug, Clone, Copy)]
-struct Extreme {
-    step: f32,
-    slot: u16,
-}
-
-/// The highest and the lowest step of a run of samples.
-#[derive(Debug, Clone, Copy)]
-struct Extremes {
-    highest: Extreme,
-    lowest: Extreme,
-}
-
-/// A ring of samples under a pyramid of extremes: the runs of 2 in the first half of `pyramid`, of 4 in the next quarter...
+/// A ring of steps. Beside it, for each run, the places of its highest and its lowest step within it: the runs of 4 first,
+/// two places in a byte, then those of 16 likewise, then those of 64, each place a byte. A run counts what has been pushed
+/// of it so far.
 #[derive(Debug, Clone)]
-pub(super) struct Window<const N: usize> {
-    samples: [Point; N],
-    pyramid: [Extremes; N],
-    /// Samples pushed so far; wraps, which a power of two does not notice.
+pub(super) struct Window<const N: usize, const PLACES: usize> {
+    /// Displacement moved in one tick, m.
+    steps: [f32; N],
+    places: [u8; PLACES],
+    /// Steps pushed so far; wraps, which a power of two does not notice.
     count: u32,
+}
+
+/// Bytes that the places of `n` steps take.
+pub(super) const fn places(n: usize) -> usize {
+    n / 4 + n / 16 + 2 * (n / 64)
 }
 
 /// A step at a distance.
@@ -37,178 +22,260 @@ pub(super) struct Window<const N: usize> {
 pub(super) struct Ahead {
     /// Displacement moved in one tick, m.
     pub(super) step: f32,
-    /// How many ticks after the last sample answered.
+    /// How many ticks after the last step answered.
     pub(super) ticks: f32,
 }
 
-/// The extremes of one run of samples in view.
+/// The extremes of one run of steps in view.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
+    /// How many ticks ahead it begins, and how many steps it holds.
+    #[cfg(test)]
+    span: (u32, u32),
     pub(super) highest: Ahead,
     pub(super) lowest: Ahead,
 }
 
-/// A run is at most its distance divided by this: 4 costs less than 0.1 % of the acceleration error (`tests.rs`).
-const FINENESS: u32 = 4;
-
-impl<const N: usize> Window<N> {
-    /// Slots are found by masking and written in 16 bits.
+impl<const N: usize, const PLACES: usize> Window<N, PLACES> {
+    /// Slots are found by masking.
     const MASK: u32 = {
         assert!(N.is_power_of_two() && N >= 2 && N <= 1 << 15, "the preview window holds a power of two of samples");
+        assert!(PLACES >= places(N), "the preview window has `places(N)` bytes for its runs");
         N as u32 - 1
     };
-
-    /// Full of one sample.
-    pub(super) fn filled(point: Point) -> Self {
-        let none = Extreme { step: point.step, slot: 0 };
-        let mut window = Self { samples: [point; N], pyramid: [Extremes { highest: none, lowest: none }; N], count: 0 };
-        for _ in 0..N {
-            window.push(point);
+    /// The longest run holds 2 to this power steps: 64, and never more than half the window.
+    const TOP: u32 = {
+        let mut top = 6;
+        while top > 0 && 1 << top > N / 2 {
+            top -= 2;
         }
-        window
+        top
+    };
+
+    /// A reference that has always rested.
+    pub(super) const fn at_rest() -> Self {
+        Self { steps: [0.0; N], places: [0; PLACES], count: 0 }
     }
 
-    /// Takes the newest sample and completes the runs that end with it.
-    pub(super) fn push(&mut self, point: Point) {
+    /// Forgets all that moved, where it stands: a window is large to build and move.
+    pub(super) fn rest(&mut self) {
+        self.steps.fill(0.0);
+        self.places.fill(0);
+        self.count = 0;
+    }
+
+    /// Takes the newest step and shows it to the runs that it belongs to.
+    pub(super) fn push(&mut self, step: f32) {
         let index = self.count;
-        if let Some(slot) = self.samples.get_mut((index & Self::MASK) as usize) {
-            *slot = point;
-        }
         self.count = index.wrapping_add(1);
-        let mut level = 1;
-        while level <= N.trailing_zeros() && self.count.trailing_zeros() >= level {
-            let half = 1 << (level - 1);
-            let early = self.extremes(index.wrapping_sub(2 * half - 1), level - 1);
-            let late = self.extremes(index.wrapping_sub(half - 1), level - 1);
-            if let Some(place) = self.pyramid.get_mut(Self::place(index, level)) {
-                *place = merge(early, late);
+        if let Some(slot) = self.steps.get_mut((index & Self::MASK) as usize) {
+            *slot = step;
+        }
+        let mut power = 2;
+        while power <= Self::TOP {
+            let within = index & ((1 << power) - 1);
+            let (mut highest, mut lowest) = (within, within);
+            if within > 0 {
+                let first = index - within;
+                let (high, low) = self.extremes(index, power);
+                // Of equals the later: on a level stretch it is the one that binds.
+                highest = if self.step(first.wrapping_add(high)) > step { high } else { within };
+                lowest = if self.step(first.wrapping_add(low)) < step { low } else { within };
             }
-            level += 1;
+            self.keep(index, power, highest, lowest);
+            power += 2;
         }
     }
 
-    /// The sample pushed `delay` ticks before the newest.
-    pub(super) fn point(&self, delay: u32) -> Point {
-        let index = self.count.wrapping_sub(1).wrapping_sub(delay);
-        self.samples.get((index & Self::MASK) as usize).copied().unwrap_or(Point { displacement: 0.0, step: 0.0 })
+    /// The step pushed `delay` ticks before the newest, m.
+    pub(super) fn late(&self, delay: u32) -> f32 {
+        self.step(self.count.wrapping_sub(1).wrapping_sub(delay))
     }
 
-    /// The runs that cover the newest `ahead` + 1 samples, oldest first.
-    pub(super) fn runs(&self, ahead: u32) -> Runs<'_, N> {
+    /// Shows `look` the runs that cover the newest `ahead` + 1 steps, oldest first, until it has its answer. The next size
+    /// up takes over where it fits and is not longer than it is far away.
+    #[inline]
+    pub(super) fn scan<T>(&self, ahead: u32, mut look: impl FnMut(Run) -> Option<T>) -> Option<T> {
         let first = self.count.wrapping_sub(1).wrapping_sub(ahead);
-        Runs { window: self, first, ticks: 1, last: ahead + 1 }
-    }
-
-    /// Where the run of 2^level samples that holds `index` keeps its extremes.
-    fn place(index: u32, level: u32) -> usize {
-        let base = N - (N >> (level - 1));
-        base + ((index & Self::MASK) >> level) as usize
-    }
-
-    /// The extremes of the run of 2^level samples that holds `index`.
-    fn extremes(&self, index: u32, level: u32) -> Extremes {
-        let slot = index & Self::MASK;
-        if level > 0
-            && let Some(extremes) = self.pyramid.get(Self::place(index, level))
-        {
-            return *extremes;
+        let mut cursor = Cursor { index: first, ticks: 1, left: ahead + 1 };
+        let mut found = self.runs::<0, T>(&mut cursor, &mut look);
+        if found.is_none() {
+            found = self.runs::<2, T>(&mut cursor, &mut look);
         }
-        let step = self.samples.get(slot as usize).map_or(0.0, |point| point.step);
-        let extreme = Extreme { step, slot: slot as u16 };
-        Extremes { highest: extreme, lowest: extreme }
+        if found.is_none() {
+            found = self.runs::<4, T>(&mut cursor, &mut look);
+        }
+        if found.is_none() {
+            found = self.runs::<6, T>(&mut cursor, &mut look);
+        }
+        found
     }
-}
 
-/// The extremes of two neighbouring runs; of equals the earlier, which binds first.
-fn merge(early: Extremes, late: Extremes) -> Extremes {
-    Extremes {
-        highest: if late.highest.step > early.highest.step { late.highest } else { early.highest },
-        lowest: if late.lowest.step < early.lowest.step { late.lowest } else { early.lowest },
+    /// The runs of 2^POWER steps of a scan.
+    #[inline]
+    fn runs<const POWER: u32, T>(&self, cursor: &mut Cursor, look: &mut impl FnMut(Run) -> Option<T>) -> Option<T> {
+        let length = 1 << POWER;
+        let last = if POWER < Self::TOP { cursor.before(4 << POWER) } else { cursor.left };
+        let mut left = last;
+        while left > 0 {
+            let (index, ticks) = (cursor.index, cursor.ticks);
+            let (high, low) = if POWER == 0 { (0, 0) } else { self.extremes(index, POWER) };
+            let ahead =
+                |place: u32| Ahead { step: self.step(index.wrapping_add(place)), ticks: (ticks + place) as f32 };
+            let highest = ahead(high);
+            let lowest = if POWER == 0 { highest } else { ahead(low) };
+            cursor.index = index.wrapping_add(length);
+            cursor.ticks = ticks + length;
+            left = left.saturating_sub(length);
+            let run = Run {
+                #[cfg(test)]
+                span: (ticks, length),
+                highest,
+                lowest,
+            };
+            if let Some(found) = look(run) {
+                return Some(found);
+            }
+        }
+        cursor.left -= last;
+        None
     }
-}
 
-/// Runs in order of time.
-#[derive(Debug)]
-pub(super) struct Runs<'a, const N: usize> {
-    window: &'a Window<N>,
-    first: u32,
-    ticks: u32,
-    last: u32,
-}
+    fn step(&self, index: u32) -> f32 {
+        self.steps.get((index & Self::MASK) as usize).copied().unwrap_or(0.0)
+    }
 
-impl<const N: usize> Iterator for Runs<'_, N> {
-    type Item = Run;
+    /// Where the run of 2^power steps that holds `index` keeps the places of its extremes.
+    fn place(index: u32, power: u32) -> usize {
+        let run = ((index & Self::MASK) >> power) as usize;
+        match power {
+            2 => run,
+            4 => N / 4 + run,
+            _ => N / 4 + N / 16 + 2 * run,
+        }
+    }
 
-    fn next(&mut self) -> Option<Run> {
-        let left = (self.last + 1).checked_sub(self.ticks).filter(|&left| left > 0)?;
-        let index = self.first.wrapping_add(self.ticks - 1);
-        let level = index
-            .trailing_zeros()
-            .min((self.ticks / FINENESS).checked_ilog2().unwrap_or(0))
-            .min(left.checked_ilog2().unwrap_or(0));
-        self.ticks += 1 << level;
-        let found = self.window.extremes(index, level);
-        let ahead = |extreme: Extreme| Ahead {
-            step: extreme.step,
-            ticks: (u32::from(extreme.slot).wrapping_sub(self.first) & Window::<N>::MASK) as f32 + 1.0,
+    /// The places of the highest and the lowest step within the run of 2^power steps that holds `index`.
+    #[inline]
+    fn extremes(&self, index: u32, power: u32) -> (u32, u32) {
+        let place = Self::place(index, power);
+        let byte = |at: usize| self.places.get(at).copied().map_or(0, u32::from);
+        if power == 6 { (byte(place), byte(place + 1)) } else { (byte(place) >> 4, byte(place) & 15) }
+    }
+
+    /// Sets them.
+    #[inline]
+    fn keep(&mut self, index: u32, power: u32, highest: u32, lowest: u32) {
+        let place = Self::place(index, power);
+        let mut set = |at: usize, value: u32| {
+            if let Some(byte) = self.places.get_mut(at) {
+                *byte = value as u8;
+            }
         };
-        Some(Run { highest: ahead(found.highest), lowest: ahead(found.lowest) })
+        if power == 6 {
+            set(place, highest);
+            set(place + 1, lowest);
+        } else {
+            set(place, (highest << 4) | lowest);
+        }
+    }
+}
+
+/// Where a scan has come to.
+#[derive(Debug)]
+struct Cursor {
+    /// Where the next run begins.
+    index: u32,
+    /// How far ahead that is.
+    ticks: u32,
+    /// Steps still to be seen.
+    left: u32,
+}
+
+impl Cursor {
+    /// Steps before a run of `size`, a power of two, can begin.
+    fn before(&self, size: u32) -> u32 {
+        let earliest = self.index.wrapping_add(size.saturating_sub(self.ticks));
+        let aligned = earliest.wrapping_add(size - 1) & !(size - 1);
+        let steps = aligned.wrapping_sub(self.index);
+        if steps < self.left { steps } else { self.left }
     }
 }
 
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::{Point, Window};
+    use super::{Window, places};
     use proptest::prelude::*;
     use std::vec::Vec;
 
-    const N: usize = 64;
+    const N: usize = 128;
+    type Small = Window<N, { places(N) }>;
 
     proptest! {
-        /// At any time and reach, the runs tile the samples in view and name their extremes and where they lie.
+        /// At any time and reach, the runs tile the steps in view and name their extremes and where they lie.
         #[test]
-        fn runs_are_what_a_scan_finds(steps in prop::collection::vec(-1.0..1.0f32, 1..300), ahead in 0..N as u32) {
-            let mut window = Window::<N>::filled(Point { displacement: 0.0, step: 0.0 });
+        fn runs_are_what_a_scan_finds(steps in prop::collection::vec(-1.0..1.0f32, 1..500), ahead in 0..N as u32) {
+            let mut window = Small::at_rest();
             for &step in &steps {
-                window.push(Point { displacement: 0.0, step });
+                window.push(step);
             }
             let seen: Vec<f32> = (0..=ahead as usize)
                 .rev()
                 .map(|back| if back < steps.len() { steps[steps.len() - 1 - back] } else { 0.0 })
                 .collect();
             let mut reached = 0;
-            let mut runs = 0;
-            let mut iterator = window.runs(ahead);
-            while let Some(run) = iterator.next() {
-                let end = iterator.ticks as usize - 1;
-                let part = &seen[reached..end];
+            let mut runs = Vec::new();
+            window.scan::<()>(ahead, |run| {
+                runs.push(run);
+                None
+            });
+            for run in runs {
+                let (from, length) = (run.span.0 as usize, run.span.1 as usize);
+                prop_assert_eq!(from, reached + 1);
+                prop_assert!(length <= from, "{} at {}", length, from);
+                let part = &seen[reached..(reached + length).min(seen.len())];
                 let highest = part.iter().copied().fold(f32::MIN, f32::max);
                 let lowest = part.iter().copied().fold(f32::MAX, f32::min);
                 prop_assert_eq!((run.highest.step, run.lowest.step), (highest, lowest));
-                prop_assert_eq!(seen[run.highest.ticks as usize - 1], highest);
-                prop_assert_eq!(seen[run.lowest.ticks as usize - 1], lowest);
-                prop_assert!((reached + 1..=end).contains(&(run.highest.ticks as usize)));
-                prop_assert!(part.len() == 1 || part.len() * 4 <= reached + 1, "{} at {}", part.len(), reached);
-                reached = end;
-                runs += 1;
+                for extreme in [run.highest, run.lowest] {
+                    prop_assert_eq!(seen[extreme.ticks as usize - 1], extreme.step);
+                    prop_assert!((reached + 1..=reached + part.len()).contains(&(extreme.ticks as usize)));
+                }
+                reached += part.len();
             }
             prop_assert_eq!(reached, seen.len());
-            prop_assert!(runs <= 6 * N.ilog2() - 13);
+        }
+
+        /// A window brought to rest is one that never moved.
+        #[test]
+        fn rest_forgets(steps in prop::collection::vec(-1.0..1.0f32, 1..500)) {
+            let mut window = Small::at_rest();
+            for &step in &steps {
+                window.push(step);
+            }
+            window.rest();
+            prop_assert_eq!(window.steps, Small::at_rest().steps);
+            prop_assert_eq!(window.places, Small::at_rest().places);
         }
     }
 
-    /// Every reach at every phase of the pyramid: the whole window takes 37 runs at most, a reach that ends off the
-    /// pyramid's joints four more.
+    /// Every reach at every phase of the runs.
     #[test]
     fn the_work_of_a_tick_is_bounded() {
-        let mut window = Window::<512>::filled(Point { displacement: 0.0, step: 0.0 });
-        let (mut whole, mut any) = (0, 0);
+        let mut window = Window::<512, { places(512) }>::at_rest();
+        let mut most = 0;
         for _ in 0..512 {
-            window.push(Point { displacement: 0.0, step: 0.0 });
-            whole = whole.max(window.runs(511).count());
-            any = (0..512).map(|ahead| window.runs(ahead).count()).fold(any, usize::max);
+            window.push(0.0);
+            for ahead in 0..512 {
+                let mut runs = 0;
+                window.scan::<()>(ahead, |_| {
+                    runs += 1;
+                    None
+                });
+                most = most.max(runs);
+            }
         }
-        assert_eq!((whole, any), (37, 41));
+        assert_eq!(most, 25);
     }
 }

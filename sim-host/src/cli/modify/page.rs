@@ -8,9 +8,6 @@ use shakedown::motion::spectrum::{periods, response_spectrum};
 use shakedown::motion::{Motion, STANDARD_GRAVITY};
 use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
 
-/// Points of a curve at most.
-const POINTS: usize = 12_000;
-
 /// The whole page.
 pub(super) fn page(answer: &Answer) -> Result<Page, Failure> {
     let fitted = answer.compared(&answer.modified.motion)?;
@@ -51,7 +48,8 @@ fn summary(answer: &Answer) -> Result<Section, Failure> {
             format!("{:.3}", a / STANDARD_GRAVITY),
             format!("{v:.4}"),
             format!("{x:.4}"),
-            format!("{:.3}", 1e3 * end),
+            // A zero has no sign.
+            format!("{:.3}", (1e6 * end).round() / 1e3 + 0.0),
         ]);
     }
     let mut items = vec![
@@ -226,17 +224,9 @@ fn walls(limit: Option<f64>, last: f64) -> Vec<Series> {
     limit.map_or_else(Vec::new, |l| vec![line("limit", l), line("limit below", -l)])
 }
 
-/// A curve thinned to what a screen shows, the largest magnitude of every group kept.
+/// A curve over time.
 fn curve(name: &str, y: &[f64], dt: f64, style: Style) -> Series {
-    let group = y.len().div_ceil(POINTS).max(1);
-    let (mut xs, mut ys) = (Vec::new(), Vec::new());
-    for (k, values) in y.chunks(group).enumerate() {
-        let (at, value) =
-            values.iter().copied().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((0, 0.0));
-        xs.push((k * group + at) as f64 * dt);
-        ys.push(value);
-    }
-    Series { name: name.into(), x: xs, y: ys, style }
+    Series { name: name.into(), x: (0..y.len()).map(|k| k as f64 * dt).collect(), y: y.to_vec(), style }
 }
 
 fn spectra(answer: &Answer) -> Result<Section, Failure> {

@@ -70,7 +70,9 @@ fn figures(outcome: &Outcome) -> Table {
         row("time at the velocity limit [s]", &|s| format!("{:.2}", s.saturated_s)),
     ];
     Table {
-        caption: "True motion with ideal sensors, and what the sensors show with theirs".into(),
+        caption: "True motion with ideal sensors, and what the sensors show with theirs. Accelerations low-passed at \
+                  15 Hz, which those drawn below are not"
+            .into(),
         columns: vec!["figure".into(), "true motion".into(), "with sensors".into()],
         rows,
     }

@@ -103,6 +103,11 @@ impl Spread {
         Self { gain: share, pole: share, mass: share, supply: share }
     }
 
+    /// The larger of those of gain and pole: the share of a flow asked for that may not come.
+    pub fn largest(&self) -> f64 {
+        self.gain.max(self.pole)
+    }
+
     /// Every combination of ends.
     pub fn corners(&self) -> Vec<Corner> {
         let ends = |share: f64| if share > 0.0 { vec![1.0 - share, 1.0 + share] } else { vec![1.0] };
@@ -203,7 +208,7 @@ impl Table {
             gain: (self.b0 / self.a1) as f32,
             lag: (1.0 / self.a1) as f32,
             // What cancels it.
-            null_bias: -self.null_bias as f32,
+            null_bias: (0.0 - self.null_bias) as f32,
             ..ValveSettings::default()
         };
         Settings {

@@ -1,14 +1,16 @@
 //! The convex fit: velocity, displacement, acceleration, jerk and the force-dependent flow limit at once.
 //!
-//! Unknown are velocity and displacement at every sample, tied by the trapezoidal rule. With n = v/V, x = X s and D the
-//! forward difference, least squares minimises |V D n - D r|^2 / (2 |D r|^2), half the square of `E_a`; the other norms
-//! are linear programs. Interior point (Clarabel), then weak duality evaluated here, so that the bound returned holds
-//! whether or not the solver converged.
+//! Unknown are the velocity at every sample and the displacement at some, tied by the trapezoidal rule. With n = v/V,
+//! x = X s and D the forward difference, least squares minimises |V D n - D r|^2 / (2 |D r|^2), half the square of `E_a`;
+//! the other norms are linear programs. Interior point (Clarabel), then weak duality evaluated here, so that the bound
+//! returned holds whether or not the solver converged. Only limits that may bind are written down.
 
 pub(crate) mod program;
+mod watch;
 
 use super::{FitError, Fitted, Limits, Reference};
-use program::Program;
+use program::{Program, Solution};
+use watch::Watch;
 
 /// What is made small: the acceleration error in one of three norms, relative to the reference's acceleration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -50,39 +52,58 @@ pub fn fit(reference: &Reference, limits: &Limits, norm: Norm) -> Result<Fitted,
     if whole == 0.0 && reference.velocity[0] == 0.0 {
         return Ok(Fitted { velocity: vec![0.0; reference.len()], bound: Some(0.0) });
     }
+    let mut watch = Watch::first(reference, limits);
+    let mut round = 1;
+    loop {
+        let (velocity, bound) = solve(reference, limits, norm, &watch)?;
+        // With every sample watched there is nothing to add.
+        if !watch.add(reference, limits, &velocity) {
+            let limit = limits.velocity;
+            let velocity = velocity.iter().map(|v| v.clamp(-limit, limit)).collect();
+            return Ok(Fitted { velocity, bound: Some(bound) });
+        }
+        if round == watch::ROUNDS {
+            watch = Watch::all(reference);
+        }
+        round += 1;
+    }
+}
+
+/// The velocity, m/s, that is nearest within what is watched, and the bound proven.
+fn solve(reference: &Reference, limits: &Limits, norm: Norm, watch: &Watch) -> Result<(Vec<f64>, f64), FitError> {
     let mut program = Program::default();
-    let motion = Motion::new(&mut program, reference, limits);
+    let motion = Motion::new(&mut program, reference, limits, watch);
     waveform(&mut program, &motion, reference, norm);
-    let solution = program.solve(TOLERANCE)?;
+    let Solution { x, bound } = program.solve(TOLERANCE)?;
     let bound = match norm {
         // The program leaves out the constant, half of the relative reference squared.
-        Norm::Two => (2.0 * (solution.bound + 0.5)).max(0.0).sqrt(),
-        Norm::One | Norm::Peak => solution.bound.max(0.0),
+        Norm::Two => (2.0 * (bound + 0.5)).max(0.0).sqrt(),
+        Norm::One | Norm::Peak => bound.max(0.0),
     };
-    Ok(Fitted { velocity: motion.velocity(&solution.x), bound: Some(bound) })
+    Ok((motion.velocity(&x), bound))
 }
 
 /// The variables of a motion inside a program, and the rows of its limits.
-pub(crate) struct Motion {
+struct Motion {
     /// First of the velocities, in units of the limit.
-    pub(crate) first: usize,
+    first: usize,
     /// How many.
-    pub(crate) count: usize,
+    count: usize,
     /// The velocity limit, m/s.
-    pub(crate) unit: f64,
+    unit: f64,
 }
 
 impl Motion {
     /// Adds a motion that keeps `limits` and rests at both ends.
-    pub(crate) fn new(program: &mut Program, reference: &Reference, limits: &Limits) -> Self {
+    fn new(program: &mut Program, reference: &Reference, limits: &Limits, watch: &Watch) -> Self {
         let count = reference.len();
         let motion = Self { first: program.variables(count, 1.0), count, unit: limits.velocity };
         program.equal(&[(motion.at(0), 1.0)], 0.0);
         program.equal(&[(motion.at(count - 1), 1.0)], 0.0);
-        for k in 1..count - 1 {
+        for k in (1..count - 1).filter(|&k| watch.speed[k]) {
             program.within(&[(motion.at(k), 1.0)], 1.0);
         }
-        motion.displacement(program, reference, limits);
+        motion.displacement(program, reference, limits, watch);
         motion.differences(program, reference.dt, limits);
         if let Some(stall) = limits.stall {
             motion.flow(program, reference.dt, stall);
@@ -91,33 +112,39 @@ impl Motion {
     }
 
     /// The variable of the velocity at sample `k`.
-    pub(crate) fn at(&self, k: usize) -> usize {
+    fn at(&self, k: usize) -> usize {
         self.first + k
     }
 
     /// Velocities, m/s, of a solution.
-    pub(crate) fn velocity(&self, x: &[f64]) -> Vec<f64> {
-        x[self.first..self.first + self.count].iter().map(|n| self.unit * n.clamp(-1.0, 1.0)).collect()
+    fn velocity(&self, x: &[f64]) -> Vec<f64> {
+        x[self.first..self.first + self.count].iter().map(|n| self.unit * n).collect()
     }
 
-    fn displacement(&self, program: &mut Program, reference: &Reference, limits: &Limits) {
+    /// Displacement at the knots watched: from one to the next it moves by the velocity's integral.
+    fn displacement(&self, program: &mut Program, reference: &Reference, limits: &Limits, watch: &Watch) {
         if limits.stroke.is_none() && limits.end.is_none() {
             return;
         }
         let farthest = reference.start.abs() + limits.velocity * reference.dt * self.count as f64;
         let unit = limits.stroke.unwrap_or(farthest);
-        let first = program.variables(self.count, 1.0);
+        let knots: Vec<usize> = (0..self.count).filter(|&k| watch.knot[k]).collect();
+        let first = program.variables(knots.len(), 1.0);
         let half = 0.5 * reference.dt * self.unit / unit;
         program.equal(&[(first, 1.0)], reference.start / unit);
-        for k in 1..self.count {
-            let (x, v) = (first + k, self.at(k));
-            program.equal(&[(x, 1.0), (x - 1, -1.0), (v, -half), (v - 1, -half)], 0.0);
+        let mut terms = Vec::new();
+        for (x, knot) in (first + 1..).zip(knots.windows(2)) {
+            let (from, to) = (knot[0], knot[1]);
+            terms.clear();
+            terms.extend([(x, 1.0), (x - 1, -1.0), (self.at(from), -half), (self.at(to), -half)]);
+            terms.extend((from + 1..to).map(|k| (self.at(k), -2.0 * half)));
+            program.equal(&terms, 0.0);
             if limits.stroke.is_some() {
                 program.within(&[(x, 1.0)], 1.0);
             }
         }
         if let Some(end) = limits.end {
-            program.equal(&[(first + self.count - 1, 1.0)], end / unit);
+            program.equal(&[(first + knots.len() - 1, 1.0)], end / unit);
         }
     }
 
@@ -155,7 +182,7 @@ impl Motion {
 }
 
 /// The acceleration error in `norm`, relative to the reference's, becomes the objective.
-pub(crate) fn waveform(program: &mut Program, motion: &Motion, reference: &Reference, norm: Norm) {
+fn waveform(program: &mut Program, motion: &Motion, reference: &Reference, norm: Norm) {
     let whole = norm.of(reference.velocity.windows(2).map(|w| w[1] - w[0])).max(f64::MIN_POSITIVE);
     let scale = motion.unit / whole;
     let steps = reference.velocity.windows(2).map(|w| (w[1] - w[0]) / whole);

@@ -3,6 +3,7 @@
 use super::{FitError, Fitted, Limits, Reference};
 use shakedown_core::SettingsError;
 use shakedown_core::record::{self, causal, clip, preview};
+use shakedown_core::settings::{PREVIEW_PLACES, PREVIEW_WINDOW};
 
 /// An online modifier by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,9 +15,6 @@ pub enum Modifier {
     /// With a buffer of this many seconds.
     Preview(f64),
 }
-
-/// Samples of the longest preview: 0.5 s at 1 kHz, 2 s at 250 Hz.
-const WINDOW: usize = 512;
 
 /// Runs a modifier in the core's own arithmetic over a reference, the velocity limit in force being the configured one.
 pub fn fit(reference: &Reference, limits: &Limits, modifier: Modifier) -> Result<Fitted, FitError> {
@@ -47,9 +45,9 @@ pub fn fit_with(
             run(reference, 0, limit_now, |x, v| causal::step(&config, &mut state, x, v))
         }
         Modifier::Preview(seconds) => {
-            let config = preview::Config::new::<WINDOW>(&table, &preview::Config::WASHOUT, seconds as f32)
+            let config = preview::Config::new::<PREVIEW_WINDOW>(&table, &preview::Config::WASHOUT, seconds as f32)
                 .map_err(|e| refusal(&e))?;
-            let mut state = preview::State::<WINDOW>::at(start);
+            let mut state = preview::State::<PREVIEW_WINDOW, PREVIEW_PLACES>::at(start);
             run(reference, config.delay() as usize, limit_now, |x, v| preview::step(&config, &mut state, x, v))
         }
     };
