@@ -16,7 +16,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use shakedown::diagnose::{Options, diagnose};
 use shakedown::plant::model::Baseline;
-use shakedown::plant::simulate::{Drive, Law, Placed, Start, simulate};
+use shakedown::plant::simulate::{Drive, Law, Placed, Start, Wanted, simulate};
 use shakedown::recording::Experiment;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -54,6 +54,7 @@ fn recording(number: usize, effects: &[Placed<f64>]) -> String {
         law: Law::Pi { kp: 6.0, ki: 0.6 },
         sensor_noise: NOISE[0],
         sharp: true,
+        wanted: Wanted::ALL,
     };
     let table = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };
     let start = Start { displacement: input[0], velocity: 0.0, states: Vec::new() };

@@ -11,6 +11,7 @@ pub mod remainder;
 pub mod result;
 mod rivals;
 pub mod search;
+mod shared;
 
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
@@ -105,9 +106,19 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     if is_bad_data(&findings) {
         return unfit(prepared, &findings, begun);
     }
-    let search = search::search(&prepared, options)?;
+    let mut search = search::search(&prepared, options)?;
     options.say("judging on the runs held back", 0.9);
     let mut decision = decide::decide(&prepared, &search)?;
+    let mut held_out_shared = false;
+    if decision.unlisted && !prepared.holdout.is_empty() && shared::unseen(&search) {
+        options.say("the runs fitted do not show it: trying with half of those held back", 0.9);
+        let other = shared::shared(&prepared);
+        let found = search::search(&other, options)?;
+        let decided = decide::decide(&other, &found)?;
+        if !decided.unlisted && !decided.consistent() {
+            (prepared, search, decision, held_out_shared) = (other, found, decided, true);
+        }
+    }
     let location = locate::locate(&prepared, &search.baseline, &decision)?;
     let modelled = if decision.unlisted {
         options.say("modelling what the library does not hold", 0.93);
@@ -121,7 +132,8 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
         decision.after = modelled.judged;
         modelled.remainder
     });
-    let open = result::Open { remainder, next_test, seconds: begun.elapsed().as_secs_f64() };
+    let seconds = begun.elapsed().as_secs_f64();
+    let open = result::Open { remainder, next_test, held_out_shared, seconds };
     let diagnosis = result::assemble(&prepared, &decision, location, open, &findings);
     Ok(Examined { diagnosis, prepared, decision })
 }

@@ -39,6 +39,9 @@ pub struct Diagnosis {
     pub remainder: Option<Remainder>,
     /// Share of the stated model's excess over the noise floor that the accepted model leaves.
     pub share_left: f64,
+    /// True where the runs fitted did not show what is missing: every other stretch of the runs held back was fitted too, and
+    /// `holdout` is of the stretches between.
+    pub held_out_shared: bool,
     /// What is wrong with the data, or worth knowing about it.
     pub findings: Vec<Finding>,
     /// Wall-clock time, s.
@@ -138,6 +141,8 @@ pub(super) struct Open {
     pub(super) remainder: Option<Remainder>,
     /// The test that would settle what is open.
     pub(super) next_test: Option<NextTest>,
+    /// Whether every other stretch of the runs held back was fitted too.
+    pub(super) held_out_shared: bool,
     /// Wall-clock time so far, s.
     pub(super) seconds: f64,
 }
@@ -168,6 +173,7 @@ pub(super) fn assemble(
         share_left: (decision.after.hold.chi2 - 1.0).max(0.0) / (decision.before.hold.chi2 - 1.0).max(1e-9),
         part_explained: decision.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
         remainder: open.remainder,
+        held_out_shared: open.held_out_shared,
         findings: findings.to_vec(),
         seconds: open.seconds,
     }

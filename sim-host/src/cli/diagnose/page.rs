@@ -56,7 +56,13 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
             } else {
                 String::new()
             };
-            format!("The model lacks {}.{more}", names.join(" and "))
+            let shared = if diagnosis.held_out_shared {
+                " The runs fitted do not show it: every other stretch of those held back was fitted too, and the stretches \
+                 between judged."
+            } else {
+                ""
+            };
+            format!("The model lacks {}.{more}{shared}", names.join(" and "))
         }
     }
 }

@@ -1,0 +1,41 @@
+//! Where the runs fitted show nothing and those held back do: a stop that only the largest motion reaches, a limit that only the
+//! fastest one meets. Then every other stretch of the runs held back is fitted too, and the stretches between them judge.
+
+use super::search::{Search, explains};
+use crate::identify::data::Run;
+use crate::identify::model::Yardsticks;
+use crate::identify::prepare::Prepared;
+
+/// Shortest stretch, s.
+const SHORTEST: f64 = 1.0;
+/// Stretches of a run, at least: a motion that shows it once must show it in both kinds.
+const STRETCHES: usize = 12;
+
+/// True where some model explains every run that was fitted.
+pub(super) fn unseen(search: &Search) -> bool {
+    explains(&search.baseline) || search.grown.iter().flatten().any(explains)
+}
+
+/// The same experiment with every other stretch of the runs held back among those fitted.
+pub(super) fn shared(prepared: &Prepared) -> Prepared {
+    let mut shared = prepared.clone();
+    shared.fit.extend(prepared.holdout.iter().map(|run| kept(run, 0)));
+    shared.holdout = prepared.holdout.iter().map(|run| kept(run, 1)).collect();
+    let reach = Yardsticks::of(&shared.fit, prepared.yardsticks.force);
+    shared.yardsticks = Yardsticks { line: prepared.yardsticks.line, ..reach };
+    shared
+}
+
+/// A run of which only the even (0) or odd (1) stretches were measured.
+fn kept(run: &Run, parity: usize) -> Run {
+    let length = ((SHORTEST / run.dt) as usize).min(run.len() / STRETCHES).max(1);
+    let mut run = run.clone();
+    for measured in &mut run.measured {
+        for (k, value) in measured.values.iter_mut().enumerate() {
+            if (k / length) % 2 != parity {
+                *value = f64::NAN;
+            }
+        }
+    }
+    run
+}
