@@ -105,7 +105,7 @@ fn main() {
         ("a deadband", vec![one("valve_deadband", &[1.5e-3])]),
         (
             "friction and a payload",
-            vec![one("coulomb_friction", &[0.25, 1e-5]), one("payload_resonance", &[0.2, 6.0, 0.03])],
+            vec![one("coulomb_friction", &[0.25, 1e-5]), one("payload_resonance", &[0.2, 6.0, 0.03, 0.0])],
         ),
     ];
     println!("4 runs of 30 s at 1 kHz, {} cores", rayon::current_num_threads());

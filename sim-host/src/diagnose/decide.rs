@@ -155,7 +155,21 @@ fn polished(after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, 
     fit.sharpen(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
     let hold = score(&fit.model, runs)?;
     let polished = Judged { fit, hold, ..after.clone() };
-    Ok(if polished.total() < after.total() { polished } else { after })
+    let after = if polished.total() < after.total() { polished } else { after };
+    refined(after, prepared, runs)
+}
+
+/// The accepted model with the details of its effects' forms fitted too, where both kinds of runs bear them out.
+fn refined(after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, SimulateError> {
+    let model = after.fit.model.refined();
+    if model.values().filter(|v| v.free).count() == after.fit.model.values().filter(|v| v.free).count() {
+        return Ok(after);
+    }
+    let mut fit = Fit::resume(model, after.fit.locals.clone(), &prepared.fit)?;
+    fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
+    let hold = score(&fit.model, runs)?;
+    let better = after.fit.squares - fit.squares > CHANCE && after.hold.squares() - hold.squares() > SURE;
+    Ok(if better { Judged { fit, hold, ..after } } else { after })
 }
 
 /// The largest model that stands, each against the one before it.

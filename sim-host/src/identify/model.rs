@@ -205,6 +205,17 @@ impl Model {
         model
     }
 
+    /// This model with every detail of its effects' forms free.
+    pub fn refined(&self) -> Self {
+        let mut model = self.clone();
+        for placed in &mut model.effects {
+            let details =
+                placed.values.iter_mut().zip(placed.entry.parameters).filter(|(_, p)| p.role == Role::Refined);
+            details.for_each(|(value, _)| value.free = true);
+        }
+        model
+    }
+
     /// Its effects' identifiers, each with its parameters' values.
     pub fn placements(&self) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
         self.effects.iter().map(|p| (p.entry.id, p.values.iter().map(|v| v.value).collect()))

@@ -105,7 +105,8 @@ fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks
         let mut placed = Placed::start(entry, 0, yardsticks)?;
         for (parameter, value) in entry.parameters.iter().zip(&mut placed.values) {
             let given = effect.parameters.get(parameter.key);
-            let free = stated.fits(&format!("{}.{}", effect.id, parameter.key)) && parameter.role == Role::Shared;
+            let free = stated.fits(&format!("{}.{}", effect.id, parameter.key))
+                && (parameter.role == Role::Shared || (parameter.role == Role::Refined && given.is_some()));
             value.free = free;
             if let Some(&given) = given {
                 value.value = given;

@@ -107,6 +107,8 @@ pub enum Role {
     Shared,
     /// A value for each run, fitted beside the initial states and not reported.
     PerRun,
+    /// One value for all runs, fitted once an effect was accepted: a detail of its form that would lead a search astray.
+    Refined,
     /// Not fitted: a size that follows from the runs.
     Given,
     /// Not fitted: reported as the root mean square over the runs of the per-run parameters' common size.

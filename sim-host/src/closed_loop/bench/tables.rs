@@ -43,7 +43,7 @@ pub const TABLES: [&str; 7] = ["paper", "soft-orifice", "oil", "payload", "yield
 pub const ASKED: f64 = crate::motion::fit::named::ASKED;
 
 /// Mass of the structure over the table's, 1; Hz; damping ratio, 1.
-const STRUCTURE: [f64; 3] = [0.5, 3.0, 0.03];
+const STRUCTURE: [f64; 4] = [0.5, 3.0, 0.03, 0.0];
 
 impl Bench {
     /// The table of this name.
@@ -101,7 +101,7 @@ impl Bench {
 
     /// The plant at a corner of its uncertainty.
     pub fn plant(&self, corner: &Corner, dt: f64) -> Result<Stepped, DesignError> {
-        let [mass_ratio, frequency, damping] = STRUCTURE;
+        let [mass_ratio, frequency, damping, _] = STRUCTURE;
         let placed = Placed { id: "payload_resonance", parameters: STRUCTURE.to_vec() };
         let others: Vec<Box<dyn Effect<f64>>> = vec![Box::new(YieldingPayload {
             mass_ratio,

@@ -18,7 +18,7 @@ pub const ENTRY: Entry = Entry {
             yardstick: Yardstick::Displacement,
             low: 0.1,
             high: 2.0,
-            starts: &[0.5, 0.75, 0.92],
+            starts: &[0.5, 0.75, 0.92, 0.985],
             positive: true,
             role: Role::Shared,
         },

@@ -1,4 +1,5 @@
-//! A one-storey structure on the table, reacting on it.
+//! A one-storey structure on the table, reacting on it, whose stiffness may change with its drift: joints that crack and
+//! open soften, columns that go into tension stiffen, and its frequency moves with the size of the motion.
 
 use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
@@ -7,7 +8,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "payload_resonance",
-    equation: "f = mu (w_s^2 (x - x_s) + 2 zeta_s w_s (v - v_s)); x_s'' = f/mu",
+    equation: "f = mu (w_s^2 k(d) d + 2 zeta_s w_s d'), d = x - x_s, k = 1 + h d^2/(1 + |h| d^2); x_s'' = f/mu",
     stage: Stage::Payload,
     parameters: &[
         Parameter {
@@ -46,6 +47,18 @@ pub const ENTRY: Entry = Entry {
             positive: true,
             role: Role::Shared,
         },
+        Parameter {
+            key: "hardening",
+            unit: "1/m2",
+            rigid_unit: "1/m2",
+            meaning: "relative change of stiffness per square of drift: h",
+            yardstick: Yardstick::One,
+            low: -1e6,
+            high: 1e6,
+            starts: &[0.0],
+            positive: false,
+            role: Role::Refined,
+        },
     ],
     kinds: &[Kind::Servo, Kind::RigidMass, Kind::ForceBalance],
     frees: &[],
@@ -60,19 +73,22 @@ pub struct PayloadResonance<S> {
     mass_ratio: S,
     frequency: S,
     damping: S,
+    hardening: S,
 }
 
 impl<S: Scalar> PayloadResonance<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[mass_ratio, hertz, damping] = parameters else { return None };
-        Some(Self { mass_ratio, frequency: hertz * std::f64::consts::TAU, damping })
+        let &[mass_ratio, hertz, damping, hardening] = parameters else { return None };
+        Some(Self { mass_ratio, frequency: hertz * std::f64::consts::TAU, damping, hardening })
     }
 }
 
 impl<S: Scalar> Effect<S> for PayloadResonance<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { force: true, linear: true, ..Hooks::default() }
+        // A derivative by the hardening is not linear in the state even where the hardening is nothing.
+        let linear = (0..S::PARTS).all(|i| self.hardening.part(i) == 0.0);
+        Hooks { force: true, linear, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
         self.frequency.value()
@@ -87,7 +103,9 @@ impl<S: Scalar> Effect<S> for PayloadResonance<S> {
     }
     fn force(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) -> S {
         let (&[place, speed], [place_rate, speed_rate]) = (y, dy) else { return S::from(0.0) };
-        let spring = (at.displacement - place) * self.frequency * self.frequency;
+        let drift = at.displacement - place;
+        let bent = self.hardening * drift * drift;
+        let spring = drift * (bent / (bent.abs() + 1.0) + 1.0) * self.frequency * self.frequency;
         let dashpot = (at.velocity - speed) * self.damping * self.frequency * 2.0;
         *place_rate = speed;
         *speed_rate = spring + dashpot;
