@@ -56,9 +56,13 @@ pub fn run<W: World>(elf: &Path, world: W) -> Result<Ran<W>, ReplayError> {
     start(elf, &[], |wire| Lockstep::new(world, wire))
 }
 
+/// How much flash the part has, kilobyte, in its factory's word, which the emulator leaves empty (RM0090, 39.2).
+const FLASH_SIZE: (u64, u16) = (0x1FFF_7A22, 1024);
+
 /// The same, with bytes at addresses of the flash that an earlier life of the device left there.
 pub fn run_with<W: World>(elf: &Path, flash: &[(u64, Vec<u8>)], world: W) -> Result<Ran<W>, ReplayError> {
-    start(elf, flash, |wire| Lockstep::new(world, wire))
+    let size = (FLASH_SIZE.0, FLASH_SIZE.1.to_le_bytes().to_vec());
+    start(elf, &[flash, &[size]].concat(), |wire| Lockstep::new(world, wire))
 }
 
 /// The same, and follows the program through one tick: the instructions among `addresses` that it came by, in order.
