@@ -108,9 +108,11 @@ fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks
             let free = stated.fits(&format!("{}.{}", effect.id, parameter.key)) && parameter.role == Role::Shared;
             value.free = free;
             if let Some(&given) = given {
+                // The library's bounds are those of a search; who states a value knows better, and it may move.
+                let reach = if value.positive { [0.1 * given, 10.0 * given] } else { [given, given] };
                 value.value = given;
-                value.low = value.low.min(given);
-                value.high = value.high.max(given);
+                value.low = value.low.min(reach[0]);
+                value.high = value.high.max(reach[1]);
             }
         }
         Some(placed)
