@@ -19,20 +19,19 @@ numba.set_num_threads(min(2, numba.config.NUMBA_NUM_THREADS))
 
 
 @numba.njit(inline="always")
-def velocity(z, b1, u, limit, gain):
-    return min(max((z + b1 * u) * gain, -limit), limit)
+def velocity(z, b1, u, limit):
+    return min(max(z + b1 * u, -limit), limit)
 
 
 @numba.njit(parallel=True)
 def residuals(p, starts, data):
-    b1, b0, a1, limit, bias, drift = p
+    b1, b0, a1, limit, bias, offset = p
     runs, _, n = data.shape
     out = np.empty((runs, 2, n))
     h = DT
     for r in numba.prange(runs):
         z, x, total, before, u = 0.0, starts[r], 0.0, 0.0, 0.0
         for k in range(n):
-            t = k * h
             error = data[r, 0, k] - x
             total += error
             u = KP * error + KI * h * total + bias
@@ -43,13 +42,12 @@ def residuals(p, starts, data):
             k2 = -a1 * (z + 0.5 * h * k1) + c
             k3 = -a1 * (z + 0.5 * h * k2) + c
             k4 = -a1 * (z + h * k3) + c
-            g0, g1, g2 = 1.0 + drift * t, 1.0 + drift * (t + 0.5 * h), 1.0 + drift * (t + h)
-            v1 = velocity(z, b1, u, limit, g0)
-            v2 = velocity(z + 0.5 * h * k1, b1, u, limit, g1)
-            v3 = velocity(z + 0.5 * h * k2, b1, u, limit, g1)
-            v4 = velocity(z + h * k3, b1, u, limit, g2)
-            middle = velocity(z + h / 24.0 * (5.0 * k1 + 4.0 * (k2 + k3) - k4), b1, u, limit, g1)
-            out[r, 1, k] = (data[r, 2, k] - (middle - before) / h) / NOISE[1]
+            v1 = velocity(z, b1, u, limit)
+            v2 = velocity(z + 0.5 * h * k1, b1, u, limit)
+            v3 = velocity(z + 0.5 * h * k2, b1, u, limit)
+            v4 = velocity(z + h * k3, b1, u, limit)
+            middle = velocity(z + h / 24.0 * (5.0 * k1 + 4.0 * (k2 + k3) - k4), b1, u, limit)
+            out[r, 1, k] = (data[r, 2, k] - (middle - before) / h - offset) / NOISE[1]
             before = middle
             z += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
             x += h / 6.0 * (v1 + 2.0 * (v2 + v3) + v4)
@@ -57,7 +55,7 @@ def residuals(p, starts, data):
 
 
 starts = np.zeros(runs)
-scale = np.array([1.0, 100.0, 50.0, 0.2, 1e-3, 1e-3])
+scale = np.array([1.0, 100.0, 50.0, 0.2, 1e-3, 1e-2])
 residuals(start, starts, data)
 best, answer = np.inf, None
 for _ in range(3):

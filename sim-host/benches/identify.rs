@@ -27,8 +27,8 @@ use std::time::Instant;
 const DT: f64 = 1e-3;
 const SECONDS: f64 = 60.0;
 const RUNS: usize = 4;
-/// `b1`, `b0`, `a1`, `velocity_limit`, the bias of the command and the drift of the gain.
-const TRUTH: [f64; 6] = [0.69, 138.0, 57.65, 0.242, 1e-3, 1e-3];
+/// `b1`, `b0`, `a1`, `velocity_limit`, the bias of the command and that of the accelerometer.
+const TRUTH: [f64; 6] = [0.69, 138.0, 57.65, 0.242, 1e-3, 0.02];
 const START: [f64; 6] = [0.62, 155.0, 52.0, 0.26, 0.0, 0.0];
 const GAINS: (f64, f64) = (8.0, 1.0);
 const NOISE: [f64; 2] = [2e-5, 0.2];
@@ -57,7 +57,7 @@ fn model(values: [f64; 6]) -> Model {
         placed.values[0].value = value;
         placed
     };
-    model.with(placed("null_bias", values[4])).with(placed("gain_drift", values[5]))
+    model.with(placed("null_bias", values[4])).with(placed("acceleration_bias", values[5]))
 }
 
 fn gauss(random: &mut ChaCha8Rng) -> f64 {

@@ -14,10 +14,10 @@ mod coverage;
 
 use shakedown::closed_loop::sweep_recording;
 use shakedown::diagnose::locate::leftover;
-use shakedown::identify::fit::{Effort, Fit};
 use shakedown::identify::judge::{Score, score};
 use shakedown::identify::outcome::{Identified, IdentifyError, identify};
 use shakedown::identify::prepare::prepare;
+use shakedown::identify::starts::fitted;
 use shakedown::plant::paper::Paper;
 use shakedown::recording::check::{check, is_bad_data};
 use shakedown::recording::{Experiment, Fault, Severity};
@@ -147,7 +147,9 @@ fn axis_run(folder: &Path, file: &str, more: &str) -> String {
 }
 
 #[test]
-#[ignore = "not reached: viscous friction 2.4 % off (bound 2 %) since friction bends before it slides, 1.2 % with a smoothed sign"]
+#[ignore = "not reached: viscous friction 2.4 % off (bound 2 %), Coulomb 1.9 % (bound 1.5 %). Not the integration: with a \
+            contact that bends over 1e-7 m and a third of the step it is 2.5 %. A contact that holds the axis at rest shifts \
+            the two; a sign smoothed over 1 mm/s, which holds nothing, gave 1.2 %"]
 fn a_servo_axis_gives_its_published_parameters() {
     let Some(folder) = data("emps") else { return };
     let found = found(&format!("{AXIS}{}", axis_run(&folder, "DATA_EMPS.mat", "use = \"fit\"")));
@@ -249,7 +251,7 @@ fn the_real_table_follows_its_valve() {
 }
 
 #[test]
-#[ignore = "not reached: 0.956 since friction bends before it slides, 0.9616 with a smoothed sign"]
+#[ignore = "to be run: from a soft contact a trial of this fit reached 0.966; from where it is stated, at a bound, 0.956"]
 fn the_third_run_follows_its_valve_with_the_oil_and_the_specimen() {
     follows("TAP089", "2004_1015_TAP089_NS.csv", 72.05, FULL, 0.96);
 }
@@ -259,8 +261,7 @@ fn follows(name: &str, file: &str, end: f64, model: &str, least: f64) {
     let Some(folder) = data("shake_table") else { return };
     let experiment = load(&TempDir::new().unwrap(), &valve_to_velocity(&folder.join(file), end, model));
     let prepared = prepare(&experiment).unwrap();
-    let mut fit = Fit::begin(prepared.model.clone(), &prepared.fit).unwrap();
-    fit.improve(&prepared.fit, Effort { steps: 12, tolerance: 1e-4 }).unwrap();
+    let fit = fitted(&prepared).unwrap();
     let held_back = score(&fit.model, &prepared.holdout).unwrap();
     let r2 = 1.0 - nrmse(&held_back, "velocity").powi(2);
     println!("{name}: R2 held out {r2:.4} (at least {least})");

@@ -1,12 +1,15 @@
 //! `shakedown identify`: fits a model to recordings, with error bars, and judges it on the runs held back.
 
 mod page;
+mod transfer;
 
 use super::output::{Outputs, print, print_table, write_whole};
 use super::{Failure, progress};
 use serde_json::{Value, json};
+use shakedown::identify::frequency::transfer::Trial;
 use shakedown::identify::judge::Score;
 use shakedown::identify::outcome::{Identified, IdentifyError, identify};
+use shakedown::identify::transfer::Transfer;
 use shakedown::recording::Experiment;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -72,8 +75,31 @@ fn value(found: &Identified) -> Value {
         "fit": fit,
         "holdout": standing(&found.held_back),
         "noise": noise,
+        "transfer_function": found.transfer.as_ref().map(function),
         "doubts": found.doubts(),
         "findings": found.findings,
+    })
+}
+
+/// The transfer function from command to motion and the orders it was chosen among.
+fn function(transfer: &Transfer) -> Value {
+    let trial = |trial: &Trial| {
+        let function = &trial.fit.function;
+        json!({
+            "numerator": function.numerator,
+            "denominator": function.denominator,
+            "integrators": function.integrators,
+            "delay": function.delay,
+            "std": trial.fit.std,
+            "chi2": trial.fit.chi2,
+            "chi2_held_back": trial.held_back,
+        })
+    };
+    json!({
+        "output": transfer.output.name(),
+        "judged_by": if transfer.by_runs { "runs held back" } else { "second halves of the runs" },
+        "chosen": transfer.trials.first().map(trial),
+        "tried": transfer.trials.iter().map(trial).collect::<Vec<_>>(),
     })
 }
 

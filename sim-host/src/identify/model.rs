@@ -216,6 +216,12 @@ impl Model {
         model
     }
 
+    /// One of its own values by its key.
+    pub fn own_mut(&mut self, key: &str) -> Option<&mut Value> {
+        let place = self.kind.parameters().iter().position(|p| p.key == key)?;
+        self.own.get_mut(place)
+    }
+
     /// Its effects' identifiers, each with its parameters' values.
     pub fn placements(&self) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
         self.effects.iter().map(|p| (p.entry.id, p.values.iter().map(|v| v.value).collect()))

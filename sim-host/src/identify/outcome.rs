@@ -6,6 +6,7 @@ use super::judge::{Score, score};
 use super::prepare::{PrepareError, Prepared, prepare};
 use super::quantity::{Quantity, profiled, stated_as};
 use super::starts;
+use super::transfer::{Transfer, transfer};
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment};
@@ -51,6 +52,8 @@ pub struct Identified {
     pub fitted: Score,
     /// Standing on the runs held back; on those fitted where none was.
     pub held_back: Score,
+    /// The table as a transfer function; none where no command or no motion was recorded.
+    pub transfer: Option<Transfer>,
     /// What is worth knowing of the recordings.
     pub findings: Vec<Finding>,
 }
@@ -70,7 +73,8 @@ pub fn identify(experiment: &Experiment) -> Result<Identified, IdentifyError> {
     quantities.retain(|name, _| free.contains(name));
     let fitted = score(&fit.model, &prepared.fit)?;
     let held_back = if prepared.holdout.is_empty() { fitted.clone() } else { score(&fit.model, &prepared.holdout)? };
-    Ok(Identified { prepared, fit, intervals, quantities, fitted, held_back, findings })
+    let transfer = transfer(&prepared.fit, &prepared.holdout).ok();
+    Ok(Identified { prepared, fit, intervals, quantities, fitted, held_back, transfer, findings })
 }
 
 impl Identified {

@@ -109,9 +109,11 @@ fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks
                 && (parameter.role == Role::Shared || (parameter.role == Role::Refined && given.is_some()));
             value.free = free;
             if let Some(&given) = given {
+                // The library's bounds are those of a search; who states a value knows better, and it may move.
+                let reach = if value.positive { [0.1 * given, 10.0 * given] } else { [given, given] };
                 value.value = given;
-                value.low = value.low.min(given);
-                value.high = value.high.max(given);
+                value.low = value.low.min(reach[0]);
+                value.high = value.high.max(reach[1]);
             }
         }
         Some(placed)

@@ -4,7 +4,7 @@ use super::data::Run;
 use super::fit::{Effort, Fit};
 use super::model::Model;
 use super::prepare::Prepared;
-use crate::plant::model::Kind;
+use crate::plant::effects::PRESLIDING;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -16,6 +16,11 @@ const FACTORS: [f64; 2] = [0.6, 1.6];
 
 /// Share of the largest speed at which a limit that binds would stand.
 const TOP: f64 = 0.97;
+
+/// Factor on the travel over which a stated contact bends before it slides. Where it bends over microns the misfit jumps
+/// from one reversal to the next and a fit stays where it began; a soft contact has a smooth misfit and stiffens on the
+/// way.
+const SOFT: f64 = 50.0;
 
 /// How far another start is taken before it must have beaten the first.
 const LOOK: Effort = Effort { steps: 8, tolerance: 1e-4 };
@@ -63,11 +68,30 @@ fn others(prepared: &Prepared) -> Vec<Model> {
             all.push(model);
         }
     }
-    if let (Kind::Servo, Some(limit)) = (stated.kind, stated.own.get(3).filter(|v| v.free)) {
-        let mut model = stated.clone();
-        let binding = (TOP * prepared.yardsticks.speed).clamp(limit.low, limit.high);
-        model.own[3].value = binding;
-        all.push(model);
-    }
+    all.extend(with_binding_limit(prepared, TOP));
+    all.extend(with_soft_contacts(stated));
     all
+}
+
+/// The stated model with every contact that a fit may move made soft; none where there is none.
+fn with_soft_contacts(stated: &Model) -> Option<Model> {
+    let mut model = stated.clone();
+    let mut any = false;
+    for placed in &mut model.effects {
+        let parameters = placed.entry.parameters.iter().zip(&mut placed.values);
+        for (_, travel) in parameters.filter(|(p, v)| p.key == PRESLIDING.key && v.free) {
+            travel.value = (SOFT * travel.value).clamp(travel.low, travel.high);
+            any = true;
+        }
+    }
+    any.then_some(model)
+}
+
+/// The stated model with its velocity limit at this share of the largest speed seen, for a limit that is never reached has
+/// no slope to follow; none where it is not free.
+pub(super) fn with_binding_limit(prepared: &Prepared, share: f64) -> Option<Model> {
+    let mut model = prepared.model.clone();
+    let limit = model.own_mut("velocity_limit").filter(|limit| limit.free)?;
+    limit.value = (share * prepared.yardsticks.speed).clamp(limit.low, limit.high);
+    Some(model)
 }

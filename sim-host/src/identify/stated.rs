@@ -3,6 +3,7 @@
 use super::fit::{Effort, Fit};
 use super::model::Model;
 use super::prepare::Prepared;
+use super::starts::with_binding_limit;
 use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 
@@ -10,8 +11,6 @@ use crate::plant::simulate::SimulateError;
 const POOR: f64 = 4.0;
 /// Change of a value, as a share of what was stated, that makes one think of missing physics first.
 const FAR: f64 = 0.25;
-/// The parameter that a run feels only once it is reached.
-const LIMIT: &str = "velocity_limit";
 
 /// Share of a stated value beyond which a diagnosis does not look for it.
 const BELIEVED: f64 = 0.4;
@@ -38,11 +37,7 @@ pub fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
     if fit.chi2() < POOR {
         return Ok(fit);
     }
-    let mut limited = prepared.model.clone();
-    let parameters = limited.kind.parameters();
-    let limit = limited.own.iter_mut().zip(parameters).find(|(value, p)| p.key == LIMIT && value.free);
-    if let Some((value, _)) = limit {
-        value.value = prepared.yardsticks.speed.clamp(value.low, value.high);
+    if let Some(limited) = with_binding_limit(prepared, 1.0) {
         let mut other = Fit::begin(limited, runs)?;
         other.improve(runs, Effort::FULL)?;
         if other.squares < fit.squares {

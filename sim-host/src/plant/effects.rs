@@ -16,6 +16,8 @@
 mod bristle;
 pub mod remainder;
 
+pub use coulomb_friction::PRESLIDING;
+
 use super::model::Kind;
 use crate::scalar::Scalar;
 use std::fmt::Debug;

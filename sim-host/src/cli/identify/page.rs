@@ -7,6 +7,7 @@ use shakedown::identify::frequency::{Point, Response};
 use shakedown::identify::judge::Score;
 use shakedown::identify::outcome::Identified;
 use shakedown::identify::spectra;
+use shakedown::plant::model::Kind;
 use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
 /// Coherence below which a point of a measured response is not shown.
@@ -18,6 +19,7 @@ pub(super) fn page(name: &str, found: &Identified) -> Page {
     let mut first = vec![Item::Tiles(tiles(found))];
     if !found.quantities.is_empty() {
         first.push(Item::Table(parameters(found)));
+        first.push(Item::Text(equations(found.fit.model.kind).into()));
     }
     first.extend(found.doubts().into_iter().map(Item::Note));
     let mut sections = vec![Section { heading: "What was found".into(), items: first }];
@@ -30,6 +32,7 @@ pub(super) fn page(name: &str, found: &Identified) -> Page {
     let tables = traces::location(&leftover(judging, &found.held_back.predicted)).into_iter();
     standing.extend(tables.filter(|t| !t.rows.is_empty()).map(Item::Table));
     sections.push(Section { heading: "What stays unexplained, and where".into(), items: standing });
+    sections.extend(found.transfer.as_ref().map(super::transfer::section));
     if !prepared.holdout.is_empty() {
         sections.push(runs("The runs held back", &prepared.holdout, &found.held_back));
     }
@@ -37,14 +40,37 @@ pub(super) fn page(name: &str, found: &Identified) -> Page {
     Page { title: format!("Identification: {name}"), lead: lead(found), sections, ..Page::default() }
 }
 
-/// One sentence that says what came out.
+/// chi2 up to which a model counts as foreseeing everything but noise.
+const NOISE_ALONE: f64 = 1.2;
+
+/// What came out, in words first.
 pub(super) fn lead(found: &Identified) -> String {
-    let judging = if found.prepared.holdout.is_empty() { "no run was held back" } else { "on the runs held back" };
-    format!(
-        "chi2 {:.4} on the runs fitted, {:.4} {judging}; the noise floor is 1.",
-        found.fit.chi2(),
-        found.held_back.chi2
-    )
+    let (fitted, judged) = (found.fit.chi2(), found.held_back.chi2);
+    let on = if found.prepared.holdout.is_empty() {
+        "the runs it was fitted to (none was held back)"
+    } else {
+        "the runs held back"
+    };
+    let verdict = if judged <= NOISE_ALONE {
+        format!("The fitted model explains {on} down to the noise")
+    } else {
+        format!("The fitted model leaves {:.1} times the noise unexplained on {on}", judged.sqrt())
+    };
+    format!("{verdict}: chi2 {judged:.4} there, {fitted:.4} on the runs fitted; 1 is the noise floor.")
+}
+
+/// The equations whose parameters the table lists.
+fn equations(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Servo => {
+            "The model: z' = -a1 z + (b0 - b1 a1) u, table velocity = z + b1 u held within the velocity limit; u is the \
+             command. From u to displacement that is (b1 s + b0) / (s2 + a1 s)."
+        }
+        Kind::RigidMass => "The model: mass x'' + viscous x' = gain u; u is the command.",
+        Kind::ForceBalance => {
+            "The model: pressure difference = scale (x'' + viscous x' + forces), driven by the measured motion."
+        }
+    }
 }
 
 fn tiles(found: &Identified) -> Vec<(String, String)> {
@@ -132,11 +158,9 @@ fn by_frequency(run: &Run, measured: &Measured, model: &[f64]) -> Vec<Item> {
         let shown = |p: &&Point| measured.points.iter().any(|m| m.frequency == p.frequency);
         let model = Response { points: both.model.points.iter().filter(shown).copied().collect() };
         let plot = |what: &str, unit: &str, of: &dyn Fn(&Response) -> Vec<f64>| {
-            let series = |name: &str, response: &Response, style| Series {
-                name: name.into(),
-                x: response.points.iter().map(|p| p.frequency).collect(),
-                y: of(response),
-                style,
+            let series = |name: &str, response: &Response, style| {
+                let (x, y) = with_gaps(response, of(response));
+                Series { name: name.into(), x, y, style }
             };
             Item::Plot(Plot {
                 title: format!("{}: {what} from {input} to {channel}", run.name),
@@ -157,7 +181,7 @@ fn by_frequency(run: &Run, measured: &Measured, model: &[f64]) -> Vec<Item> {
     items.push(Item::Plot(Plot {
         title: format!("{}: spectrum of {channel} and of what is left", run.name),
         x: Axis { label: "frequency [Hz]".into(), log: true },
-        y: Axis { label: format!("power density [({})2/Hz]", measured.channel.unit()), log: true },
+        y: Axis { label: format!("power density [{}/Hz]", squared(measured.channel.unit())), log: true },
         series: vec![
             series("measured", rest.measured.clone(), Style::Faint),
             series("measured less model", rest.residual.clone(), Style::Line),
@@ -167,4 +191,27 @@ fn by_frequency(run: &Run, measured: &Measured, model: &[f64]) -> Vec<Item> {
         ..Plot::default()
     }));
     items
+}
+
+/// A unit's square.
+fn squared(unit: &str) -> String {
+    if unit.chars().all(char::is_alphabetic) { format!("{unit}2") } else { format!("({unit})2") }
+}
+
+/// Abscissa and ordinate with a hole where neighbouring frequencies were left out, so that no line bridges it.
+fn with_gaps(response: &Response, values: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+    let frequencies: Vec<f64> = response.points.iter().map(|p| p.frequency).collect();
+    let spacing = frequencies.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for (k, (&frequency, value)) in frequencies.iter().zip(values).enumerate() {
+        if let Some(before) =
+            k.checked_sub(1).map(|k| frequencies[k]).filter(|before| frequency - before > 3.5 * spacing)
+        {
+            x.push(0.5 * (before + frequency));
+            y.push(f64::NAN);
+        }
+        x.push(frequency);
+        y.push(value);
+    }
+    (x, y)
 }

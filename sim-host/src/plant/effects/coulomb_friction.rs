@@ -33,7 +33,7 @@ pub const ENTRY: Entry = Entry {
 };
 
 /// The travel over which a contact bends before it slides.
-pub(super) const PRESLIDING: Parameter = Parameter {
+pub const PRESLIDING: Parameter = Parameter {
     key: "presliding",
     unit: "m",
     rigid_unit: "m",

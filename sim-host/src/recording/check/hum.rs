@@ -1,15 +1,26 @@
 //! Mains hum: a narrow line at 50 or 60 Hz or a harmonic, or where sampling folds it to.
+//!
+//! A table at its velocity limit makes narrow lines too, the harmonics of its saw-tooth, and some fall on the mains. They
+//! come and go with the motion; hum lasts, and is there while the table rests.
 
 use super::{Fault, Finding, Severity};
 use crate::recording::channel::Channel;
 use crate::recording::run::Run;
-use crate::recording::signal::{Spectra, quantile, segment_length, spectra};
+use crate::recording::signal::{Spectra, filled, quantile, segment_length, spectra};
+use std::f64::consts::TAU;
 
 /// A line must stand out from its neighbours by this factor in power.
 const STANDS_OUT: f64 = 30.0;
 
 /// Harmonics of the mains that are looked for.
 const HARMONICS: [u32; 3] = [1, 2, 3];
+
+/// Stretches a record is cut into to see whether a line lasts.
+const STRETCHES: usize = 24;
+
+/// Share of its mean power that a line must keep in the quietest quarter of the stretches, and how many times that mean it
+/// may reach in one: noise alone reaches four.
+const LASTING: (f64, f64) = (0.3, 6.0);
 
 /// Looks for the strongest line of the mains in every sensor.
 pub(super) fn check(run: &Run) -> Vec<Finding> {
@@ -33,7 +44,11 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
         let folded = fold(mains * harmonic, 1.0 / run.dt);
         let line = Line::at(&power, folded)?;
         let also_driven = driven.as_ref().and_then(|d| Line::at(d, folded)).is_some_and(|d| d.ratio > 10.0);
-        (line.ratio > STANDS_OUT && !also_driven).then_some((mains * harmonic, folded, line))
+        (line.ratio > STANDS_OUT && !also_driven && lasts(run, samples, folded)).then_some((
+            mains * harmonic,
+            folded,
+            line,
+        ))
     });
     let (true_hz, seen_hz, line) = lines.max_by(|a, b| a.2.amplitude.total_cmp(&b.2.amplitude))?;
     let folded = if (true_hz - seen_hz).abs() < 1e-6 {
@@ -41,8 +56,14 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
     } else {
         format!("{seen_hz:.2} Hz, where {:.1} Hz sampling folds {true_hz:.0} Hz to", 1.0 / run.dt)
     };
+    let unit = match channel {
+        Channel::Displacement => " m",
+        Channel::Velocity => " m/s",
+        Channel::Acceleration | Channel::SpecimenAcceleration => " m/s2",
+        _ => "",
+    };
     Some(Finding::whole(run, channel, Fault::Hum, Severity::Remark).saying(
-        format!("{channel} carries hum at {folded}, amplitude {:.3e} (SI)", line.amplitude),
+        format!("{channel} carries hum at {folded}, amplitude {:.2e}{unit}", line.amplitude),
         "check shields and earths, filter before sampling, or let the model carry `mains_hum`",
     ))
 }
@@ -50,6 +71,41 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
 /// Where sampling puts a frequency, Hz.
 fn fold(frequency: f64, rate: f64) -> f64 {
     (frequency - rate * (frequency / rate).round()).abs()
+}
+
+/// Whether a line is there all the time, whatever the table does.
+fn lasts(run: &Run, samples: &[f64], frequency: f64) -> bool {
+    let motion = [Channel::Displacement, Channel::Reference].into_iter().find_map(|c| run.channel(c));
+    let motion = curved(motion.unwrap_or(samples));
+    let (samples, length) = (curved(samples), samples.len() / STRETCHES);
+    if length < 8 {
+        return true;
+    }
+    let parts = samples.chunks_exact(length).zip(motion.chunks_exact(length));
+    let mut stretches: Vec<(f64, f64)> =
+        parts.map(|(s, m)| (m.iter().map(|x| x * x).sum(), line_power(s, frequency * run.dt))).collect();
+    stretches.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = |part: &[(f64, f64)]| part.iter().map(|(_, power)| power).sum::<f64>() / part.len().max(1) as f64;
+    let (all, quiet) = (mean(&stretches), mean(&stretches[..stretches.len() / 4]));
+    quiet >= LASTING.0 * all && stretches.iter().all(|(_, power)| *power <= LASTING.1 * all)
+}
+
+/// Second differences: what is slow and large must not leak into a line; gaps are bridged.
+fn curved(samples: &[f64]) -> Vec<f64> {
+    filled(samples).windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect()
+}
+
+/// Power at so many turns a sample, through a Hann window.
+fn line_power(samples: &[f64], turns: f64) -> f64 {
+    let n = samples.len() as f64;
+    let (mut re, mut im) = (0.0, 0.0);
+    for (k, x) in samples.iter().enumerate() {
+        let window = 1.0 - (TAU * (k as f64 + 0.5) / n).cos();
+        let (sine, cosine) = (TAU * turns * k as f64).sin_cos();
+        re += window * x * cosine;
+        im += window * x * sine;
+    }
+    re * re + im * im
 }
 
 /// A narrow line of a spectrum.

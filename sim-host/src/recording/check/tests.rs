@@ -218,6 +218,29 @@ fn a_clean_table_leaves_nothing_to_remark() {
     assert_eq!(findings(&CLEAN.run()), []);
 }
 
+/// A table at its limit follows a sine of 50/9 Hz as a saw-tooth, whose ninth harmonic is at 50 Hz while it moves.
+#[test]
+fn harmonics_of_a_saw_tooth_are_no_hum() {
+    let hums = |hum: f64| {
+        let (dt, f, mut random) = (1e-3, 50.0 / 9.0, Random(7));
+        let mut columns = [const { Vec::new() }; 4];
+        for k in 0..30_000 {
+            let t = f64::from(k) * dt;
+            let moving = f64::from(u8::from((6.0..22.0).contains(&t)));
+            let tone = |n: f64| (2.0 * PI * n * f * t).sin();
+            let square = (0..12).map(|i| f64::from(2 * i + 1)).map(|n| tone(n) / n).sum::<f64>();
+            let spikes = (0..12).map(|i| f64::from(2 * i + 1)).map(tone).sum::<f64>();
+            let noise = 0.2 * random.normal() + hum * (2.0 * PI * 50.0 * t).sin();
+            let row = [0.01 * moving * tone(1.0), 0.005 * moving * square, moving * spikes + noise, 0.0];
+            columns.iter_mut().zip(row).for_each(|(column, x)| column.push(x));
+        }
+        let run = run_of(columns, dt, Law::ProportionalIntegral { kp: 3.7, ki: 0.6 });
+        hum::check(&run).iter().any(|f| f.channel == "acceleration")
+    };
+    assert!(!hums(0.0), "a harmonic was taken for hum");
+    assert!(hums(2.0), "hum was overlooked");
+}
+
 #[test]
 fn each_fault_is_called_by_its_name() {
     use Channel::{Acceleration, Command, Displacement, Reference};
