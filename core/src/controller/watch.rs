@@ -218,7 +218,8 @@ impl Watch {
         let beyond = guard.envelope.advance(&mut self.envelope, &motion);
         if config.mode != Mode::Modifier {
             let asked = drive.excess * config.valve_gain;
-            if guard.valve.advance(&mut self.valve, asked, self.velocity_limit, self.velocity) {
+            let x = readings.displacement;
+            if guard.valve.advance(&mut self.valve, asked, self.velocity_limit, self.velocity, x) {
                 return Some(Trip::ValveStuck);
             }
         }
