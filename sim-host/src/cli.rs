@@ -74,6 +74,7 @@ enum Command {
 /// Runs what the command line asks for and turns its outcome into an exit status.
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    shakedown::files::clean_up_when_interrupted();
     let outcome: Result<(), Failure> = match arguments.command {
         None => demo::run(&demo::Args::default()),
         Some(command) => match command {

@@ -134,7 +134,8 @@ fn settings(dice: &mut Dice, mode: Mode, kp: f64, table: &Table) -> Settings {
         ranges: Ranges {
             reference: 0.2,
             displacement: 0.16,
-            acceleration: 30.0,
+            // An accelerometer that covers what a stiff table under the tracking law does: 4 g at the foot of a fade.
+            acceleration: 60.0,
             // Wide open three times over at the gain of the existing controller.
             external: 3.0,
             ..Ranges::default()

@@ -129,7 +129,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "lvdt-detached",
         what: "LVDT: stands where it stood, with noise of 0.01 to 0.2 mm",
-        promise: Harmless(0.03),
+        promise: Harmless(0.04),
         deal: |d| signal(Displacement, Spoil::Detached(d.scale(1e-5, 2e-4))),
     },
     Class {
@@ -178,7 +178,7 @@ pub const CLASSES: &[Class] = &[
         id: "accelerometer-saturated",
         what: "accelerometer: at a rail of its converter",
         promise: Reported(Clock::Onset, 0.013),
-        deal: |d| signal(Acceleration, Spoil::Rail(31.0 * d.sign())),
+        deal: |d| signal(Acceleration, Spoil::Rail(61.0 * d.sign())),
     },
     Class {
         id: "accelerometer-stuck",
@@ -195,7 +195,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "accelerometer-noisy",
         what: "accelerometer: white noise of 0.5 to 30 m/s2",
-        promise: Harmless(0.02),
+        promise: Harmless(0.03),
         deal: |d| signal(Acceleration, Spoil::Noisy(d.scale(0.5, 30.0))),
     },
     Class {
@@ -213,7 +213,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "accelerometer-reversed",
         what: "accelerometer: polarity turned",
-        promise: Harmless(0.02),
+        promise: Harmless(0.03),
         deal: |_| signal(Acceleration, Spoil::Reversed),
     },
     Class {
@@ -249,7 +249,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "link-cut",
         what: "no point of the stream arrives any more",
-        promise: Reported(Clock::Onset, 0.6),
+        promise: Reported(Clock::Onset, 1.1),
         deal: |_| Fault::LinkCut,
     },
     Class {
@@ -300,13 +300,13 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "supply-lost",
         what: "the supply falls with a time constant of 30 ms to 1 s",
-        promise: Reported(Clock::Deviation(0.06), 0.5),
+        promise: Reported(Clock::Deviation(0.06), 1.5),
         deal: |d| Fault::Table(Break::Supply(d.scale(0.03, 1.0))),
     },
     Class {
         id: "valve-hard-over",
         what: "the valve stuck hard over",
-        promise: Relay(Clock::Valve(0.005), 0.15),
+        promise: Relay(Clock::Valve(0.01), 0.15),
         deal: |d| Fault::Table(Break::Stuck(d.sign() * d.scale(0.12, 10.0))),
     },
     Class {
@@ -335,9 +335,60 @@ pub const CLASSES: &[Class] = &[
     },
 ];
 
+impl std::fmt::Display for Clock {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mm = |metres: f64| (1e3 * metres).round();
+        match *self {
+            Self::Onset => f.write_str("its start"),
+            Self::Displacement(least) => write!(f, "the LVDT being {} mm wrong", mm(least)),
+            Self::Acceleration(least) => write!(f, "the accelerometer being {least} m/s2 wrong"),
+            Self::Valve(least) => write!(f, "{} mm of way that no command explains", mm(least)),
+            Self::Deviation(least) => write!(f, "the table straying {} mm", mm(least)),
+        }
+    }
+}
+
+impl std::fmt::Display for Promise {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ms = |seconds: f64| (1e3 * seconds).round();
+        match *self {
+            Self::Reported(clock, within) => write!(f, "reported within {} ms of {clock}", ms(within)),
+            Self::Relay(clock, within) => write!(f, "relay open within {} ms of {clock}", ms(within)),
+            Self::Harmless(most) if most < 1e-6 => f.write_str("changes nothing, or reported"),
+            Self::Harmless(most) => write!(f, "strays at most {} mm, or reported", (1e3 * most).round()),
+            Self::Inside => f.write_str("stays inside its stroke"),
+            Self::Residual => f.write_str("nothing"),
+        }
+    }
+}
+
 impl Class {
     /// The class of this name.
     pub fn named(id: &str) -> Option<&'static Self> {
         CLASSES.iter().find(|class| class.id == id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stand_once() {
+        for (i, class) in CLASSES.iter().enumerate() {
+            assert!(CLASSES[..i].iter().all(|other| other.id != class.id), "{}", class.id);
+        }
+        assert_eq!(CLASSES[0].id, "none");
+    }
+
+    /// What the watcher holds the guard to is what the hazard table says, word by word.
+    #[test]
+    fn the_hazard_table_makes_the_same_promises() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/hazards.md");
+        let table = std::fs::read_to_string(&path).unwrap();
+        for class in &CLASSES[1..] {
+            let row = format!("| `{}` | {} | {} |", class.id, class.what, class.promise);
+            assert!(table.contains(&row), "docs/hazards.md lacks the row that begins {row}");
+        }
     }
 }

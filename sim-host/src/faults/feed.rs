@@ -7,7 +7,7 @@ use shakedown_core::link::{Assembler, MAX_FRAME, MAX_POINTS, Points, Request, en
 use std::collections::VecDeque;
 
 /// Points that the device's buffer holds.
-const BUFFER: usize = 512;
+const BUFFER: usize = 1024;
 /// From a frame's sending to its arrival, and until the host asks whether one arrived, ticks.
 const TRAVEL: u32 = 6;
 const PATIENCE: u32 = 30;
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_cut_line_runs_dry() {
-        let heard = heard(Line::Cut, 1000);
+        let heard = heard(Line::Cut, 2000);
         assert_eq!(heard.iter().position(Option::is_none), Some(BUFFER - 2));
     }
 }

@@ -4,7 +4,7 @@ use shakedown::faults::case::Case;
 use shakedown::faults::rig::{Pair, Seen};
 use shakedown::faults::summary::Row;
 use shakedown::faults::watcher::{Broken, MARGIN, Outcome, STROKE};
-use shakedown::faults::{Promise, Summary};
+use shakedown::faults::Summary;
 use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
 
 fn millis(seconds: f64) -> String {
@@ -133,7 +133,7 @@ pub(super) fn facts(case: &Case, outcome: &Outcome, record: &str) -> Table {
         ("record", record.to_owned()),
         ("table", format!("{:?}", case.table)),
         ("fault begins [s]", format!("{:.3}", outcome.onset_s)),
-        ("promised", promise(case.class.promise)),
+        ("promised", case.class.promise.to_string()),
         ("reported", outcome.reported.clone().unwrap_or_else(|| "no".into())),
         ("latency [ms]", outcome.latency_s.map(millis).unwrap_or_default()),
         ("farthest [mm]", millimetres(outcome.farthest_m)),
@@ -144,16 +144,6 @@ pub(super) fn facts(case: &Case, outcome: &Outcome, record: &str) -> Table {
         columns: vec![String::new(), format!("run {}", case.number)],
         rows: rows.into_iter().map(|(name, value)| vec![name.into(), value]).collect(),
         caption: "One run".into(),
-    }
-}
-
-fn promise(promise: Promise) -> String {
-    match promise {
-        Promise::Reported(clock, within) => format!("reported within {} ms of {clock:?}", millis(within)),
-        Promise::Relay(clock, within) => format!("relay open within {} ms of {clock:?}", millis(within)),
-        Promise::Harmless(most) => format!("strays at most {} mm, or is reported", millimetres(most)),
-        Promise::Inside => "stays inside its stroke".into(),
-        Promise::Residual => "nothing".into(),
     }
 }
 
