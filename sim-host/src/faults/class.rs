@@ -31,7 +31,7 @@ pub enum Fault {
     SettingsGarbled(u32),
     /// Settings with one number replaced by none, by infinity, by something huge or by its negative.
     SettingsNonsense,
-    /// Gains and null bias are changed by factors up to this, either way, in settings that hold.
+    /// Gains are changed by factors up to this, either way, and the null bias by a twentieth of wide open, in settings that hold.
     SettingsWrong(f64),
     /// Every tick is longer or shorter by up to this share.
     Jitter(f64),
@@ -165,7 +165,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "lvdt-reversed",
         what: "LVDT: polarity turned",
-        promise: Harmless(0.03),
+        promise: Harmless(0.06),
         deal: |_| signal(Displacement, Spoil::Reversed),
     },
     Class {
@@ -183,7 +183,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "accelerometer-stuck",
         what: "accelerometer: stands where it stood",
-        promise: Harmless(0.02),
+        promise: Harmless(0.04),
         deal: |_| signal(Acceleration, Spoil::Stuck),
     },
     Class {
@@ -195,7 +195,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "accelerometer-noisy",
         what: "accelerometer: white noise of 0.5 to 30 m/s2",
-        promise: Harmless(0.03),
+        promise: Harmless(0.04),
         deal: |d| signal(Acceleration, Spoil::Noisy(d.scale(0.5, 30.0))),
     },
     Class {
@@ -207,13 +207,13 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "accelerometer-spikes",
         what: "accelerometer: spikes of 1 to 100 m/s2, 1 to 20 ms",
-        promise: Harmless(0.02),
+        promise: Harmless(0.04),
         deal: |d| signal(Acceleration, spikes(d, 1.0, 100.0)),
     },
     Class {
         id: "accelerometer-reversed",
         what: "accelerometer: polarity turned",
-        promise: Harmless(0.03),
+        promise: Harmless(0.04),
         deal: |_| signal(Acceleration, Spoil::Reversed),
     },
     Class {
@@ -272,7 +272,7 @@ pub const CLASSES: &[Class] = &[
     },
     Class {
         id: "settings-wrong",
-        what: "gains and valve off by factors up to 30",
+        what: "gains off by factors up to 30, null by up to 5 mm",
         promise: Inside,
         deal: |d| Fault::SettingsWrong(d.scale(1.5, 30.0)),
     },
@@ -312,7 +312,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "valve-frozen",
         what: "the valve stuck where it was",
-        promise: Relay(Clock::Deviation(0.02), 0.5),
+        promise: Relay(Clock::Deviation(0.05), 0.5),
         deal: |_| Fault::Table(Break::Frozen),
     },
     Class {

@@ -275,7 +275,7 @@ impl<'a> Rig<'a> {
     }
 }
 
-/// Settings that hold and are not this table's: gains and valve off by factors up to `factor`.
+/// Settings that hold and are not this table's: gains off by factors up to `factor`, the null by a twentieth of wide open.
 fn wrong(settings: &Settings, factor: f64, dice: &mut Dice) -> Settings {
     let mut wrong = *settings;
     let mut off = |value: &mut f32| *value *= (if dice.chance(0.5) { dice.scale(1.0, factor) } else { 1.0 / factor }) as f32;
@@ -284,7 +284,7 @@ fn wrong(settings: &Settings, factor: f64, dice: &mut Dice) -> Settings {
     if let Some(tracking) = &mut wrong.tracking {
         off(&mut tracking.bandwidth);
     }
-    wrong.valve.null_bias = (0.02 * dice.uniform(-1.0, 1.0)) as f32;
+    wrong.valve.null_bias = (0.005 * dice.uniform(-1.0, 1.0)) as f32;
     wrong
 }
 
