@@ -1,5 +1,7 @@
 //! The guard's parts one by one, to the tick and to the last digit that a limit has: what a random run would pass by.
 
+#![allow(clippy::unwrap_used, reason = "the lint knows test functions, not helpers")]
+
 use shakedown_core::filter::Fusion;
 use shakedown_core::filter::fusion::FusionState;
 use shakedown_core::guard::envelope::{Envelope, EnvelopeSettings, EnvelopeState, ForceSettings, Motion};
@@ -227,12 +229,22 @@ fn a_supervisor_ramps_in_as_many_ticks_as_its_time_has() {
     supervisor.request(Request::Arm).unwrap();
     assert_eq!((supervisor.relay(), supervisor.moves()), (Relay::Closed, true));
     supervisor.request(Request::Start).unwrap();
-    let ticks = (1..100).find(|_| {
+    let ticks = (1..100).find(|&k| {
         supervisor.advance(ramps);
+        let p = (0.1 * k as f32).min(1.0);
+        let smooth = p * p * (3.0 - 2.0 * p);
+        assert!((supervisor.presence() - smooth).abs() < 1e-6, "{k}: {}", supervisor.presence());
+        assert_eq!(supervisor.whole(), k >= 10);
         supervisor.steady()
     });
     assert_eq!(ticks, Some(10));
-    assert_eq!(supervisor.presence(), 1.0);
+    // Held, it falls as it rose, and resumed it rises again.
+    supervisor.request(Request::Hold).unwrap();
+    supervisor.advance(ramps);
+    assert!(!supervisor.steady() && (supervisor.presence() - 0.972).abs() < 1e-6, "{}", supervisor.presence());
+    supervisor.request(Request::Resume).unwrap();
+    supervisor.advance(ramps);
+    assert!(supervisor.steady() && supervisor.presence() == 1.0);
     let changes = supervisor.changes();
     supervisor.doubt(Trip::Velocity);
     assert_eq!((supervisor.changes(), supervisor.command()), (changes.wrapping_add(1), 1.0));

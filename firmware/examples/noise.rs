@@ -81,8 +81,8 @@ impl Device<'_> {
         self.heard.answers += u64::from(matches!(request, Request::Arm(_)));
         let standing = Standing { state: State::Off, cause: None };
         let seen = Seen { standing, ticks: 0, dropped: 0, cause: None };
-        // A millisecond for every twelve bytes: 115,200 baud.
-        let now = (self.heard.bytes / 12) as u32;
+        // A millisecond for every hundred bytes: 1 Mbit/s.
+        let now = (self.heard.bytes / 100) as u32;
         if let Action::Send(Report::Challenge(challenge)) = self.desk.take(request, seen, now) {
             self.heard.challenges += 1;
             self.earlier.extend(self.last.replace(answer(challenge)));
@@ -169,7 +169,10 @@ fn main() -> ExitCode {
         println!("expected: noise [BYTES [SEED]]");
         return ExitCode::from(2);
     };
-    println!("{:8} {:>12} {:>10} {:>10} {:>8} {:>10} {:>9} {:>6}", "noise", "bytes", "frames", "garbled", "others", "challenges", "answers", "armed");
+    println!(
+        "{:8} {:>12} {:>10} {:>10} {:>8} {:>10} {:>9} {:>6}",
+        "noise", "bytes", "frames", "garbled", "others", "challenges", "answers", "armed"
+    );
     let mut armed = 0;
     for kind in [Kind::Any, Kind::Flipped, Kind::Wrong] {
         let h = noise(kind, bytes, seed);

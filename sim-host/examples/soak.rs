@@ -88,7 +88,8 @@ impl Day {
         if self.tick.is_multiple_of(u64::from(EVERY)) {
             let inputs = [reference, x, a, self.command].map(|value| (2048.0 + 1e3 * value) as u16);
             let flags = command.status.bits();
-            let record = Record { reference: reference as f32, fitted: command.reference, inputs, output: inputs[3], flags };
+            let record =
+                Record { reference: reference as f32, fitted: command.reference, inputs, output: inputs[3], flags };
             self.report(record)?;
         }
         self.tick += 1;
@@ -135,7 +136,11 @@ impl Day {
         let held = self.tests.is_multiple_of(7).then_some(record.len() / 2);
         for (k, &x) in record.iter().enumerate() {
             if held.is_some_and(|at| k == at || k == at + 3000) {
-                let _ = self.controller.request(if self.controller.state() == State::Hold { Request::Resume } else { Request::Hold });
+                let _ = self.controller.request(if self.controller.state() == State::Hold {
+                    Request::Resume
+                } else {
+                    Request::Hold
+                });
             }
             self.tick(scale * x)?;
         }
@@ -158,7 +163,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = tempfile::tempfile_in(&folder)?;
     let mut day = Day::new(file)?;
     let mut marks = Vec::new();
-    println!("{:>5} {:>8} {:>7} {:>12} {:>14} {:>13}", "hour", "tests", "trips", "records", "file [byte]", "memory [KiB]");
+    println!(
+        "{:>5} {:>8} {:>7} {:>12} {:>14} {:>13}",
+        "hour", "tests", "trips", "records", "file [byte]", "memory [KiB]"
+    );
     while (marks.len() as u64) < hours {
         let record = &motions.all[day.tests as usize % motions.all.len()];
         day.test(&record.displacement)?;
@@ -166,7 +174,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             marks.push(resident());
             println!(
                 "{:>5} {:>8} {:>7} {:>12} {:>14} {:>13}",
-                marks.len(), day.tests, day.trips, day.rows, day.bytes, marks[marks.len() - 1]
+                marks.len(),
+                day.tests,
+                day.trips,
+                day.rows,
+                day.bytes,
+                marks[marks.len() - 1]
             );
         }
     }

@@ -13,6 +13,7 @@ pub mod feed;
 pub mod machine;
 pub mod motions;
 pub mod rig;
+mod settings;
 pub mod spoil;
 pub mod summary;
 pub mod watcher;

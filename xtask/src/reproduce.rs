@@ -85,8 +85,11 @@ fn in_folder<'c>(cargo: &'c mut Command, folder: &Path) -> &'c mut Command {
 fn remap(sources: &Path, target: &Path) -> String {
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
-    let folders =
-        [Some((sources.to_path_buf(), "/shakedown")), Some((target.to_path_buf(), "/target")), home.map(|h| (h, "/cargo"))];
+    let folders = [
+        Some((sources.to_path_buf(), "/shakedown")),
+        Some((target.to_path_buf(), "/target")),
+        home.map(|h| (h, "/cargo")),
+    ];
     folders.into_iter().flatten().fold(String::new(), |mut flags, (from, to)| {
         let _ = write!(flags, "--remap-path-prefix={}={to} ", from.display());
         flags

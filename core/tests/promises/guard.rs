@@ -267,10 +267,9 @@ fn stuck_lvdt_at_an_even_speed() {
             assert!(way < 0.03, "{mode:?} at {speed} m/s: {way} m");
         }
     }
-    let deaf = settings(Mode::Guard).guard.map(|guard| GuardSettings {
-        valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve },
-        ..guard
-    });
+    let deaf = settings(Mode::Guard)
+        .guard
+        .map(|guard| GuardSettings { valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve }, ..guard });
     assert_eq!(stuck_while_even(&Settings { guard: deaf, ..settings(Mode::Guard) }, 0.02).0, None);
 }
 

@@ -83,7 +83,12 @@ impl Plan {
     }
 
     /// Does the runs of one chunk.
-    fn judge(&self, chunk: u64, motions: &Motions, done: &(impl Fn(u64) + Sync)) -> Result<Vec<Outcome>, CampaignError> {
+    fn judge(
+        &self,
+        chunk: u64,
+        motions: &Motions,
+        done: &(impl Fn(u64) + Sync),
+    ) -> Result<Vec<Outcome>, CampaignError> {
         let only = self.only();
         let outcomes: Result<Vec<Outcome>, RigError> = self
             .numbers(chunk)
@@ -120,7 +125,8 @@ fn read<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, CampaignError> {
 
 /// Runs all of `plan` in memory.
 pub fn run(plan: &Plan, motions: &Motions, done: &(impl Fn(u64) + Sync)) -> Result<Vec<Outcome>, CampaignError> {
-    let chunks: Result<Vec<_>, _> = plan.chunks(1, 1).into_iter().map(|chunk| plan.judge(chunk, motions, done)).collect();
+    let chunks: Result<Vec<_>, _> =
+        plan.chunks(1, 1).into_iter().map(|chunk| plan.judge(chunk, motions, done)).collect();
     Ok(chunks?.concat())
 }
 

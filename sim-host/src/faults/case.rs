@@ -91,10 +91,8 @@ fn draw(dice: &mut Dice) -> &'static Class {
 fn table(dice: &mut Dice, oil: bool) -> Table {
     let gain = dice.uniform(0.9, 1.1);
     let a1 = 57.65 * dice.uniform(0.85, 1.15);
-    let oil = (oil || dice.chance(0.33)).then(|| Oil {
-        omega: std::f64::consts::TAU * dice.uniform(20.0, 40.0),
-        damping: dice.uniform(0.1, 0.3),
-    });
+    let oil = (oil || dice.chance(0.33))
+        .then(|| Oil { omega: std::f64::consts::TAU * dice.uniform(20.0, 40.0), damping: dice.uniform(0.1, 0.3) });
     Table {
         b1: 0.69 * gain,
         b0: 138.0 / 57.65 * a1 * gain,

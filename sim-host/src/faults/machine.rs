@@ -168,7 +168,7 @@ impl Machine {
         let beat = self.since / (3.0 * length);
         let (number, within) = (beat.floor(), beat.fract());
         let on = within < 1.0 / 3.0 && number < f64::from(count);
-        let side = if number as u64 % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if (number as u64).is_multiple_of(2) { 1.0 } else { -1.0 };
         (1.0 + mass, if on { side * blow * (3.0 * std::f64::consts::PI * within).sin() } else { 0.0 })
     }
 }

@@ -6,10 +6,10 @@ use super::dice::Dice;
 use super::feed::{Feed, Line};
 use super::machine::Machine;
 use super::motions::RATE;
+use super::settings;
 use super::spoil::Spoiled;
 use crate::plant::sensors::{SensorModel, Sensors};
-use shakedown_core::link::{Assembler, MAX_FRAME, Request as Frame, Scale, Setup, Source, Wiring, encode};
-use shakedown_core::{Controller, Mode, Relay, Request, Sample, Settings, SettingsError, State, Trip};
+use shakedown_core::{Command, Controller, Mode, Relay, Request, Sample, Settings, SettingsError, State, Trip};
 
 /// A tick as an onlooker sees it who knows the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,8 +108,7 @@ pub fn run(case: &Case) -> Result<Pair, RigError> {
 
 impl<'a> Rig<'a> {
     fn new(case: &'a Case) -> Result<Self, RigError> {
-        let controller =
-            Controller::new(&case.settings).map_err(|cause| RigError { number: case.number, cause })?;
+        let controller = Controller::new(&case.settings).map_err(|cause| RigError { number: case.number, cause })?;
         let start = case.reference.first().copied().unwrap_or(0.0);
         Ok(Self {
             case,
@@ -132,35 +131,26 @@ impl<'a> Rig<'a> {
         match self.fault {
             Fault::Signal(_, how) => self.spoiled = Some(Spoiled::new(how, 1.0 / RATE)),
             Fault::Table(how) | Fault::Behind(how) => self.machine.fail(how),
-            Fault::SettingsGarbled(bits) => self.garble_settings(bits),
+            Fault::SettingsGarbled(bits) => {
+                let taken = settings::garbled(&self.case.settings, bits, &mut self.dice);
+                self.retune(taken.as_ref());
+            }
             Fault::SettingsNonsense => {
-                if let Some(settings) = nonsense(&self.case.settings, &mut self.dice) {
-                    // Refused or not: what matters is what the table does.
-                    let _ = self.controller.retune(&settings);
-                }
+                let settings = settings::nonsense(&self.case.settings, &mut self.dice);
+                self.retune(settings.as_ref());
             }
             Fault::SettingsWrong(factor) => {
-                let settings = wrong(&self.case.settings, factor, &mut self.dice);
-                let _ = self.controller.retune(&settings);
+                let settings = settings::wrong(&self.case.settings, factor, &mut self.dice);
+                self.retune(Some(&settings));
             }
             _ => {}
         }
     }
 
-    /// A frame with settings comes over the link, spoilt; what the assembler makes of it is obeyed.
-    fn garble_settings(&mut self, bits: u32) {
-        let mut wire = [0; MAX_FRAME];
-        let wrong = wrong(&self.case.settings, 30.0, &mut self.dice);
-        let length = encode(&Frame::WriteSetup(setup(wrong)), &mut wire).unwrap_or(0);
-        for _ in 0..bits {
-            let at = self.dice.below(length.max(1));
-            wire[at] ^= 1 << self.dice.below(8);
-        }
-        let mut assembler = Assembler::new();
-        for &byte in &wire[..length] {
-            if let Some(Ok(Frame::WriteSetup(setup))) = assembler.push::<Frame>(byte) {
-                let _ = self.controller.retune(&setup.control);
-            }
+    /// Hands settings to the core. Refused or not: what matters is what the table does.
+    fn retune(&mut self, settings: Option<&Settings>) {
+        if let Some(settings) = settings {
+            let _ = self.controller.retune(settings);
         }
     }
 
@@ -171,14 +161,10 @@ impl<'a> Rig<'a> {
             let _ = self.controller.request(Request::Start);
         }
         let faulty = tick >= self.case.onset;
-        let ticks_missed = match self.fault {
-            Fault::Missed(count) if tick == self.case.onset => count,
-            _ => 0,
-        };
-        for _ in 0..ticks_missed {
-            self.coast();
-        }
-        if ticks_missed > 0 {
+        if let Fault::Missed(count) = self.fault
+            && tick == self.case.onset
+        {
+            (0..count).for_each(|_| self.coast());
             // As the firmware does when the board tells it of an overrun.
             let _ = self.controller.request(Request::Trip);
         }
@@ -192,7 +178,13 @@ impl<'a> Rig<'a> {
         self.velocity_before = self.machine.v;
         self.machine.advance(valve, command.status.relay == Relay::Open, dt);
         self.time += dt;
-        let seen = Seen {
+        let seen = self.seen(tick, &sample, &command, errors);
+        self.last = Some(seen);
+        seen
+    }
+
+    fn seen(&self, tick: usize, sample: &Sample, command: &Command, errors: [f64; 2]) -> Seen {
+        Seen {
             tick,
             time: self.time,
             x: self.machine.x,
@@ -206,9 +198,7 @@ impl<'a> Rig<'a> {
             state: command.status.state,
             trip: command.status.trip,
             relay: command.status.relay,
-        };
-        self.last = Some(seen);
-        seen
+        }
     }
 
     /// A tick that does not run: the output stands.
@@ -272,58 +262,5 @@ impl<'a> Rig<'a> {
             }
         }
         self.reference
-    }
-}
-
-/// Settings that hold and are not this table's: gains off by factors up to `factor`, the null by a twentieth of wide open.
-fn wrong(settings: &Settings, factor: f64, dice: &mut Dice) -> Settings {
-    let mut wrong = *settings;
-    let mut off = |value: &mut f32| *value *= (if dice.chance(0.5) { dice.scale(1.0, factor) } else { 1.0 / factor }) as f32;
-    off(&mut wrong.displacement.proportional);
-    off(&mut wrong.displacement.integral);
-    if let Some(tracking) = &mut wrong.tracking {
-        off(&mut tracking.bandwidth);
-    }
-    wrong.valve.null_bias = (0.005 * dice.uniform(-1.0, 1.0)) as f32;
-    wrong
-}
-
-/// The settings with one number replaced by one that no table has; none where they cannot be written down.
-fn nonsense(settings: &Settings, dice: &mut Dice) -> Option<Settings> {
-    let mut value = toml::Value::try_from(settings).ok()?;
-    let mut numbers = Vec::new();
-    collect(&mut value, &mut numbers);
-    let at = dice.below(numbers.len().max(1));
-    let number = numbers.into_iter().nth(at)?;
-    let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e30, -1e30, -*number];
-    *number = odd[dice.below(odd.len())];
-    value.try_into().ok()
-}
-
-/// Every number in `value`.
-fn collect<'v>(value: &'v mut toml::Value, numbers: &mut Vec<&'v mut f64>) {
-    match value {
-        toml::Value::Float(number) => numbers.push(number),
-        toml::Value::Table(table) => table.iter_mut().for_each(|(_, value)| collect(value, numbers)),
-        _ => {}
-    }
-}
-
-/// `settings` as a device's setup.
-fn setup(control: Settings) -> Setup {
-    let scale = Scale { zero: 2048.0, per_code: 0.1524 / 2048.0 };
-    Setup {
-        telemetry_every: 1,
-        wiring: Wiring {
-            source: Source::Streamed,
-            reference: scale,
-            displacement: scale,
-            acceleration: Scale { zero: 2048.0, per_code: 0.01 },
-            external: scale,
-            output: scale,
-            full_scale: 4095,
-            rails_are_faults: true,
-        },
-        control,
     }
 }

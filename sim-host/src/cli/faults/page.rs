@@ -1,10 +1,10 @@
 //! What a campaign of faults, or one run of it, looks like.
 
+use shakedown::faults::Summary;
 use shakedown::faults::case::Case;
 use shakedown::faults::rig::{Pair, Seen};
 use shakedown::faults::summary::Row;
 use shakedown::faults::watcher::{Broken, MARGIN, Outcome, STROKE};
-use shakedown::faults::Summary;
 use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
 
 fn millis(seconds: f64) -> String {
@@ -112,11 +112,7 @@ fn failed(summary: &Summary) -> Table {
 pub(super) fn page(summary: &Summary, seed: u64, sections: Vec<Section>) -> Page {
     Page {
         title: "Fault campaign".into(),
-        lead: format!(
-            "{} runs, {} of them broke a promise of the hazard table.",
-            summary.runs,
-            summary.failed.len()
-        ),
+        lead: format!("{} runs, {} of them broke a promise of the hazard table.", summary.runs, summary.failed.len()),
         sections,
         provenance: vec![("seed".into(), seed.to_string())],
     }
