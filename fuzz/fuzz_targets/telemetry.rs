@@ -35,5 +35,5 @@ fuzz_target!(|bytes: &[u8]| {
         }
     }
     let text = csv(telemetry.rows(), &defaults::setup(), 1);
-    assert!(text.len() < 200 + 200 * (2 * telemetry.rows().len() + 10_000 * telemetry.gaps().len()));
+    assert!(text.len() < 400 + 400 * (2 * telemetry.rows().len() + 10_000 * telemetry.gaps().len()));
 });

@@ -141,8 +141,9 @@ fn settings(dice: &mut Dice, mode: Mode, kp: f64, table: &Table) -> Settings {
         tracking: tracks.then(TrackingSettings::default),
         saturation: Some(Detection::default()),
         guard: Some(GuardSettings {
-            // A table that is followed through a valve of this gain lags by half of this at its full speed.
-            envelope: EnvelopeSettings { tracking: 0.06, ..EnvelopeSettings::default() },
+            // A table that is followed through a valve of this gain lags by half of 60 mm at its full speed.
+            // A millimetre more room than the watcher asks for: an unknown null goes on through ramp and block.
+            envelope: EnvelopeSettings { margin: 0.006, tracking: 0.06, ..EnvelopeSettings::default() },
             ramps: RampSettings { test: 0.5, safe: 0.05 },
             ..GuardSettings::default()
         }),

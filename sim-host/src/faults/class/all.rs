@@ -35,19 +35,19 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "lvdt-clipped",
         what: "LVDT: held within 5 to 60 mm of the middle",
-        promise: Harmless(0.03),
+        promise: Harmless(0.04),
         deal: |d| signal(Displacement, Spoil::Clipped(d.uniform(0.005, 0.06))),
     },
     Class {
         id: "lvdt-stuck",
         what: "LVDT: stands where it stood, to the last bit",
-        promise: Harmless(0.03),
+        promise: Harmless(0.04),
         deal: |_| signal(Displacement, Spoil::Stuck),
     },
     Class {
         id: "lvdt-detached",
         what: "LVDT: stands where it stood, with noise of 0.01 to 0.2 mm",
-        promise: Harmless(0.04),
+        promise: Harmless(0.05),
         deal: |d| signal(Displacement, Spoil::Detached(d.scale(1e-5, 2e-4))),
     },
     Class {
@@ -71,13 +71,13 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "lvdt-spikes",
         what: "LVDT: spikes of 1 to 200 mm, 1 to 20 ms",
-        promise: Harmless(0.02),
+        promise: Harmless(0.03),
         deal: |d| signal(Displacement, spikes(d, 1e-3, 0.2)),
     },
     Class {
         id: "lvdt-gap",
         what: "LVDT: no number for 1 to 9 ms",
-        promise: Harmless(0.01),
+        promise: Harmless(0.02),
         deal: |d| signal(Displacement, Spoil::Gap(1 + d.below(9) as u32)),
     },
     Class {
@@ -101,7 +101,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "accelerometer-stuck",
         what: "accelerometer: stands where it stood",
-        promise: Harmless(0.04),
+        promise: Harmless(0.05),
         deal: |_| signal(Acceleration, Spoil::Stuck),
     },
     Class {
@@ -113,7 +113,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "accelerometer-noisy",
         what: "accelerometer: white noise of 0.5 to 30 m/s2",
-        promise: Harmless(0.04),
+        promise: Harmless(0.05),
         deal: |d| signal(Acceleration, Spoil::Noisy(d.scale(0.5, 30.0))),
     },
     Class {
@@ -125,13 +125,13 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "accelerometer-spikes",
         what: "accelerometer: spikes of 1 to 100 m/s2, 1 to 20 ms",
-        promise: Harmless(0.04),
+        promise: Harmless(0.05),
         deal: |d| signal(Acceleration, spikes(d, 1.0, 100.0)),
     },
     Class {
         id: "accelerometer-reversed",
         what: "accelerometer: polarity turned",
-        promise: Harmless(0.04),
+        promise: Harmless(0.05),
         deal: |_| signal(Acceleration, Spoil::Reversed),
     },
     Class {
@@ -143,7 +143,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "command-gap",
         what: "the same for 1 to 9 ms",
-        promise: Harmless(0.01),
+        promise: Harmless(0.02),
         deal: |d| signal(Command, Spoil::Gap(1 + d.below(9) as u32)),
     },
     Class {
@@ -209,7 +209,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "payload-loose",
         what: "the payload comes off and knocks",
-        promise: Harmless(0.02),
+        promise: Harmless(0.05),
         deal: |d| {
             let (mass, blow) = (d.uniform(0.1, 1.0), d.scale(2.0, 50.0));
             Fault::Table(Break::Payload { mass, blow, length: d.scale(0.003, 0.05), count: 1 + d.below(5) as u32 })
@@ -218,7 +218,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "supply-lost",
         what: "the supply falls with a time constant of 30 ms to 1 s",
-        promise: Reported(Clock::Deviation(0.06), 1.5),
+        promise: Reported(Clock::Deviation(0.06), 3.0),
         deal: |d| Fault::Table(Break::Supply(d.scale(0.03, 1.0))),
     },
     Class {
@@ -230,7 +230,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "valve-frozen",
         what: "the valve stuck where it was",
-        promise: Relay(Clock::Deviation(0.05), 0.5),
+        promise: Relay(Clock::Deviation(0.05), 1.5),
         deal: |_| Fault::Table(Break::Frozen),
     },
     Class {
