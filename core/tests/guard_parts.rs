@@ -174,6 +174,30 @@ fn an_accelerometer_is_noisy_when_its_changes_last() {
     assert_eq!(plausible((0..400).map(|k| (0.0, if k == 50 { 500.0 } else { 0.0 }, quiet))), None);
 }
 
+#[test]
+fn at_a_limit_nothing_is_said() {
+    // Turns of a second: the means over 50 ms are the readings themselves, to the last bit.
+    let settings =
+        PlausibilitySettings { stuck: 0.0, disagreement: 2e-3, acceleration_noise: 3.0, ..Default::default() };
+    let monitor = Plausibility::new(&settings, 1.0).unwrap();
+    let told = |steps: [(f32, f32, f32); 2]| {
+        let mut state = PlausibilityState::default();
+        steps.map(|(x, a, e)| monitor.advance(&mut state, x, a, &innovation(e)))
+    };
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.1, 0.1, 5e-4)]), [None, None]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.1, 0.1, 5.1e-4)]), [None, Some(Trip::DisplacementStuck)]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 0.1, 2e-3)]), [None, None]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 0.1, 2.1e-3)]), [None, Some(Trip::SensorsDisagree)]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 3.0, 0.0)]), [None, None]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 3.1, 0.0)]), [None, Some(Trip::AccelerationNoisy)]);
+    let first = |mismatch: f32, asked: f32, velocity: f32| {
+        let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch, memory: 100.0 }, 0.0, DT).unwrap();
+        monitor.advance(&mut ValveMonitorState::default(), asked, 10.0, velocity, 0.0)
+    };
+    assert!(!first(DT, 0.0, 1.0) && first(DT, 0.0, 1.01));
+    assert!(!first(2.0 * DT, 1.0, 1.0) && first(2.0 * DT, 1.01, 1.01));
+}
+
 /// Turns until a valve monitor trips, of at most 2000; `told` gives speed asked for, limit, velocity, displacement.
 fn valve(told: impl Fn(f32) -> [f32; 4]) -> Option<usize> {
     let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch: 0.02, memory: 0.2 }, 0.0, DT).unwrap();
@@ -208,6 +232,8 @@ fn a_table_that_stands_while_it_is_told_to_move_is_seen() {
     assert_eq!(even(-0.05), Some(turns));
     // The same where it stands in the middle, and where it ends up after a way.
     assert_eq!(valve(|_| [0.05, 0.242, 0.05, 0.0]), Some(turns - 1));
+    // At the edge of what counts as standing it stands.
+    assert_eq!(valve(|_| [0.05, 0.242, 0.05, 0.05 * 0.02]), Some(turns - 1));
     let stops = valve(|t| [0.05, 0.242, 0.05, 0.05 * t.min(1.0)]).unwrap();
     assert!((333 + 60..333 + 80).contains(&stops), "{stops}");
     // Below 10 mm/s it may be the null.
