@@ -22,7 +22,7 @@ use watch::{Drive, Watch};
 pub(crate) use {config::Config, track::tracking};
 
 use crate::guard::{Refused, Request, State, Supervisor, Trip};
-use crate::modifier::ModifierState;
+use crate::modifier::{Modifier, ModifierState};
 use crate::sample::{Channels, Command, Relay, Sample, Status};
 use crate::scalar::Scalar;
 use crate::settings::{Mode, Settings, SettingsError};
@@ -57,6 +57,8 @@ pub struct Controller {
     tracker: Tracker,
     /// Whether the last tick ran whole: nothing missing, fading or blending, no change asked for since.
     quiet: bool,
+    /// Whether ticks have passed that the record modifier did not hear of.
+    gap: bool,
     modifier: ModifierState,
 }
 
@@ -89,6 +91,7 @@ impl Controller {
             begun: false,
             tracker: Tracker::default(),
             quiet: false,
+            gap: false,
             modifier: ModifierState::Off,
             config,
         }
@@ -152,6 +155,7 @@ impl Controller {
         self.law = Law::at(displacement);
         self.tracker.start_at(displacement);
         self.config.modifier.restart(&mut self.modifier, displacement);
+        self.gap = false;
         self.blend = Blend::default();
         self.blending = false;
         self.limited = false;
@@ -213,6 +217,8 @@ impl Controller {
         } else if missing.is_empty() {
             self.decide::<false>();
             self.quiet &= !self.blending;
+        } else {
+            self.gap = true;
         }
     }
 
@@ -338,6 +344,10 @@ impl Controller {
         self.target = self.readings.reference;
         if !WHOLE && !self.supervisor.steady() {
             self.target = self.anchor + self.supervisor.presence() * (self.target - self.anchor);
+        }
+        if !WHOLE && self.gap {
+            Modifier::resume(&mut self.modifier, self.target);
+            self.gap = false;
         }
         let limit = self.watch.velocity_limit();
         self.reference = self.config.modifier.advance(&mut self.modifier, self.target, limit);

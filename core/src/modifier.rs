@@ -83,6 +83,17 @@ impl Modifier {
         }
     }
 
+    /// Goes on after ticks that were not heard, with `reference` (m) the next.
+    #[cold]
+    pub(crate) fn resume(state: &mut ModifierState, reference: f32) {
+        match state {
+            ModifierState::Off => {}
+            ModifierState::Clip(state) => state.resume(reference),
+            ModifierState::Causal(state) => state.resume(reference),
+            ModifierState::Preview(state) => state.resume(reference),
+        }
+    }
+
     /// Whether `state` is of this modifier, so that it can go on under a new configuration.
     pub(crate) fn owns(&self, state: &ModifierState) -> bool {
         matches!(

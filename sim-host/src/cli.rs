@@ -8,6 +8,7 @@ mod device;
 mod diagnose;
 mod effects;
 mod failure;
+mod faults;
 mod histories;
 mod identify;
 mod init;
@@ -19,6 +20,7 @@ mod progress;
 mod prove;
 mod replay;
 mod run;
+mod shard;
 mod source;
 mod sweep;
 mod table1;
@@ -61,6 +63,7 @@ enum Command {
     Modify(Box<modify::Args>),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
+    Faults(faults::Args),
     Prove(prove::Args),
     Replay(replay::Args),
     Run(run::Args),
@@ -71,6 +74,7 @@ enum Command {
 /// Runs what the command line asks for and turns its outcome into an exit status.
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    shakedown::files::clean_up_when_interrupted();
     let outcome: Result<(), Failure> = match arguments.command {
         None => demo::run(&demo::Args::default()),
         Some(command) => match command {
@@ -85,6 +89,7 @@ pub(crate) fn main() -> ExitCode {
             Command::Modify(args) => modify::run(&args),
             Command::Diagnose(args) => diagnose::run(&args),
             Command::Effects(args) => effects::run(&args),
+            Command::Faults(args) => faults::run(&args),
             Command::Prove(args) => prove::run(&args),
             Command::Replay(args) => replay::run(&args),
             Command::Run(args) => run::run(&args),

@@ -1,7 +1,30 @@
 //! Files that are whole or not there at all.
 
 use std::io::{Result, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Temporary files that are being written. Whoever makes, renames or removes one holds this lock meanwhile.
+static UNDER_WAY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn under_way() -> MutexGuard<'static, Vec<PathBuf>> {
+    // A thread that panicked left a list that is still right: each entry is pushed and taken whole.
+    UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From now on an interrupt (Ctrl-C), a hang-up or a request to end removes what is half written, and ends the process with
+/// status 130. Without it the files written stay whole as well, but a part of one may stay beside its place.
+pub fn clean_up_when_interrupted() {
+    // Refused where another handler stands already, which then decides.
+    let _ = ctrlc::set_handler(|| {
+        let parts = under_way();
+        for part in parts.iter() {
+            let _ = std::fs::remove_file(part);
+        }
+        // With the lock still held: no other thread begins or ends a file any more.
+        std::process::exit(130);
+    });
+}
 
 /// Writes a file whole or not at all: beside its place first, then renamed over it.
 ///
@@ -12,10 +35,21 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     // A report is for others to read: the user's mask decides, not the privacy of temporary files.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.prefix(".shakedown-").suffix(".tmp").tempfile_in(directory)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map(drop).map_err(|e| e.error)
+    builder.prefix(".shakedown-").suffix(".tmp");
+    let mut file = {
+        let mut parts = under_way();
+        let file = builder.tempfile_in(directory)?;
+        parts.push(file.path().to_path_buf());
+        file
+    };
+    let written = file.write_all(bytes).and_then(|()| file.as_file().sync_all());
+    let mut parts = under_way();
+    parts.retain(|part| part != file.path());
+    match written {
+        Ok(()) => file.persist(path).map(drop).map_err(|e| e.error),
+        // Before the lock is given back: an interrupt would no longer find it.
+        Err(error) => file.close().and(Err(error)),
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::shell::{Problem, command, no_words, run as execute, top, works};
 use crate::toolchain::{self, TARGET, Toolchain};
 
 /// What the linker is told; the same as in `firmware/.cargo/config.toml`, which only a build from that folder reads.
-const LINKER: &str = "-C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
+pub(crate) const LINKER: &str = "-C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 /// The image, from the top of the workspace.
 const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-firmware";
 const CHIP: &str = "STM32F407VGTx";
@@ -20,7 +20,7 @@ pub(crate) fn build(words: &[String]) -> Result<(), Problem> {
         Toolchain::Rustup => "compiler: rustup's, with its standard library for the target",
         Toolchain::Debian => "compiler: Debian's rustc-web, compiling core from rust-web-src",
     });
-    image(found, "shakedown-firmware")?;
+    image("shakedown-firmware")?;
     say(&format!("image: {IMAGE} ({TARGET})"));
     Ok(())
 }
@@ -107,8 +107,11 @@ fn found() -> Result<Toolchain, Problem> {
     toolchain::find().ok_or_else(|| Problem::Failed(why.into()))
 }
 
-fn image(found: Toolchain, package: &str) -> Result<(), Problem> {
-    let mut cargo = found.cargo(&["build", "--locked", "--profile", "firmware", "--package", package])?;
-    cargo.env("RUSTFLAGS", LINKER).current_dir(top());
-    execute(&mut cargo)
+/// The command that builds an image, without its flags.
+pub(crate) fn image_command(package: &str) -> Result<std::process::Command, Problem> {
+    found()?.cargo(&["build", "--locked", "--profile", "firmware", "--package", package])
+}
+
+fn image(package: &str) -> Result<(), Problem> {
+    execute(image_command(package)?.env("RUSTFLAGS", LINKER).current_dir(top()))
 }

@@ -58,7 +58,11 @@ const CHORES: &[Chore] = &[
     Chore { name: "fuzz", does: "feeds the parsers what nobody would write [TARGET [SECONDS]]", run: fuzz::run },
     Chore { name: "deny", does: "checks licences, sources and banned crates (cargo-deny)", run: deny::run },
     Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
-    Chore { name: "reproduce", does: "builds the host tool twice and compares the bytes", run: reproduce::run },
+    Chore {
+        name: "reproduce",
+        does: "builds host tool and image from two folders and compares the bytes [tool|firmware]",
+        run: reproduce::run,
+    },
     Chore { name: "help", does: "prints this", run: help },
 ];
 

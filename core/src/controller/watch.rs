@@ -20,6 +20,9 @@ use crate::settings::Mode;
 /// Ticks from one turn of a monitor to its next.
 pub(crate) const TURNS: u8 = 3;
 
+/// Ticks without sensors over which the table is taken to go on as it went.
+const COAST: u32 = 20;
+
 /// The channels without which nothing can be said of the table.
 const SENSORS: Channels = Channels::DISPLACEMENT.and(Channels::ACCELERATION).and(Channels::VELOCITY);
 
@@ -153,7 +156,14 @@ impl Watch {
         drive: Drive,
     ) -> Option<Trip> {
         let lost = self.lost.saturating_add(1);
-        let seen = if missing.any(SENSORS) { None } else { self.step_again(config, readings, drive) };
+        let seen = if missing.any(SENSORS) {
+            if let Some(observer) = config.observer.as_ref().filter(|_| lost <= COAST) {
+                observer.coast(&mut self.observer);
+            }
+            None
+        } else {
+            self.step_again(config, readings, drive)
+        };
         self.lost = lost;
         let limit = config.guard.as_ref()?.lost;
         self.cause = seen.or((lost > limit).then_some(Trip::SensorLost));
@@ -218,7 +228,8 @@ impl Watch {
         let beyond = guard.envelope.advance(&mut self.envelope, &motion);
         if config.mode != Mode::Modifier {
             let asked = drive.excess * config.valve_gain;
-            if guard.valve.advance(&mut self.valve, asked, self.velocity_limit, self.velocity) {
+            let x = readings.displacement;
+            if guard.valve.advance(&mut self.valve, asked, self.velocity_limit, self.velocity, x) {
                 return Some(Trip::ValveStuck);
             }
         }

@@ -63,6 +63,13 @@ impl Fusion {
         })
     }
 
+    /// One tick without readings: the table goes on as it went, so that the next reading finds it where it is.
+    #[cold]
+    pub fn coast(&self, state: &mut FusionState) {
+        state.displacement += self.dt * state.velocity;
+        state.innovation = 0.0;
+    }
+
     /// One tick: displacement (m) and acceleration (m/s2) as measured, both finite and within range.
     #[inline]
     pub fn advance(&self, state: &mut FusionState, displacement: f32, acceleration: f32) {

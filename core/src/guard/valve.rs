@@ -3,9 +3,13 @@
 //! ```text
 //! w[k] = lag(clamp(gain u, -V, +V), valve lag)                 the velocity that the command asks for, m/s
 //! r[k] = r[k-1] + dt (v - w) - (dt / memory) r[k-1]            displacement that it does not explain, m
+//! s[k] = s[k-1] + dt clamp(gain u, -V, +V) - (dt / 5 memory) s[k-1]     while the LVDT stays within mismatch / 20, else 0
 //! ```
-//! u is the command beyond zero flow (m), V the velocity limit in force. `|r| > mismatch` trips. No command stops a valve
-//! stuck hard over: this trip opens the relay of the hydraulic block at once.
+//! u is the command beyond zero flow (m), V the velocity limit in force. `|r| > mismatch` trips, and so does
+//! `|s| > mismatch / 2`: a table that is told to move and by its LVDT does not. That is a valve that is shut, or an LVDT that
+//! stands still while the table moves evenly, of which the accelerometer sees nothing; an even speed below a tenth of
+//! mismatch / memory is not seen, so that an unknown null does not trip a table at rest. No command stops a valve stuck hard
+//! over, and none is right without an LVDT: this trip opens the relay of the hydraulic block at once.
 
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +41,10 @@ pub struct ValveMonitor {
     dt: f32,
     keep: f32,
     mismatch: f32,
+    /// The same for a table that stands still: what is kept from turn to turn, band and limit, m.
+    still_keep: f32,
+    still_band: f32,
+    still_limit: f32,
 }
 
 /// What the monitor remembers.
@@ -44,26 +52,47 @@ pub struct ValveMonitor {
 pub struct ValveMonitorState {
     velocity: LagState,
     unexplained: f32,
+    /// Where the LVDT has stood since it last moved, m, and what it was told to move since, m.
+    stood: f32,
+    told: f32,
 }
 
 impl ValveMonitor {
     /// A monitor of a valve with the given `lag` (s) at ticks of `dt` (s).
     pub fn new(settings: &ValveMonitorSettings, lag: f32, dt: f32) -> Result<Self, BlockError> {
         let memory = require("guard.valve.memory", settings.memory, 0.01, 100.0)?;
+        let mismatch = require("guard.valve.mismatch", settings.mismatch, 1e-5, 10.0)?;
         Ok(Self {
             lag: Lag::new(lag, dt)?,
             dt,
             keep: 1.0 - (dt / memory).min(1.0),
-            mismatch: require("guard.valve.mismatch", settings.mismatch, 1e-5, 10.0)?,
+            mismatch,
+            still_keep: 1.0 - (0.2 * dt / memory).min(1.0),
+            still_band: 0.05 * mismatch,
+            still_limit: 0.5 * mismatch,
         })
     }
 
-    /// One tick: speed asked for (m/s), limit in force (m/s) and measured velocity (m/s). True: the valve is not
-    /// believed.
+    /// One tick: speed asked for (m/s), limit in force (m/s), measured velocity (m/s) and displacement (m). True: the valve
+    /// is not believed.
     #[inline(always)]
-    pub fn advance(&self, state: &mut ValveMonitorState, asked: f32, limit: f32, velocity: f32) -> bool {
-        let expected = self.lag.advance(&mut state.velocity, asked.bounded(limit));
+    pub fn advance(
+        &self,
+        state: &mut ValveMonitorState,
+        asked: f32,
+        limit: f32,
+        velocity: f32,
+        displacement: f32,
+    ) -> bool {
+        let asked = asked.bounded(limit);
+        let expected = self.lag.advance(&mut state.velocity, asked);
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);
-        state.unexplained.abs() > self.mismatch
+        if (displacement - state.stood).abs() > self.still_band {
+            state.stood = displacement;
+            state.told = 0.0;
+        } else {
+            state.told = self.still_keep * state.told + self.dt * asked;
+        }
+        state.unexplained.abs() > self.mismatch || state.told.abs() > self.still_limit
     }
 }

@@ -20,6 +20,14 @@ impl Input {
         Self { displacement, step: 0.0, held: false }
     }
 
+    /// Goes on at `reference` (m) after ticks that were not heard: the way gone meanwhile is an offset to wash out, as a leap
+    /// is, and no motion of one tick. The next [`Input::accept`] of it finds the step of before.
+    pub(super) fn resume(&mut self, reference: f32) {
+        if reference.is_finite() {
+            self.displacement = reference - self.step;
+        }
+    }
+
     /// Takes the next reference, m. One that is not a number coasts to rest, `brake` (m per tick squared) at a time, so
     /// that a sample lost costs neither a jerk now nor one when the next arrives. One that leaps more than `leap` (m)
     /// moves the displacement and leaves the velocity to coast.

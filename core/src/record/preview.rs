@@ -85,6 +85,11 @@ impl<const N: usize, const PLACES: usize> State<N, PLACES> {
         self.window.rest();
     }
 
+    /// Goes on after ticks that were not heard, with `reference` (m) the next: what it moved meanwhile is washed out.
+    pub fn resume(&mut self, reference: f32) {
+        self.input.resume(reference);
+    }
+
     /// The last reference was not a number, or leapt, and was not followed.
     pub fn held(&self) -> bool {
         self.input.held

@@ -236,6 +236,77 @@ fn valve_stuck_shut() {
     }
 }
 
+/// A table that goes evenly at `speed` (m/s) when its LVDT sticks: what tripped, and how far it went unseen, m.
+fn stuck_while_even(settings: &Settings, speed: f64) -> (Option<Trip>, f64) {
+    let mut rig = Rig::running(settings);
+    let end = |t: f64| 0.06 - speed * (t - 2.0).clamp(0.0, 1.0);
+    while rig.t < 3.0 {
+        let t = rig.t;
+        rig.tick(end(t) - 0.06, |_| ());
+    }
+    // From here on the existing controller, or ours, is told to go on and sees no way made.
+    let (x, held) = (rig.table.x, rig.table.x as f32);
+    while rig.t < 8.0 && rig.tripped.is_none() {
+        let reference = rig.table.x - speed / 10.0 / 2.39;
+        rig.tick(reference, |s| {
+            s.displacement = held;
+            s.reference = held - (speed / 10.0 / 2.39) as f32;
+        });
+    }
+    (rig.tripped.map(|(_, cause)| cause), (rig.table.x - x).abs())
+}
+
+#[test]
+fn stuck_lvdt_at_an_even_speed() {
+    // The accelerometer sees nothing of an even motion.
+    for mode in [Mode::Guard, Mode::Controller] {
+        for speed in [0.02, 0.05, 0.1] {
+            let (cause, way) = stuck_while_even(&settings(mode), speed);
+            let named = [Some(Trip::ValveStuck), Some(Trip::DisplacementStuck)].contains(&cause);
+            assert!(named, "{mode:?} at {speed} m/s after {way} m: {cause:?}");
+            assert!(way < 0.03, "{mode:?} at {speed} m/s: {way} m");
+        }
+    }
+    let deaf = settings(Mode::Guard)
+        .guard
+        .map(|guard| GuardSettings { valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve }, ..guard });
+    assert_eq!(stuck_while_even(&Settings { guard: deaf, ..settings(Mode::Guard) }, 0.02).0, None);
+}
+
+/// A swing of which `length` ticks from the fourth second on lack `fault`'s reading: how far the modified reference strays, m.
+fn strays(mode: Mode, length: u32, fault: impl Fn(&mut Sample)) -> f64 {
+    let (mut whole, mut gapped) = (Rig::running(&settings(mode)), Rig::running(&settings(mode)));
+    let mut strayed = 0.0_f64;
+    for k in 0..8000 {
+        let reference = swing(whole.t);
+        let a = whole.tick(reference, |_| ());
+        let b = gapped.tick(reference, |s| {
+            if (4000..4000 + length).contains(&k) {
+                fault(s);
+            }
+        });
+        strayed = strayed.max(f64::from(a.reference - b.reference).abs());
+    }
+    assert_eq!((whole.tripped, gapped.tripped), (None, None));
+    strayed
+}
+
+#[test]
+fn a_gap_strays_no_farther_than_its_own_way() {
+    for mode in [Mode::Modifier, Mode::Controller] {
+        for length in [1, 3, 9] {
+            // At 0.15 m/s at most, and a washout that may overshoot by half.
+            let most = 0.15e-3 * f64::from(length) * 1.5 + 1e-4;
+            let lost = [
+                strays(mode, length, |s| s.reference = f32::NAN),
+                strays(mode, length, |s| s.displacement = f32::NAN),
+                strays(mode, length, |s| s.acceleration = f32::NAN),
+            ];
+            assert!(lost.iter().all(|&way| way < most), "{mode:?} {length}: {lost:?} of {most}");
+        }
+    }
+}
+
 #[test]
 fn a_valve_trip_opens_the_relay_at_once() {
     let mut rig = Rig::running(&settings(Mode::Controller));

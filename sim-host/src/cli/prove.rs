@@ -3,6 +3,7 @@
 mod engine;
 
 use super::output::{Outputs, print_table};
+use super::shard::Shard;
 use super::{Failure, progress};
 use clap::Subcommand;
 use engine::Engine;
@@ -10,7 +11,6 @@ use shakedown::prove::campaign::{CampaignError, Plan, join, run as examine};
 use shakedown::prove::summary::{Summary, summarise};
 use shakedown::prove::{Examinee as _, page};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// The diagnosis examined on concealed cases, made by code that shares nothing with it.
 #[derive(Debug, clap::Args)]
@@ -66,24 +66,6 @@ enum Part {
         #[command(flatten)]
         deal: Deal,
     },
-}
-
-/// One piece of several.
-#[derive(Debug, Clone, Copy)]
-struct Shard {
-    number: u64,
-    of: u64,
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wanted = || format!("'{text}' is no piece: give I/N with 1 <= I <= N, for instance 3/8");
-        let (number, of) = text.split_once('/').ok_or_else(wanted)?;
-        let shard = Self { number: number.parse().map_err(|_| wanted())?, of: of.parse().map_err(|_| wanted())? };
-        if shard.number < 1 || shard.number > shard.of { Err(wanted()) } else { Ok(shard) }
-    }
 }
 
 /// Deals, examines, scores; or joins what was dealt and examined before.

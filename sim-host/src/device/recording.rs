@@ -7,8 +7,22 @@ use shakedown_core::link::Setup;
 
 use super::Row;
 
+/// Longest gap that is written row by row, records.
+const LONGEST: u32 = 10_000;
+
+/// Rows that stand for what is missing from tick `expected` to `tick`, a record every `step` ticks; none where ticks went back.
+fn missing_rows(expected: u32, tick: u32, step: u32) -> u32 {
+    match tick.wrapping_sub(expected) {
+        0 => 0,
+        ticks if ticks > u32::MAX / 2 => 0,
+        ticks if ticks / step > LONGEST => 1,
+        ticks => ticks.div_ceil(step),
+    }
+}
+
 /// The rows as CSV in SI, one a tick; a record that is missing between two others leaves its channels NaN. Time counts from
-/// the first row. The command is what the valve got: where an inner loop subtracts the LVDT, the output less that.
+/// the first row. A gap of more than [`LONGEST`] records is one row: what a device says of its ticks does not decide how much
+/// is written. The command is what the valve got: where an inner loop subtracts the LVDT, the output less that.
 pub fn csv(rows: &[Row], setup: &Setup, every: u16) -> String {
     let mut text = String::from(
         "time [s],reference [m],modified_reference [m],displacement [m],acceleration [m/s2],external [m],command\n",
@@ -17,12 +31,11 @@ pub fn csv(rows: &[Row], setup: &Setup, every: u16) -> String {
     let wiring = &setup.wiring;
     let hardwired = setup.control.inner_loop == InnerLoop::Hardwired;
     let first = rows.first().map_or(0, |row| row.tick);
-    let mut expected = first;
+    let (mut expected, step) = (first, u32::from(every.max(1)));
     for row in rows {
         let time = |tick: u32| f64::from(tick.wrapping_sub(first)) / rate;
-        while expected < row.tick {
-            let _ = writeln!(text, "{},NaN,NaN,NaN,NaN,NaN,NaN", time(expected));
-            expected += u32::from(every.max(1));
+        for k in 0..missing_rows(expected, row.tick, step) {
+            let _ = writeln!(text, "{},NaN,NaN,NaN,NaN,NaN,NaN", time(expected.wrapping_add(k * step)));
         }
         let [_, displacement, acceleration, external] = row.record.inputs;
         let displacement = wiring.displacement.to_si(displacement);
@@ -35,7 +48,7 @@ pub fn csv(rows: &[Row], setup: &Setup, every: u16) -> String {
             "{},{reference},{fitted},{displacement},{acceleration},{external},{command}",
             time(row.tick)
         );
-        expected = row.tick + u32::from(every.max(1));
+        expected = row.tick.wrapping_add(step);
     }
     text
 }
@@ -59,4 +72,18 @@ pub fn experiment(name: &str, file: &str, setup: &Setup) -> String {
         dx = noise(wiring.displacement.per_code),
         da = noise(wiring.acceleration.per_code),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_is_written_out_unless_it_is_absurd() {
+        assert_eq!(missing_rows(5, 5, 1), 0);
+        assert_eq!(missing_rows(5, 9, 2), 2);
+        assert_eq!(missing_rows(9, 5, 1), 0, "a device that was reset counts anew");
+        assert_eq!(missing_rows(u32::MAX, 3, 1), 4, "ticks wrap");
+        assert_eq!(missing_rows(0, 2_000_000_000, 1), 1);
+    }
 }

@@ -24,6 +24,8 @@ const HELD: &str = "cargo run --release -- bench --records ../shared/data/record
 const FITTED: &str = "cargo test --release -p shakedown --test identify -- --nocapture --test-threads 1";
 const FIT_BENCH: &str = "cargo bench -p shakedown --bench identify";
 const LAW_COST: &str = "cargo xtask law-cost";
+const FAULTS: &str =
+    "cargo run --release -- faults --seed 2027 --runs 100000 --records ../shared/data/records --out faults";
 const NONE: &str = "";
 
 pub(super) const FIGURES: &[Figure] = &[
@@ -124,7 +126,20 @@ pub(super) const FIGURES: &[Figure] = &[
     ),
     figure(CONTROL, "tracking law, instructions a tick on a Cortex-M4", "at most 1,200", LAW_COST),
     figure(CONTROL, "tracking law, bits of every command on target and host", "all the same", "cargo xtask law-cost"),
-    figure(SAFETY, "100,000 faulted runs: excursions beyond stroke less margin; unreported", "none; none", NONE),
+    figure(SAFETY, "100,000 faulted runs: excursions beyond stroke less margin; unreported", "none; none", FAULTS),
+    figure(SAFETY, "the same: latencies by class of fault", "as docs/hazards.md says", FAULTS),
+    figure(
+        SAFETY,
+        "times that 10^9 bytes of each kind of noise arm a device",
+        "none",
+        "cargo run --release -p shakedown-firmware --no-default-features --example noise",
+    ),
+    figure(
+        SAFETY,
+        "memory over 24 h in the loop, from the first hour to the last",
+        "grows by 512 KiB at most",
+        "cargo run --release -p shakedown --example soak",
+    ),
     figure(SAFETY, "an hour of fuzzing a target", "no finding", "cargo xtask fuzz TARGET 3600"),
     figure(
         BUILD,
@@ -132,7 +147,7 @@ pub(super) const FIGURES: &[Figure] = &[
         "under 4 minutes",
         "time CARGO_TARGET_DIR=$(mktemp -d) cargo build --release --locked",
     ),
-    figure(BUILD, "two builds of the host tool", "the same bytes", "cargo xtask reproduce"),
+    figure(BUILD, "two builds of host tool and image, from two folders", "the same bytes", "cargo xtask reproduce"),
     figure(
         BUILD,
         "requests and console messages of a report in Chromium",

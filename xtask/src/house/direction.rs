@@ -27,7 +27,7 @@ const ROOMS: &[&[&str]] = &[
     &["closed_loop"],
     &["identify"],
     &["diagnose"],
-    &["device", "prove"],
+    &["device", "faults", "prove"],
 ];
 
 /// Who may use `report`: the command line, and `prove`, whose page is as long as its scoring.

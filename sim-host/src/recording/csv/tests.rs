@@ -22,6 +22,12 @@ fn every_separator_gives_the_same_table() {
 }
 
 #[test]
+fn a_column_without_name_or_field_is_refused() {
+    let refused = table("time,x,\n0,1\n", &[""]).unwrap_err();
+    assert!(refused.contains("line 2"), "{refused}");
+}
+
+#[test]
 fn units_in_brackets_are_read_with_blanks_too() {
     let table = table("time [s] x [mm]\n0 1\n", &["x"]).unwrap();
     assert_eq!(table.headings[0].unit.as_deref(), Some("mm"));

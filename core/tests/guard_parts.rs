@@ -1,0 +1,374 @@
+//! The guard's parts one by one, to the tick and to the last digit that a limit has: what a random run would pass by.
+
+#![allow(clippy::unwrap_used, reason = "the lint knows test functions, not helpers")]
+
+use shakedown_core::filter::Fusion;
+use shakedown_core::filter::fusion::FusionState;
+use shakedown_core::guard::envelope::{Envelope, EnvelopeSettings, EnvelopeState, ForceSettings, Motion};
+use shakedown_core::guard::plausibility::{Plausibility, PlausibilitySettings, PlausibilityState};
+use shakedown_core::guard::supervisor::{Ramps, Supervisor};
+use shakedown_core::guard::valve::{ValveMonitor, ValveMonitorSettings, ValveMonitorState};
+use shakedown_core::guard::{RampSettings, Refused, Request, State, Trip, Walls};
+use shakedown_core::settings::{ReferenceRates, VelocitySource};
+use shakedown_core::{Channels, Mode, Relay, Sample, Settings};
+
+const DT: f32 = 0.003;
+
+fn envelope() -> Envelope {
+    let settings = EnvelopeSettings {
+        margin: 0.02,
+        stopping_latency: 0.1,
+        stopping_deceleration: 2.0,
+        velocity: 0.4,
+        acceleration: 5.0,
+        jerk: 1000.0,
+        force: Some(ForceSettings { limit: 1000.0, piston_area: 0.01 }),
+        tracking: 0.05,
+        persistence: 0.0091,
+    };
+    Envelope::new(&settings, 0.12, DT).unwrap()
+}
+
+#[test]
+fn the_stopping_distance_is_latency_and_braking() {
+    for v in [-0.4_f32, -0.1, 0.0, 0.1, 0.4] {
+        let expected = v * 0.1 + v * v.abs() / 4.0;
+        assert!((envelope().stopping_distance(v) - expected).abs() < 1e-7, "{v}");
+    }
+}
+
+#[test]
+fn the_envelope_is_left_where_the_table_could_not_stop() {
+    let envelope = envelope();
+    // Room 0.1 m; at 0.2 m/s it takes 0.03 m to stand.
+    for (x, v, cause) in [
+        (0.069, 0.2, None),
+        (0.071, 0.2, Some(Trip::Displacement)),
+        (-0.069, -0.2, None),
+        (-0.071, -0.2, Some(Trip::Displacement)),
+        (0.071, -0.2, None),
+        (0.0999, 0.0, None),
+        (0.1001, 0.0, Some(Trip::Displacement)),
+        (-0.1001, 0.0, Some(Trip::Displacement)),
+        // Beyond its room, on the way back.
+        (0.101, -0.2, Some(Trip::Displacement)),
+        (-0.101, 0.2, Some(Trip::Displacement)),
+        (0.0, 0.399, None),
+        (0.0, 0.401, Some(Trip::Velocity)),
+        (0.0, -0.401, Some(Trip::Velocity)),
+        // Both at once, on the way back: where it is counts for more than how fast.
+        (0.12, -0.401, Some(Trip::Displacement)),
+    ] {
+        assert_eq!(envelope.left_by(x, v), cause, "at {x} m with {v} m/s");
+    }
+}
+
+#[test]
+fn what_may_last_trips_one_tick_after_its_time() {
+    let quiet = Motion { acceleration: 0.0, pressure_difference: 0.0, error: 0.0 };
+    for (motion, cause) in [
+        (Motion { pressure_difference: 100_100.0, ..quiet }, Trip::Force),
+        (Motion { pressure_difference: -100_100.0, ..quiet }, Trip::Force),
+        (Motion { error: 0.0501, ..quiet }, Trip::Tracking),
+        (Motion { error: -0.0501, ..quiet }, Trip::Tracking),
+    ] {
+        let mut state = EnvelopeState::default();
+        // 9.1 ms are three turns of 3 ms: the fourth trips.
+        let told: Vec<_> = (0..4).map(|_| envelope().advance(&mut state, &motion)).collect();
+        assert_eq!(told, [None, None, None, Some(cause)]);
+        // One good turn, and the time begins anew.
+        assert_eq!(envelope().advance(&mut state, &quiet), None);
+        assert_eq!(envelope().advance(&mut state, &motion), None);
+    }
+    for good in [99_900.0, -99_900.0] {
+        let mut state = EnvelopeState::default();
+        let motion = Motion { pressure_difference: good, error: 0.0499, ..quiet };
+        assert!((0..20).all(|_| envelope().advance(&mut state, &motion).is_none()));
+    }
+}
+
+#[test]
+fn acceleration_and_its_steps_are_told_apart() {
+    let run = |accelerations: &[f32]| {
+        let mut state = EnvelopeState::default();
+        let motion = |a: &f32| Motion { acceleration: *a, pressure_difference: 0.0, error: 0.0 };
+        accelerations.iter().filter_map(|a| envelope().advance(&mut state, &motion(a))).collect::<Vec<_>>()
+    };
+    // 1000 m/s3 are 3 m/s2 from turn to turn.
+    assert_eq!(run(&[2.9, 4.9, 4.9, 4.9, 4.9, 4.9]), []);
+    assert_eq!(run(&[2.9, 5.1, 5.1, 5.1, 5.1]), [Trip::Acceleration]);
+    assert_eq!(run(&[-2.9, -5.1, -5.1, -5.1, -5.1]), [Trip::Acceleration]);
+    assert_eq!(run(&[1.6, -1.6, 1.6, -1.6, 1.6]), [Trip::Jerk]);
+    assert_eq!(run(&[1.4, -1.4, 1.4, -1.4, 1.4]), []);
+}
+
+#[test]
+fn fields_of_the_envelope_are_refused_by_name() {
+    let refused = |settings: EnvelopeSettings| Envelope::new(&settings, 0.12, DT).unwrap_err().field;
+    let good = EnvelopeSettings::default();
+    assert_eq!(refused(EnvelopeSettings { margin: 0.109, ..good }), "guard.envelope.margin");
+    assert_eq!(refused(EnvelopeSettings { velocity: f32::NAN, ..good }), "guard.envelope.velocity");
+    let force = Some(ForceSettings { limit: 0.0, piston_area: 0.01 });
+    assert_eq!(refused(EnvelopeSettings { force, ..good }), "guard.envelope.force.limit");
+}
+
+/// What a monitor at 3 ms says of readings given turn by turn, and at which.
+fn plausible(readings: impl Iterator<Item = (f32, f32, FusionState)>) -> Option<(usize, Trip)> {
+    let settings = PlausibilitySettings { stuck: 0.0301, disagreement: 2e-3, offset: 3.0, ..Default::default() };
+    let monitor = Plausibility::new(&settings, DT).unwrap();
+    let mut state = PlausibilityState::default();
+    readings.enumerate().find_map(|(k, (x, a, seen))| Some((k, monitor.advance(&mut state, x, a, &seen)?)))
+}
+
+fn innovation(size: f32) -> FusionState {
+    FusionState { innovation: size, ..FusionState::default() }
+}
+
+#[test]
+fn a_sensor_is_stuck_after_its_time_if_the_other_moves() {
+    // Ten turns without a change are 30 ms; a quarter of the disagreement is reached meanwhile.
+    let stuck_x = plausible((0..400).map(|k| (0.01, 0.1 * (k % 7) as f32, innovation(1.5e-3))));
+    assert_eq!(stuck_x, Some((11, Trip::DisplacementStuck)));
+    let stuck_a = plausible((0..400).map(|k| (1e-4 * (k % 7) as f32, 0.3, innovation(-1.5e-3))));
+    assert_eq!(stuck_a, Some((11, Trip::AccelerationStuck)));
+    // Below a quarter it is rest.
+    assert_eq!(plausible((0..400).map(|_| (0.01, 0.3, innovation(0.49e-3)))), None);
+    // A reading that changes now and then is not stuck.
+    assert_eq!(plausible((0..400).map(|k| (1e-4 * (k / 9) as f32, (k / 9) as f32 * 0.1, innovation(1.5e-3)))), None);
+}
+
+#[test]
+fn sensors_that_disagree_are_told_from_a_noisy_one() {
+    let moving = |k: usize| (1e-4 * (k % 7) as f32, 0.1 * (k % 5) as f32);
+    let with = |size: &dyn Fn(usize) -> f32| {
+        plausible((0..400).map(|k| (moving(k).0, moving(k).1, innovation(size(k))))).map(|(_, trip)| trip)
+    };
+    assert_eq!(with(&|_| 2.1e-3), Some(Trip::SensorsDisagree));
+    assert_eq!(with(&|_| -2.1e-3), Some(Trip::SensorsDisagree));
+    assert_eq!(with(&|_| 1.9e-3), None);
+    assert_eq!(with(&|k| if k % 2 == 0 { 3e-3 } else { -3e-3 }), Some(Trip::DisplacementNoisy));
+    let off = |offset: f32| {
+        let seen = FusionState { offset, ..FusionState::default() };
+        plausible((0..10).map(|k| (moving(k).0, moving(k).1, seen))).map(|(_, trip)| trip)
+    };
+    assert_eq!((off(3.1), off(-3.1)), (Some(Trip::SensorsDisagree), Some(Trip::SensorsDisagree)));
+    assert_eq!((off(3.0), off(-3.0)), (None, None));
+}
+
+#[test]
+fn an_accelerometer_is_noisy_when_its_changes_last() {
+    let quiet = FusionState::default();
+    let rough = |step: f32| plausible((0..400).map(|k| (0.0, if k % 2 == 0 { step } else { -step }, quiet)));
+    assert_eq!(rough(1.6).map(|(_, trip)| trip), Some(Trip::AccelerationNoisy));
+    assert_eq!(rough(1.4), None);
+    // A change counts for twice the limit, 6 m/s2, at most: as many as 11 turns in 20 make 3.3 of it, 9 make 2.7.
+    let often = |share: i32| {
+        let jumps = (0..600).scan(0.0_f32, move |a, k| {
+            *a = if (k * share) % 20 < share { 40.0 - *a } else { *a };
+            Some((0.0, *a, quiet))
+        });
+        plausible(jumps).map(|(_, trip)| trip)
+    };
+    assert_eq!((often(11), often(9)), (Some(Trip::AccelerationNoisy), None));
+    // One spike, however high, counts for no more than twice the limit.
+    assert_eq!(plausible((0..400).map(|k| (0.0, if k == 50 { 500.0 } else { 0.0 }, quiet))), None);
+}
+
+#[test]
+fn at_a_limit_nothing_is_said() {
+    // Turns of a second: the means over 50 ms are the readings themselves, to the last bit.
+    let settings =
+        PlausibilitySettings { stuck: 0.0, disagreement: 2e-3, acceleration_noise: 3.0, ..Default::default() };
+    let monitor = Plausibility::new(&settings, 1.0).unwrap();
+    let told = |steps: [(f32, f32, f32); 2]| {
+        let mut state = PlausibilityState::default();
+        steps.map(|(x, a, e)| monitor.advance(&mut state, x, a, &innovation(e)))
+    };
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.1, 0.1, 5e-4)]), [None, None]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.1, 0.1, 5.1e-4)]), [None, Some(Trip::DisplacementStuck)]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 0.1, 2e-3)]), [None, None]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 0.1, 2.1e-3)]), [None, Some(Trip::SensorsDisagree)]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 3.0, 0.0)]), [None, None]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 3.1, 0.0)]), [None, Some(Trip::AccelerationNoisy)]);
+    let first = |mismatch: f32, asked: f32, velocity: f32| {
+        let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch, memory: 100.0 }, 0.0, DT).unwrap();
+        monitor.advance(&mut ValveMonitorState::default(), asked, 10.0, velocity, 0.0)
+    };
+    assert!(!first(DT, 0.0, 1.0) && first(DT, 0.0, 1.01));
+    assert!(!first(2.0 * DT, 1.0, 1.0) && first(2.0 * DT, 1.01, 1.01));
+}
+
+/// Turns until a valve monitor trips, of at most 2000; `told` gives speed asked for, limit, velocity, displacement.
+fn valve(told: impl Fn(f32) -> [f32; 4]) -> Option<usize> {
+    let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch: 0.02, memory: 0.2 }, 0.0, DT).unwrap();
+    let mut state = ValveMonitorState::default();
+    (0..2000).find(|&k| {
+        let [asked, limit, velocity, x] = told(k as f32 * DT);
+        monitor.advance(&mut state, asked, limit, velocity, x)
+    })
+}
+
+#[test]
+fn a_valve_is_stuck_when_the_way_is_not_explained() {
+    // 0.2 m/s that nobody asked for: 20 mm of a way forgotten over 0.2 s takes 0.2 ln 2 = 139 ms.
+    let over = valve(|t| [0.0, 0.242, 0.2, 0.2 * t]).unwrap();
+    assert!((45..=48).contains(&over), "{over}");
+    assert_eq!(valve(|t| [0.0, 0.242, -0.2, -0.2 * t]), Some(over));
+    // Below 0.1 m/s it is forgotten as fast as it comes.
+    assert_eq!(valve(|t| [0.0, 0.242, 0.099, 0.099 * t]), None);
+    // What is asked for explains what happens, and no more than the limit is expected.
+    assert_eq!(valve(|t| [0.2, 0.242, 0.2, 0.2 * t]), None);
+    assert_eq!(valve(|t| [5.0, 0.242, 0.242, 0.242 * t]), None);
+    assert!(valve(|t| [5.0, 0.242, 0.1, 0.1 * t]).is_some());
+}
+
+#[test]
+fn a_table_that_stands_while_it_is_told_to_move_is_seen() {
+    // The velocity agrees, as an observer's does that believes a stuck LVDT and is not contradicted.
+    let even = |speed: f32| valve(move |_| [speed, 0.242, speed, 0.03]);
+    // 10 mm at 50 mm/s, forgotten over a second: ln(1 / 0.8) = 223 ms, and one turn to find where it stands.
+    let turns = even(0.05).unwrap();
+    assert!((73..=77).contains(&turns), "{turns}");
+    assert_eq!(even(-0.05), Some(turns));
+    // The same where it stands in the middle, and where it ends up after a way.
+    assert_eq!(valve(|_| [0.05, 0.242, 0.05, 0.0]), Some(turns - 1));
+    // At the edge of what counts as standing it stands.
+    assert_eq!(valve(|_| [0.05, 0.242, 0.05, 0.05 * 0.02]), Some(turns - 1));
+    let stops = valve(|t| [0.05, 0.242, 0.05, 0.05 * t.min(1.0)]).unwrap();
+    assert!((333 + 60..333 + 80).contains(&stops), "{stops}");
+    // Below 10 mm/s it may be the null.
+    assert_eq!(even(0.0099), None);
+    assert!(even(0.0105).is_some());
+    // A millimetre of motion, and it does not stand.
+    assert_eq!(valve(|t| [0.05, 0.242, 0.05, 0.05 * t]), None);
+}
+
+#[test]
+fn an_observer_that_coasts_finds_the_table_where_it_is() {
+    let observer = Fusion::new(2.0, 0.001).unwrap();
+    let mut state = FusionState::default();
+    let at = |k: i32| 2e-4 * k as f32;
+    for k in 0..5000 {
+        observer.advance(&mut state, at(k), 0.0);
+    }
+    for _ in 5000..5009 {
+        observer.coast(&mut state);
+        assert_eq!(state.innovation, 0.0);
+    }
+    observer.advance(&mut state, at(5009), 0.0);
+    assert!(state.innovation.abs() < 1e-5, "{}", state.innovation);
+    assert!((state.velocity - 0.2).abs() < 1e-3, "{}", state.velocity);
+}
+
+#[test]
+fn a_supervisor_ramps_in_as_many_ticks_as_its_time_has() {
+    let ramps = Ramps::new(&RampSettings { test: 0.01, safe: 0.005 }, 0.001).unwrap();
+    let mut supervisor = Supervisor::off();
+    assert_eq!((supervisor.state(), supervisor.relay(), supervisor.moves()), (State::Off, Relay::Open, false));
+    supervisor.request(Request::Arm).unwrap();
+    assert_eq!((supervisor.relay(), supervisor.moves()), (Relay::Closed, true));
+    supervisor.request(Request::Start).unwrap();
+    let ticks = (1..100).find(|&k| {
+        supervisor.advance(ramps);
+        let p = (0.1 * k as f32).min(1.0);
+        let smooth = p * p * (3.0 - 2.0 * p);
+        assert!((supervisor.presence() - smooth).abs() < 1e-6, "{k}: {}", supervisor.presence());
+        assert_eq!(supervisor.whole(), k >= 10);
+        supervisor.steady()
+    });
+    assert_eq!(ticks, Some(10));
+    // Held, it falls as it rose, and resumed it rises again.
+    supervisor.request(Request::Hold).unwrap();
+    supervisor.advance(ramps);
+    assert!(!supervisor.steady() && (supervisor.presence() - 0.972).abs() < 1e-6, "{}", supervisor.presence());
+    supervisor.request(Request::Resume).unwrap();
+    supervisor.advance(ramps);
+    assert!(supervisor.steady() && supervisor.presence() == 1.0);
+    let changes = supervisor.changes();
+    supervisor.doubt(Trip::Velocity);
+    assert_eq!((supervisor.changes(), supervisor.command()), (changes.wrapping_add(1), 1.0));
+    // The first cause stands.
+    supervisor.trip(Trip::Jerk);
+    assert_eq!(supervisor.cause(), Some(Trip::Velocity));
+    assert_eq!(supervisor.request(Request::Reset), Err(Refused::StillMoving(Trip::Velocity)));
+    let left: Vec<f32> = (0..5)
+        .map(|_| {
+            assert_eq!(supervisor.relay(), Relay::Closed);
+            supervisor.advance(ramps);
+            supervisor.command()
+        })
+        .collect();
+    for (left, expected) in left.iter().zip([0.8, 0.6, 0.4, 0.2, 0.0]) {
+        assert!((left - expected).abs() < 1e-6, "{left} {expected}");
+    }
+    assert_eq!(supervisor.relay(), Relay::Open);
+    supervisor.request(Request::Reset).unwrap();
+    assert_eq!((supervisor.state(), supervisor.cause()), (State::Off, None));
+    // What monitors say of a table without oil is no reason; an order is.
+    supervisor.doubt(Trip::Velocity);
+    assert_eq!(supervisor.state(), State::Off);
+    supervisor.request(Request::Trip).unwrap();
+    assert_eq!((supervisor.state(), supervisor.command()), (State::Tripped, 0.0));
+}
+
+#[test]
+fn no_length_of_a_ramp_costs_a_tick_to_rounding() {
+    for ticks in 2..300_u16 {
+        let time = 0.001 * f32::from(ticks);
+        let ramps = Ramps::new(&RampSettings { test: time, safe: time }, 0.001).unwrap();
+        let mut supervisor = Supervisor::off();
+        supervisor.request(Request::Arm).unwrap();
+        supervisor.request(Request::Start).unwrap();
+        let count = |supervisor: &mut Supervisor, done: fn(&Supervisor) -> bool| {
+            (1..1000).find(|_| {
+                supervisor.advance(ramps);
+                done(supervisor)
+            })
+        };
+        assert_eq!(count(&mut supervisor, Supervisor::whole), Some(ticks));
+        supervisor.request(Request::Stop).unwrap();
+        assert_eq!(count(&mut supervisor, |s| s.state() == State::Ready), Some(ticks));
+        assert_eq!(supervisor.presence(), 0.0);
+        supervisor.trip(Trip::External);
+        assert_eq!(count(&mut supervisor, |s| s.relay() == Relay::Open), Some(ticks));
+    }
+}
+
+#[test]
+fn a_trip_of_the_valve_opens_the_relay_at_the_same_tick() {
+    let mut supervisor = Supervisor::off();
+    supervisor.request(Request::Arm).unwrap();
+    supervisor.trip(Trip::ValveStuck);
+    assert_eq!((supervisor.relay(), supervisor.command()), (Relay::Open, 1.0));
+}
+
+#[test]
+fn walls_let_through_what_is_within_and_name_what_is_not() {
+    let mut settings = Settings { mode: Mode::Controller, ..Settings::default() };
+    settings.ranges.reference = 0.2;
+    settings.ranges.displacement = 0.3;
+    settings.ranges.acceleration = 5.0;
+    settings.ranges.velocity = 1.0;
+    let take = |settings: &Settings, sample: &Sample| {
+        let mut readings = Sample { reference: 0.01, displacement: 0.02, acceleration: 0.03, ..Sample::default() };
+        let missing = Walls::new(settings).take(sample, &mut readings);
+        (missing, readings)
+    };
+    let edge = Sample::new(-0.2, 0.3, -5.0);
+    assert_eq!(take(&settings, &edge), (Channels::NONE, edge));
+    let beyond = Sample::new(0.21, -0.31, 5.1);
+    let all = Channels::REFERENCE.and(Channels::DISPLACEMENT).and(Channels::ACCELERATION);
+    let (missing, kept) = take(&settings, &beyond);
+    assert_eq!((missing, kept.reference, kept.displacement, kept.acceleration), (all, 0.01, 0.02, 0.03));
+    // Guard mode reads the other's command and no reference; what is not fitted is not read.
+    let guard = Settings { mode: Mode::Guard, ..settings };
+    let (missing, kept) = take(&guard, &Sample { external: 7.0, ..beyond });
+    assert_eq!((missing, kept.external), (Channels::DISPLACEMENT.and(Channels::ACCELERATION), 7.0));
+    settings.observer.accelerometer = false;
+    settings.velocity_source = VelocitySource::Sensor;
+    settings.reference_rates = ReferenceRates::Supplied;
+    let odd = Sample { velocity: 1.1, reference_velocity: 0.5, reference_acceleration: f32::NAN, ..edge };
+    let (missing, kept) = take(&settings, &Sample { acceleration: f32::NAN, ..odd });
+    assert_eq!(missing, Channels::VELOCITY.and(Channels::REFERENCE_RATES));
+    assert_eq!((kept.velocity, kept.reference_velocity), (0.0, 0.5));
+}

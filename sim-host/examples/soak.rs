@@ -1,0 +1,189 @@
+//! A day in the loop: `cargo run --release -p shakedown --example soak [HOURS [FOLDER]]`.
+//!
+//! The core drives the paper's plant at 1 kHz through one record after another, each armed, started, now and then held, and
+//! stopped; every twentieth tick goes as telemetry, in the link's own frames, to a file in FOLDER and through the host's end
+//! of the link. The memory of the process is read after every simulated hour and must not grow after the first.
+#![allow(clippy::print_stdout, reason = "what an example has to say")]
+
+use shakedown::device::{Talker, Telemetry};
+use shakedown::faults::Motions;
+use shakedown::plant::Plant as _;
+use shakedown::plant::paper::{FixedStep, Paper};
+use shakedown::plant::sensors::{SensorModel, Sensors};
+use shakedown_core::guard::GuardSettings;
+use shakedown_core::link::{Batch, MAX_BATCH, MAX_FRAME, Record, Report, encode};
+use shakedown_core::saturation::Detection;
+use shakedown_core::settings::Gains;
+use shakedown_core::{Controller, Modification, Request, Sample, Settings, State};
+use std::error::Error;
+use std::io::{BufWriter, Write as _};
+use std::path::PathBuf;
+
+const RATE: f64 = 1000.0;
+/// Plant steps a tick.
+const STEPS: usize = 4;
+const EVERY: u16 = 20;
+/// Largest growth after the first hour, KiB: what an allocator may keep.
+const MOST: i64 = 512;
+
+/// Resident memory of this process, KiB; zero where the system does not say.
+fn resident() -> i64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    line.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
+struct Day {
+    controller: Controller,
+    plant: FixedStep,
+    sensors: Sensors,
+    velocity: f64,
+    command: f64,
+    tick: u64,
+    batch: Batch,
+    file: BufWriter<std::fs::File>,
+    bytes: u64,
+    talker: Talker,
+    rows: u64,
+    tests: u64,
+    trips: u64,
+}
+
+impl Day {
+    fn new(file: std::fs::File) -> Result<Self, Box<dyn Error>> {
+        let settings = Settings {
+            displacement: Gains::new(8.0, 0.6),
+            modification: Modification::Causal,
+            anti_windup: true,
+            saturation: Some(Detection::default()),
+            guard: Some(GuardSettings::default()),
+            ..Settings::default()
+        };
+        Ok(Self {
+            controller: Controller::new(&settings)?,
+            plant: FixedStep::new(Paper::default(), 1.0 / (RATE * STEPS as f64), 0.0)?,
+            sensors: Sensors::new(SensorModel::laboratory(1)),
+            velocity: 0.0,
+            command: 0.0,
+            tick: 0,
+            batch: Batch { first: 0, every: EVERY, state: State::Off, dropped: 0, records: heapless::Vec::new() },
+            file: BufWriter::new(file),
+            bytes: 0,
+            talker: Talker::new(),
+            rows: 0,
+            tests: 0,
+            trips: 0,
+        })
+    }
+
+    fn tick(&mut self, reference: f64) -> std::io::Result<()> {
+        let time = self.tick as f64 / RATE;
+        let v = self.plant.velocity(self.command);
+        let x = self.sensors.displacement(time, self.plant.displacement());
+        let a = self.sensors.acceleration(time, (v - self.velocity) * RATE);
+        self.velocity = v;
+        let command = self.controller.step(&Sample::new(reference as f32, x as f32, a as f32));
+        self.command = f64::from(command.valve);
+        self.plant.advance(self.command, STEPS);
+        if self.tick.is_multiple_of(u64::from(EVERY)) {
+            let inputs = [reference, x, a, self.command].map(|value| (2048.0 + 1e3 * value) as u16);
+            let flags = command.status.bits();
+            let record =
+                Record { reference: reference as f32, fitted: command.reference, inputs, output: inputs[3], flags };
+            self.report(record)?;
+        }
+        self.tick += 1;
+        Ok(())
+    }
+
+    /// Telemetry as the device sends it, kept in a file and taken in by the host's end.
+    fn report(&mut self, record: Record) -> std::io::Result<()> {
+        if self.batch.records.is_empty() {
+            self.batch.first = self.tick as u32;
+            self.batch.state = self.controller.state();
+        }
+        let _ = self.batch.records.push(record);
+        if self.batch.records.len() < MAX_BATCH {
+            return Ok(());
+        }
+        let mut wire = [0; MAX_FRAME];
+        let length = encode(&Report::Telemetry(self.batch.clone()), &mut wire).unwrap_or(0);
+        self.batch.records.clear();
+        self.file.write_all(&wire[..length])?;
+        self.bytes += length as u64;
+        self.talker.hear(wire[..length].iter().copied());
+        let mut telemetry = Telemetry::default();
+        while let Some(report) = self.talker.report() {
+            if let Report::Telemetry(batch) = report {
+                telemetry.take(&batch);
+            }
+        }
+        self.rows += telemetry.rows().len() as u64;
+        Ok(())
+    }
+
+    /// One test along `record` (m), brought within the table's room.
+    fn test(&mut self, record: &[f64]) -> std::io::Result<()> {
+        let peak = record.iter().fold(1e-6_f64, |most, x| most.max(x.abs()));
+        let scale = (0.08 / peak).min(1.0);
+        if self.controller.state() == State::Tripped {
+            self.trips += 1;
+            let _ = self.controller.request(Request::Reset);
+        }
+        for request in [Request::Arm, Request::Start] {
+            let _ = self.controller.request(request);
+        }
+        let held = self.tests.is_multiple_of(7).then_some(record.len() / 2);
+        for (k, &x) in record.iter().enumerate() {
+            if held.is_some_and(|at| k == at || k == at + 3000) {
+                let _ = self.controller.request(if self.controller.state() == State::Hold {
+                    Request::Resume
+                } else {
+                    Request::Hold
+                });
+            }
+            self.tick(scale * x)?;
+        }
+        let _ = self.controller.request(Request::Stop);
+        let rest = scale * record.last().copied().unwrap_or(0.0);
+        for _ in 0..3000 {
+            self.tick(rest)?;
+        }
+        let _ = self.controller.request(Request::Off);
+        self.tests += 1;
+        Ok(())
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut words = std::env::args().skip(1);
+    let hours: u64 = words.next().map_or(Ok(24), |word| word.parse())?;
+    let folder = words.next().map_or_else(std::env::temp_dir, PathBuf::from);
+    let motions = Motions::new(None)?;
+    let file = tempfile::tempfile_in(&folder)?;
+    let mut day = Day::new(file)?;
+    let mut marks = Vec::new();
+    println!(
+        "{:>5} {:>8} {:>7} {:>12} {:>14} {:>13}",
+        "hour", "tests", "trips", "records", "file [byte]", "memory [KiB]"
+    );
+    while (marks.len() as u64) < hours {
+        let record = &motions.all[day.tests as usize % motions.all.len()];
+        day.test(&record.displacement)?;
+        while day.tick as f64 / (3600.0 * RATE) >= (marks.len() + 1) as f64 {
+            marks.push(resident());
+            println!(
+                "{:>5} {:>8} {:>7} {:>12} {:>14} {:>13}",
+                marks.len(),
+                day.tests,
+                day.trips,
+                day.rows,
+                day.bytes,
+                marks[marks.len() - 1]
+            );
+        }
+    }
+    let (first, last) = (marks[0], marks[marks.len() - 1]);
+    println!("growth from the first hour to the last: {} KiB, at most {MOST}", last - first);
+    if last - first > MOST { Err("the memory grows".into()) } else { Ok(()) }
+}

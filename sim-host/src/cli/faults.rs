@@ -1,0 +1,126 @@
+//! `shakedown faults`: the guard among random faults, and any one run of it again.
+
+mod page;
+
+use super::output::{Outputs, print_table};
+use super::shard::Shard;
+use super::{Failure, progress};
+use clap::builder::PossibleValuesParser;
+use serde_json::json;
+use shakedown::faults::campaign::{join, run as run_all, run_shard};
+use shakedown::faults::{CLASSES, CampaignError, Case, Class, Motions, Plan, Summary, rig, watcher};
+use std::path::PathBuf;
+
+/// Random faults at random times in random records, judged by a watcher that knows the truth and not the guard.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  shakedown faults --runs 1000                                    a quick look
+  shakedown faults --seed 1 --runs 100000 --out faults             resumable: run it again and it goes on
+  shakedown faults --seed 1 --runs 100000 --out faults --shard 1/2
+  shakedown faults --seed 1 --class lvdt-stuck --runs 500          one class alone
+  shakedown faults --seed 1 --run 4711 --report run.html           one run again, drawn; the other arguments as they were
+
+Ends with status 1 where a run broke what docs/hazards.md promises. Classes of which nothing is promised are run and counted
+apart.")]
+pub(crate) struct Args {
+    /// Seed of every run.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Number of runs.
+    #[arg(long, value_name = "K", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    runs: u64,
+    /// Every fault from one class.
+    #[arg(long, value_name = "CLASS", value_parser = PossibleValuesParser::new(CLASSES.iter().map(|class| class.id)))]
+    class: Option<String>,
+    /// Folder with PEER records to take runs from beside the generated ones.
+    #[arg(long, value_name = "DIR")]
+    records: Option<PathBuf>,
+    /// Folder for one file every thousand runs; without it the campaign cannot be resumed.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// This piece of N, from 1.
+    #[arg(long, value_name = "I/N", default_value = "1/1", requires = "out")]
+    shard: Shard,
+    /// Runs this one again and shows it.
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["runs", "out"])]
+    run: Option<u64>,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// Runs the campaign, or one run of it.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let motions = Motions::new(args.records.as_deref()).map_err(|e| Failure::Input(e.to_string()))?;
+    if let Some(number) = args.run {
+        return again(args, number, &motions);
+    }
+    let plan = Plan {
+        seed: args.seed,
+        runs: args.runs,
+        class: args.class.clone(),
+        records: motions.all.iter().map(|played| played.name.clone()).collect(),
+        version: env!("CARGO_PKG_VERSION").into(),
+    };
+    let bar = progress::bar(plan.runs.div_ceil(args.shard.of), "runs");
+    let outcomes = match &args.out {
+        None => run_all(&plan, &motions, &|n| bar.inc(n)).map_err(failure)?,
+        Some(folder) => {
+            run_shard(&plan, (args.shard.number, args.shard.of), folder, &motions, &|n| bar.inc(n)).map_err(failure)?;
+            match join(&plan, folder) {
+                Err(missing @ CampaignError::Missing { .. }) if args.shard.of > 1 => {
+                    bar.finish_and_clear();
+                    eprintln!("shard {}/{} is done; {missing}", args.shard.number, args.shard.of);
+                    return Ok(());
+                }
+                joined => joined.map_err(failure)?,
+            }
+        }
+    };
+    bar.finish_and_clear();
+    show(args, &Summary::of(&outcomes), &motions)
+}
+
+fn show(args: &Args, summary: &Summary, motions: &Motions) -> Result<(), Failure> {
+    let sections = page::sections(summary);
+    if !args.outputs.quiet() {
+        sections.iter().for_each(super::present::print_section);
+    }
+    let mut json = serde_json::to_value(summary).map_err(|e| Failure::Work(e.to_string()))?;
+    if let Some(object) = json.as_object_mut() {
+        object.insert("schema".into(), "shakedown.faults/1".into());
+        object.insert("seed".into(), args.seed.into());
+    }
+    args.outputs.write_json(json, &motions.files)?;
+    args.outputs.write_report(&mut page::page(summary, args.seed, sections), &motions.files)?;
+    match summary.failed.first() {
+        None => Ok(()),
+        Some(first) => {
+            let count = summary.failed.len();
+            let message = format!("{count} runs broke a promise; the first: --seed {} --run {}", args.seed, first.run);
+            Err(Failure::Work(message))
+        }
+    }
+}
+
+/// One run, judged and drawn.
+fn again(args: &Args, number: u64, motions: &Motions) -> Result<(), Failure> {
+    let case = Case::deal(args.seed, number, args.class.as_deref().and_then(Class::named), motions);
+    let pair = rig::run(&case).map_err(|e| Failure::Work(e.to_string()))?;
+    let outcome = watcher::judge_pair(&case, &pair);
+    let name = motions.all.get(case.motion).map_or("", |played| played.name.as_str());
+    let table = page::facts(&case, &outcome, name);
+    if !args.outputs.quiet() {
+        print_table(&table);
+    }
+    let json = json!({"schema": "shakedown.faulted-run/1", "seed": args.seed, "outcome": outcome, "record": name,
+                      "fault": format!("{:?}", case.fault), "table": format!("{:?}", case.table)});
+    args.outputs.write_json(json, &motions.files)?;
+    args.outputs.write_report(&mut page::run_page(&case, &pair, table), &motions.files)
+}
+
+fn failure(error: CampaignError) -> Failure {
+    match error {
+        CampaignError::File { .. } | CampaignError::Rig(_) => Failure::Work(error.to_string()),
+        _ => Failure::Input(error.to_string()),
+    }
+}

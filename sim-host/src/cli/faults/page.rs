@@ -1,0 +1,191 @@
+//! What a campaign of faults, or one run of it, looks like.
+
+use shakedown::faults::Summary;
+use shakedown::faults::case::Case;
+use shakedown::faults::rig::{Pair, Seen};
+use shakedown::faults::summary::Row;
+use shakedown::faults::watcher::{Broken, MARGIN, Outcome, STROKE};
+use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
+
+fn millis(seconds: f64) -> String {
+    format!("{:.0}", 1e3 * seconds)
+}
+
+fn millimetres(metres: f64) -> String {
+    format!("{:.1}", 1e3 * metres)
+}
+
+/// The tables, for terminal and page.
+pub(super) fn sections(summary: &Summary) -> Vec<Section> {
+    let count = |how: Broken| summary.broken(how).to_string();
+    let tiles = [
+        ("runs", summary.runs.to_string()),
+        ("excursions", count(Broken::Excursion)),
+        ("unreported", count(Broken::Unreported)),
+        ("late", count(Broken::Late)),
+        ("moving after a trip", count(Broken::Moving)),
+        ("trips without a fault", count(Broken::Alarm)),
+    ];
+    let tiles = tiles.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    let residual: Vec<String> = summary.residual.iter().map(|(how, n)| format!("{n} {}", word(*how))).collect();
+    let residual = if residual.is_empty() { "none".into() } else { residual.join(", ") };
+    let note = format!(
+        "An excursion is a table more than {:.0} mm from the middle, the stroke less the margin. Of the classes of which \
+         nothing is promised: {residual}; they are not among the figures above.",
+        1e3 * (STROKE - MARGIN)
+    );
+    let mut items = vec![Item::Tiles(tiles), Item::Note(note), Item::Table(classes(summary))];
+    if !summary.failed.is_empty() {
+        items.push(Item::Table(failed(summary)));
+    }
+    vec![Section { heading: "Faults".into(), items }]
+}
+
+fn classes(summary: &Summary) -> Table {
+    let columns = [
+        "class",
+        "runs",
+        "to be seen",
+        "reported",
+        "promised [ms]",
+        "median [ms]",
+        "95 % [ms]",
+        "99 % [ms]",
+        "largest [ms]",
+        "farthest [mm]",
+        "strayed unseen [mm]",
+        "broken",
+    ];
+    Table {
+        columns: columns.map(String::from).to_vec(),
+        rows: summary.rows.iter().map(cells).collect(),
+        caption: "By class: latencies from where there was something to see".into(),
+    }
+}
+
+fn cells(row: &Row) -> Vec<String> {
+    let latency = row.latency_s.map_or_else(|| vec![String::new(); 4], |all| all.map(millis).to_vec());
+    let broken: Vec<String> = row.broken.iter().map(|(how, n)| format!("{n} {}", word(*how))).collect();
+    let front = vec![
+        row.class.to_owned(),
+        row.runs.to_string(),
+        row.visible.to_string(),
+        row.reported.to_string(),
+        row.bound_s.map(millis).unwrap_or_default(),
+    ];
+    let back = vec![millimetres(row.farthest_m), millimetres(row.deviation_m), broken.join(", ")];
+    [front, latency, back].concat()
+}
+
+fn word(how: Broken) -> &'static str {
+    match how {
+        Broken::Excursion => "excursions",
+        Broken::Unreported => "unreported",
+        Broken::Late => "late",
+        Broken::Moving => "moving",
+        Broken::Alarm => "alarms",
+    }
+}
+
+fn failed(summary: &Summary) -> Table {
+    let row = |o: &Outcome| {
+        let broken: Vec<&str> = o.broken.iter().map(|how| word(*how)).collect();
+        vec![
+            o.run.to_string(),
+            o.class.clone(),
+            o.mode.clone(),
+            broken.join(", "),
+            o.reported.clone().unwrap_or_default(),
+            o.latency_s.map(millis).unwrap_or_default(),
+            millimetres(o.farthest_m),
+        ]
+    };
+    let columns = ["run", "class", "mode", "broken", "reported", "latency [ms]", "farthest [mm]"];
+    Table {
+        columns: columns.map(String::from).to_vec(),
+        rows: summary.failed.iter().take(100).map(row).collect(),
+        caption: "Runs that broke a promise; --run NUMBER shows one".into(),
+    }
+}
+
+/// The campaign's page.
+pub(super) fn page(summary: &Summary, seed: u64, sections: Vec<Section>) -> Page {
+    Page {
+        title: "Fault campaign".into(),
+        lead: format!("{} runs, {} of them broke a promise of the hazard table.", summary.runs, summary.failed.len()),
+        sections,
+        provenance: vec![("seed".into(), seed.to_string())],
+    }
+}
+
+/// What one run was and came to.
+pub(super) fn facts(case: &Case, outcome: &Outcome, record: &str) -> Table {
+    let broken: Vec<&str> = outcome.broken.iter().map(|how| word(*how)).collect();
+    let rows = [
+        ("class", case.class.id.to_owned()),
+        ("what happens", case.class.what.to_owned()),
+        ("fault", format!("{:?}", case.fault)),
+        ("mode", case.mode().to_owned()),
+        ("record", record.to_owned()),
+        ("table", format!("{:?}", case.table)),
+        ("fault begins [s]", format!("{:.3}", outcome.onset_s)),
+        ("promised", case.class.promise.to_string()),
+        ("reported", outcome.reported.clone().unwrap_or_else(|| "no".into())),
+        ("latency [ms]", outcome.latency_s.map(millis).unwrap_or_default()),
+        ("farthest [mm]", millimetres(outcome.farthest_m)),
+        ("strayed unseen [mm]", millimetres(outcome.deviation_m)),
+        ("broken", broken.join(", ")),
+    ];
+    Table {
+        columns: vec![String::new(), format!("run {}", case.number)],
+        rows: rows.into_iter().map(|(name, value)| vec![name.into(), value]).collect(),
+        caption: "One run".into(),
+    }
+}
+
+/// One run, drawn.
+pub(super) fn run_page(case: &Case, pair: &Pair, table: Table) -> Page {
+    let seen = &pair.seen;
+    let time: Vec<f64> = seen.iter().map(|s| s.time).collect();
+    let onset = time.get(case.onset).copied().unwrap_or(0.0);
+    let end = time.last().copied().unwrap_or(0.0);
+    let series = |name: &str, style, of: &dyn Fn(&Seen) -> f64| Series {
+        name: name.into(),
+        x: time.clone(),
+        y: seen.iter().map(of).collect(),
+        style,
+    };
+    let plot = |title: &str, label: &str, series: Vec<Series>| {
+        Item::Plot(Plot {
+            title: title.into(),
+            x: Axis { label: "time [s]".into(), ..Axis::default() },
+            y: Axis { label: label.into(), ..Axis::default() },
+            series,
+            bands: vec![Band { from: onset, to: end, label: "fault".into() }],
+            group: Some("run".into()),
+        })
+    };
+    let twin = Series {
+        name: "without the fault".into(),
+        x: time.clone(),
+        y: pair.without.iter().map(|x| 1e3 * x).collect(),
+        style: Style::Faint,
+    };
+    let items = vec![
+        Item::Table(table),
+        plot(
+            "Displacement",
+            "displacement [mm]",
+            vec![
+                series("table", Style::Line, &|s| 1e3 * s.x),
+                series("LVDT", Style::Faint, &|s| 1e3 * s.measured),
+                series("reference after modification", Style::Dashed, &|s| 1e3 * s.reference),
+                twin,
+            ],
+        ),
+        plot("Output", "output [mm]", vec![series("output", Style::Line, &|s| 1e3 * s.output)]),
+    ];
+    let sections = vec![Section { heading: "Run".into(), items }];
+    let lead = format!("{}, from {onset:.3} s on.", case.class.what);
+    Page { title: format!("Faulted run {}", case.number), lead, sections, ..Page::default() }
+}

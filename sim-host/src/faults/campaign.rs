@@ -1,0 +1,179 @@
+//! Runs a campaign in pieces that can stop and go on: one file a chunk of runs, whole or not there.
+
+use super::case::Case;
+use super::class::Class;
+use super::motions::{Motions, MotionsError};
+use super::rig::RigError;
+use super::watcher::{Outcome, judge};
+use crate::files::write_whole;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Runs in one file.
+const CHUNK: u64 = 1000;
+
+/// A campaign, or a piece of one.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Seed of every run.
+    pub seed: u64,
+    /// Runs of the whole campaign.
+    pub runs: u64,
+    /// Where every fault is of one class, its name.
+    pub class: Option<String>,
+    /// Records that runs are taken from: their number and names' order is part of the campaign.
+    pub records: Vec<String>,
+    /// Version of what is tested.
+    pub version: String,
+}
+
+/// Why a campaign stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignError {
+    /// A file could not be read or written.
+    #[error("{path}: {cause}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the file system said.
+        cause: std::io::Error,
+    },
+    /// A file is not what it should be.
+    #[error("{path}: {problem}; remove it to have its runs done anew")]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The folder holds another campaign.
+    #[error("{0}: another campaign was begun there; give another --out")]
+    Other(PathBuf),
+    /// The folder does not hold every run.
+    #[error("{folder}: {missing} of {runs} runs are missing; run the shards again")]
+    Missing {
+        /// The folder.
+        folder: PathBuf,
+        /// Runs that are not there.
+        missing: u64,
+        /// Runs of the campaign.
+        runs: u64,
+    },
+    /// A run could not begin.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// There are no records.
+    #[error(transparent)]
+    Motions(#[from] MotionsError),
+}
+
+impl Plan {
+    /// Numbers of the chunks of a shard, from 1, of so many.
+    fn chunks(&self, shard: u64, shards: u64) -> Vec<u64> {
+        (0..self.runs.div_ceil(CHUNK)).filter(|chunk| chunk % shards == shard - 1).collect()
+    }
+
+    fn numbers(&self, chunk: u64) -> std::ops::Range<u64> {
+        chunk * CHUNK..((chunk + 1) * CHUNK).min(self.runs)
+    }
+
+    fn only(&self) -> Option<&'static Class> {
+        self.class.as_deref().and_then(Class::named)
+    }
+
+    /// Does the runs of one chunk.
+    fn judge(
+        &self,
+        chunk: u64,
+        motions: &Motions,
+        done: &(impl Fn(u64) + Sync),
+    ) -> Result<Vec<Outcome>, CampaignError> {
+        let only = self.only();
+        let outcomes: Result<Vec<Outcome>, RigError> = self
+            .numbers(chunk)
+            .into_par_iter()
+            .map(|number| {
+                let outcome = judge(&Case::deal(self.seed, number, only, motions));
+                done(1);
+                outcome
+            })
+            .collect();
+        Ok(outcomes?)
+    }
+}
+
+fn file_error(path: &Path) -> impl Fn(std::io::Error) -> CampaignError + '_ {
+    move |cause| CampaignError::File { path: path.to_path_buf(), cause }
+}
+
+fn chunk_path(folder: &Path, chunk: u64) -> PathBuf {
+    folder.join(format!("chunk-{chunk:05}.json"))
+}
+
+fn write(path: &Path, value: &impl Serialize) -> Result<(), CampaignError> {
+    let content = |e: serde_json::Error| CampaignError::Content { path: path.to_path_buf(), problem: e.to_string() };
+    let text = serde_json::to_string(value).map_err(content)?;
+    write_whole(path, (text + "\n").as_bytes()).map_err(file_error(path))
+}
+
+fn read<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, CampaignError> {
+    let text = std::fs::read(path).map_err(file_error(path))?;
+    serde_json::from_slice(&text)
+        .map_err(|e| CampaignError::Content { path: path.to_path_buf(), problem: e.to_string() })
+}
+
+/// Runs all of `plan` in memory.
+pub fn run(plan: &Plan, motions: &Motions, done: &(impl Fn(u64) + Sync)) -> Result<Vec<Outcome>, CampaignError> {
+    let chunks: Result<Vec<_>, _> =
+        plan.chunks(1, 1).into_iter().map(|chunk| plan.judge(chunk, motions, done)).collect();
+    Ok(chunks?.concat())
+}
+
+/// Runs the chunks of a shard (from 1, of `shards`) that are not in `folder` yet.
+pub fn run_shard(
+    plan: &Plan,
+    shard: (u64, u64),
+    folder: &Path,
+    motions: &Motions,
+    done: &(impl Fn(u64) + Sync),
+) -> Result<(), CampaignError> {
+    std::fs::create_dir_all(folder).map_err(file_error(folder))?;
+    let path = folder.join("plan.json");
+    if path.exists() {
+        if read::<Plan>(&path)? != *plan {
+            return Err(CampaignError::Other(folder.to_path_buf()));
+        }
+    } else {
+        write(&path, plan)?;
+    }
+    for chunk in plan.chunks(shard.0, shard.1) {
+        let path = chunk_path(folder, chunk);
+        if path.exists() {
+            let numbers = plan.numbers(chunk);
+            done(numbers.end - numbers.start);
+        } else {
+            write(&path, &plan.judge(chunk, motions, done)?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Every outcome in `folder`, once all shards are there.
+pub fn join(plan: &Plan, folder: &Path) -> Result<Vec<Outcome>, CampaignError> {
+    let mut outcomes = Vec::new();
+    let mut missing = 0;
+    for chunk in plan.chunks(1, 1) {
+        let path = chunk_path(folder, chunk);
+        let numbers = plan.numbers(chunk);
+        if path.exists() {
+            outcomes.extend(read::<Vec<Outcome>>(&path)?);
+        } else {
+            missing += numbers.end - numbers.start;
+        }
+    }
+    if missing > 0 {
+        return Err(CampaignError::Missing { folder: folder.to_path_buf(), missing, runs: plan.runs });
+    }
+    Ok(outcomes)
+}

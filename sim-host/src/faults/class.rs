@@ -1,0 +1,148 @@
+//! The classes of faults: how a member is dealt, and what the hazard table (docs/hazards.md) promises of it. A test reads
+//! the promises off that table and compares.
+
+mod all;
+
+use super::dice::Dice;
+use super::machine::Break;
+use super::spoil::Spoil;
+pub use all::CLASSES;
+
+/// Which signal a fault sits on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Channel {
+    /// LVDT.
+    Displacement,
+    /// Accelerometer.
+    Acceleration,
+    /// What drives the table: the reference, in guard mode the existing controller's command.
+    Command,
+}
+
+/// What happens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// Nothing: the control of the experiment.
+    None,
+    /// A signal arrives as something else.
+    Signal(Channel, Spoil),
+    /// No byte of the stream of reference points arrives any more.
+    LinkCut,
+    /// This share of the stream's bytes has a bit flipped.
+    LinkGarbled(f64),
+    /// A frame of settings with so many bits flipped arrives.
+    SettingsGarbled(u32),
+    /// Settings with one number replaced by none, by infinity, by something huge or by its negative.
+    SettingsNonsense,
+    /// Gains are changed by factors up to this, either way, and the null bias by a twentieth of wide open, in settings that hold.
+    SettingsWrong(f64),
+    /// Every tick is longer or shorter by up to this share.
+    Jitter(f64),
+    /// So many ticks in a row do not run; the board notices at the next.
+    Missed(u32),
+    /// Something of the table breaks.
+    Table(Break),
+    /// The same behind an existing controller, whose valve is not the device's to judge.
+    Behind(Break),
+}
+
+/// What starts the clock of a latency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Clock {
+    /// The fault itself.
+    Onset,
+    /// The LVDT's reading is wrong by more than this, m.
+    Displacement(f64),
+    /// The mean accelerometer reading over 50 ms is wrong by more than this, m/s2.
+    Acceleration(f64),
+    /// The table has gone this way, m, that its command does not explain.
+    Valve(f64),
+    /// The table is this far, m, from where it would have been without the fault.
+    Deviation(f64),
+}
+
+/// What the hazard table promises of a class.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Promise {
+    /// The guard trips, or the test is faded out, within this time (s) from the clock's start.
+    Reported(Clock, f64),
+    /// The relay is open within this time (s) from the clock's start, wherever the table goes meanwhile.
+    Relay(Clock, f64),
+    /// The table comes no farther than this (m) from where it would have been, or the guard trips.
+    Harmless(f64),
+    /// The table obeys, and stays inside its stroke.
+    Inside,
+    /// Nothing: what is left to people and hardware.
+    Residual,
+}
+
+/// A class of faults.
+#[derive(Debug, Clone, Copy)]
+pub struct Class {
+    /// Name in tables and files.
+    pub id: &'static str,
+    /// What happens, in words.
+    pub what: &'static str,
+    /// What is promised.
+    pub promise: Promise,
+    /// Deals a member.
+    pub deal: fn(&mut Dice) -> Fault,
+}
+
+impl std::fmt::Display for Clock {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mm = |metres: f64| (1e3 * metres).round();
+        match *self {
+            Self::Onset => f.write_str("its start"),
+            Self::Displacement(least) => write!(f, "the LVDT being {} mm wrong", mm(least)),
+            Self::Acceleration(least) => write!(f, "the accelerometer being {least} m/s2 wrong"),
+            Self::Valve(least) => write!(f, "{} mm of way that no command explains", mm(least)),
+            Self::Deviation(least) => write!(f, "the table straying {} mm", mm(least)),
+        }
+    }
+}
+
+impl std::fmt::Display for Promise {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ms = |seconds: f64| (1e3 * seconds).round();
+        match *self {
+            Self::Reported(clock, within) => write!(f, "reported within {} ms of {clock}", ms(within)),
+            Self::Relay(clock, within) => write!(f, "relay open within {} ms of {clock}", ms(within)),
+            Self::Harmless(most) if most < 1e-6 => f.write_str("changes nothing, or reported"),
+            Self::Harmless(most) => write!(f, "strays at most {} mm, or reported", (1e3 * most).round()),
+            Self::Inside => f.write_str("stays inside its stroke"),
+            Self::Residual => f.write_str("nothing"),
+        }
+    }
+}
+
+impl Class {
+    /// The class of this name.
+    pub fn named(id: &str) -> Option<&'static Self> {
+        CLASSES.iter().find(|class| class.id == id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stand_once() {
+        for (i, class) in CLASSES.iter().enumerate() {
+            assert!(CLASSES[..i].iter().all(|other| other.id != class.id), "{}", class.id);
+        }
+        assert_eq!(CLASSES[0].id, "none");
+    }
+
+    /// What the watcher holds the guard to is what the hazard table says, word by word.
+    #[test]
+    fn the_hazard_table_makes_the_same_promises() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/hazards.md");
+        let table = std::fs::read_to_string(&path).unwrap();
+        for class in &CLASSES[1..] {
+            let row = format!("| `{}` | {} | {} |", class.id, class.what, class.promise);
+            assert!(table.contains(&row), "docs/hazards.md lacks the row that begins {row}");
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! What a campaign came to: by class, latencies in percentiles, and every run that did not keep what was promised.
+
+use super::class::{CLASSES, Class, Promise};
+use super::watcher::{Broken, Outcome};
+use serde::Serialize;
+
+/// One class.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub class: &'static str,
+    /// What happens.
+    pub what: &'static str,
+    /// Runs.
+    pub runs: u64,
+    /// Runs in which there was something to see.
+    pub visible: u64,
+    /// Runs that were reported.
+    pub reported: u64,
+    /// Latency promised, s; none where none is.
+    pub bound_s: Option<f64>,
+    /// Latencies of those reported, s: median, 95th, 99th percentile, largest.
+    pub latency_s: Option<[f64; 4]>,
+    /// Farthest from the middle, m.
+    pub farthest_m: f64,
+    /// Farthest from where it would have been until it was reported, m.
+    pub deviation_m: f64,
+    /// Runs that broke a promise, by which.
+    pub broken: Vec<(Broken, u64)>,
+}
+
+/// The whole.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Runs.
+    pub runs: u64,
+    /// By class, in the registry's order.
+    pub rows: Vec<Row>,
+    /// Runs that broke a promise, classes of which nothing is promised left out.
+    pub failed: Vec<Outcome>,
+    /// Excursions, late and unreported ones of the classes of which nothing is promised.
+    pub residual: Vec<(Broken, u64)>,
+}
+
+const KINDS: [Broken; 5] = [Broken::Excursion, Broken::Unreported, Broken::Late, Broken::Moving, Broken::Alarm];
+
+impl Summary {
+    /// Of `outcomes`, in any order.
+    pub fn of(outcomes: &[Outcome]) -> Self {
+        let rows = CLASSES.iter().map(|class| row(class, outcomes)).filter(|row| row.runs > 0).collect();
+        let residual = |o: &&Outcome| {
+            Class::named(&o.class).is_some_and(|c| c.promise == Promise::Residual) && !o.broken.contains(&Broken::Alarm)
+        };
+        let mut failed: Vec<Outcome> =
+            outcomes.iter().filter(|o| !o.broken.is_empty() && !residual(o)).cloned().collect();
+        failed.sort_by_key(|o| o.run);
+        let left: Vec<&Outcome> = outcomes.iter().filter(residual).collect();
+        Self { runs: outcomes.len() as u64, rows, failed, residual: count(&left) }
+    }
+
+    /// How many of the runs that had a promise broke it in this way.
+    pub fn broken(&self, how: Broken) -> u64 {
+        self.failed.iter().filter(|o| o.broken.contains(&how)).count() as u64
+    }
+}
+
+fn count(outcomes: &[&Outcome]) -> Vec<(Broken, u64)> {
+    KINDS
+        .into_iter()
+        .map(|how| (how, outcomes.iter().filter(|o| o.broken.contains(&how)).count() as u64))
+        .filter(|(_, n)| *n > 0)
+        .collect()
+}
+
+fn row(class: &Class, outcomes: &[Outcome]) -> Row {
+    let of: Vec<&Outcome> = outcomes.iter().filter(|o| o.class == class.id).collect();
+    // A run that tripped before its fault says nothing of the fault.
+    let met: Vec<&&Outcome> = of.iter().filter(|o| !o.broken.contains(&Broken::Alarm)).collect();
+    let mut latencies: Vec<f64> = met.iter().filter(|o| o.visible).filter_map(|o| o.latency_s).collect();
+    latencies.sort_by(f64::total_cmp);
+    let rank = |share: f64| latencies[((share * latencies.len() as f64).ceil() as usize).max(1) - 1];
+    let largest = |of: &dyn Fn(&Outcome) -> f64| met.iter().map(|o| of(o)).fold(0.0, f64::max);
+    Row {
+        class: class.id,
+        what: class.what,
+        runs: of.len() as u64,
+        visible: met.iter().filter(|o| o.visible).count() as u64,
+        reported: met.iter().filter(|o| o.reported.is_some()).count() as u64,
+        bound_s: match class.promise {
+            Promise::Reported(_, within) | Promise::Relay(_, within) => Some(within),
+            _ => None,
+        },
+        latency_s: (!latencies.is_empty()).then(|| [rank(0.5), rank(0.95), rank(0.99), rank(1.0)]),
+        farthest_m: largest(&|o| o.farthest_m),
+        deviation_m: largest(&|o| o.deviation_m),
+        broken: count(&of),
+    }
+}

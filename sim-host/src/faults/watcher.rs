@@ -1,0 +1,216 @@
+//! The independent judge of a run: it knows the truth, the fault and what the class promises, and nothing of how the guard
+//! works.
+
+use super::case::Case;
+use super::class::{Clock, Fault, Promise};
+use super::motions::RATE;
+use super::rig::{self, AFTER, Pair, RigError, Seen};
+use serde::{Deserialize, Serialize};
+use shakedown_core::{Relay, State};
+
+/// Half the table's travel, m.
+pub const STROKE: f64 = 0.12;
+/// Room that the envelope keeps free at each end, m; a table beyond it has made an excursion.
+pub const MARGIN: f64 = 0.005;
+/// A table stands a while after a trip when it is slower than this, m/s.
+const STAND: f64 = 0.01;
+
+/// What became of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Its number.
+    pub run: u64,
+    /// Class of its fault.
+    pub class: String,
+    /// Where the device sat, or which law ran.
+    pub mode: String,
+    /// When the fault began, s.
+    pub onset_s: f64,
+    /// Why it tripped, or `faded` where it was faded out.
+    pub reported: Option<String>,
+    /// From the clock's start to the report, or where the class promises the relay to its opening, s.
+    pub latency_s: Option<f64>,
+    /// Whether the clock of the class started: whether there was anything to see.
+    pub visible: bool,
+    /// Farthest from the middle from the fault on, m.
+    pub farthest_m: f64,
+    /// Farthest from where it would have been without the fault until it was reported, m.
+    pub deviation_m: f64,
+    /// What was not kept.
+    pub broken: Vec<Broken>,
+}
+
+/// What a run may not keep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Broken {
+    /// The table left its stroke less the margin.
+    Excursion,
+    /// What had to be reported was not.
+    Unreported,
+    /// It was reported, or the relay opened, later than promised.
+    Late,
+    /// It still moved long after the trip.
+    Moving,
+    /// A trip with no fault.
+    Alarm,
+}
+
+struct Watcher<'a> {
+    case: &'a Case,
+    /// Where the table would have been, m, by tick.
+    without: &'a [f64],
+    began: Option<f64>,
+    started: Option<f64>,
+    reported: Option<(f64, String)>,
+    relay: Option<f64>,
+    farthest: f64,
+    deviation: f64,
+    mean_error: f64,
+    alarm: bool,
+    moving: bool,
+    now: f64,
+}
+
+/// Runs and judges `case`.
+pub fn judge(case: &Case) -> Result<Outcome, RigError> {
+    Ok(judge_pair(case, &rig::run(case)?))
+}
+
+/// Judges a run of `case`.
+pub fn judge_pair(case: &Case, pair: &Pair) -> Outcome {
+    let mut watcher = Watcher::new(case, &pair.without);
+    for seen in &pair.seen {
+        if !watcher.see(seen) {
+            break;
+        }
+    }
+    watcher.outcome()
+}
+
+impl<'a> Watcher<'a> {
+    fn new(case: &'a Case, without: &'a [f64]) -> Self {
+        Self {
+            case,
+            without,
+            began: None,
+            started: None,
+            reported: None,
+            relay: None,
+            farthest: 0.0,
+            deviation: 0.0,
+            mean_error: 0.0,
+            alarm: false,
+            moving: false,
+            now: 0.0,
+        }
+    }
+
+    /// Whether the run goes on.
+    fn see(&mut self, seen: &Seen) -> bool {
+        let before = self.now;
+        self.now = seen.time;
+        if seen.tick < self.case.onset {
+            self.alarm = seen.trip.is_some();
+            return !self.alarm;
+        }
+        self.began.get_or_insert(before);
+        self.farthest = self.farthest.max(seen.x.abs());
+        let off = (seen.x - self.without.get(seen.tick).copied().unwrap_or(seen.x)).abs();
+        self.clock(seen, before, off);
+        if self.reported.is_none() {
+            let faded = matches!(seen.state, State::RampDown | State::Ready | State::Hold | State::Off);
+            self.reported = match seen.trip {
+                Some(trip) => Some((seen.time, format!("{trip:?}"))),
+                None if faded => Some((seen.time, "faded".into())),
+                None => None,
+            };
+        }
+        if self.reported.is_none() {
+            self.deviation = self.deviation.max(off);
+        }
+        if seen.relay == Relay::Open {
+            self.relay.get_or_insert(seen.time);
+        }
+        match (&self.reported, seen.trip) {
+            (Some((at, _)), Some(_)) if seen.time - at > AFTER - 0.01 => {
+                self.moving = seen.v.abs() > STAND;
+                false
+            }
+            _ => true,
+        }
+    }
+
+    /// Looks whether the clock of the class starts at this tick.
+    fn clock(&mut self, seen: &Seen, before: f64, off: f64) {
+        if seen.acceleration_error.is_finite() {
+            // The mean over 50 ms.
+            self.mean_error += (seen.acceleration_error - self.mean_error) / (0.05 * RATE);
+        }
+        let starts = match self.case.class.promise {
+            Promise::Reported(clock, _) | Promise::Relay(clock, _) => match clock {
+                Clock::Onset => true,
+                Clock::Displacement(least) => seen.displacement_error.abs() > least,
+                Clock::Acceleration(least) => self.mean_error.abs() > least,
+                Clock::Valve(least) => seen.unexplained.abs() > least,
+                Clock::Deviation(least) => off > least,
+            },
+            Promise::Harmless(_) | Promise::Inside | Promise::Residual => true,
+        };
+        if starts && self.started.is_none() {
+            self.started = Some(before);
+        }
+    }
+
+    fn outcome(&self) -> Outcome {
+        let began = self.began.unwrap_or(self.now);
+        let from = self.started.unwrap_or(began);
+        let at = match self.case.class.promise {
+            Promise::Relay(..) => self.relay,
+            _ => self.reported.as_ref().map(|(at, _)| *at),
+        };
+        let latency = at.map(|at| (at - from).max(0.0));
+        let mut broken = Vec::new();
+        if self.alarm || self.case.fault == Fault::None && self.reported.is_some() {
+            broken.push(Broken::Alarm);
+        } else {
+            broken = self.promises(latency, from);
+        }
+        Outcome {
+            run: self.case.number,
+            class: self.case.class.id.into(),
+            mode: self.case.mode().into(),
+            onset_s: began,
+            reported: self.reported.as_ref().map(|(_, why)| why.clone()),
+            latency_s: latency,
+            visible: self.started.is_some(),
+            farthest_m: self.farthest,
+            deviation_m: self.deviation,
+            broken,
+        }
+    }
+
+    /// What of the promises was not kept.
+    fn promises(&self, latency: Option<f64>, from: f64) -> Vec<Broken> {
+        let promise = self.case.class.promise;
+        let mut broken = Vec::new();
+        let exempt = matches!(promise, Promise::Relay(..));
+        if !exempt && self.farthest > STROKE - MARGIN {
+            broken.push(Broken::Excursion);
+        }
+        match promise {
+            Promise::Reported(_, within) | Promise::Relay(_, within) if self.started.is_some() => match latency {
+                // Half a tick of slack: times are sums of ticks.
+                Some(latency) if latency > within + 0.5 / RATE => broken.push(Broken::Late),
+                None if self.now - from > within => broken.push(Broken::Unreported),
+                _ => {}
+            },
+            Promise::Harmless(most) if self.deviation > most => broken.push(Broken::Unreported),
+            _ => {}
+        }
+        if self.moving {
+            broken.push(Broken::Moving);
+        }
+        broken
+    }
+}

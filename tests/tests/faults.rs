@@ -1,0 +1,109 @@
+//! The fault campaign: a sample keeps its promises, a deaf guard would be seen, and a campaign stops, goes on and joins.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "the lint knows test functions, not helpers"
+)]
+
+use shakedown::faults::campaign::{join, run, run_shard};
+use shakedown::faults::watcher::{Broken, judge};
+use shakedown::faults::{CampaignError, Case, Class, Motions, Plan, Promise, Summary};
+use shakedown_core::Settings;
+use shakedown_core::guard::{EnvelopeSettings, GuardSettings, PlausibilitySettings, ValveMonitorSettings};
+use std::sync::LazyLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+const SEED: u64 = 3;
+
+static MOTIONS: LazyLock<Motions> = LazyLock::new(|| Motions::new(None).unwrap());
+
+fn plan(runs: u64) -> Plan {
+    Plan { seed: SEED, runs, class: None, records: Vec::new(), version: "test".into() }
+}
+
+#[test]
+fn a_sample_keeps_its_promises() {
+    let summary = Summary::of(&run(&plan(120), &MOTIONS, &|_| ()).unwrap());
+    assert!(summary.failed.is_empty(), "{:?}", summary.failed);
+    let row = |class: &str| summary.rows.iter().find(|row| row.class == class);
+    assert!(summary.rows.len() > 25, "{} classes", summary.rows.len());
+    assert!(row("lvdt-open").is_some_and(|row| row.reported == row.runs));
+}
+
+/// The same settings with a guard that believes everything and stops nothing.
+fn deaf(settings: &Settings) -> Settings {
+    let guard = GuardSettings {
+        envelope: EnvelopeSettings {
+            margin: 0.0,
+            stopping_latency: 0.0,
+            stopping_deceleration: 1000.0,
+            velocity: 100.0,
+            tracking: 100.0,
+            ..EnvelopeSettings::default()
+        },
+        plausibility: PlausibilitySettings {
+            lost: 1.0,
+            stuck: 10.0,
+            disagreement: 1.0,
+            offset: 1000.0,
+            acceleration_noise: 1e4,
+        },
+        valve: ValveMonitorSettings { mismatch: 10.0, memory: 0.2 },
+        ..GuardSettings::default()
+    };
+    Settings { guard: Some(guard), ..*settings }
+}
+
+/// What a class breaks over some runs under a deaf guard.
+fn broken_when_deaf(class: &str) -> Vec<Broken> {
+    let class = Class::named(class).unwrap();
+    let runs = (0..12).map(|number| {
+        let mut case = Case::deal(SEED, number, Some(class), &MOTIONS);
+        case.settings = deaf(&case.settings);
+        judge(&case).unwrap().broken
+    });
+    runs.flatten().collect()
+}
+
+#[test]
+fn a_deaf_guard_would_be_seen() {
+    assert!(broken_when_deaf("lvdt-open").contains(&Broken::Late));
+    assert!(broken_when_deaf("lvdt-stuck").contains(&Broken::Excursion));
+    assert!(broken_when_deaf("lvdt-reversed").contains(&Broken::Excursion));
+    assert!(broken_when_deaf("command-runaway").contains(&Broken::Excursion));
+    let over = broken_when_deaf("valve-hard-over");
+    assert!(over.contains(&Broken::Late) || over.contains(&Broken::Unreported), "{over:?}");
+}
+
+#[test]
+fn what_nobody_promises_is_run_and_counted_apart() {
+    let class = Class::named("lvdt-creeping").unwrap();
+    assert_eq!(class.promise, Promise::Residual);
+    let plan = Plan { class: Some(class.id.into()), ..plan(60) };
+    let summary = Summary::of(&run(&plan, &MOTIONS, &|_| ()).unwrap());
+    assert!(summary.failed.is_empty());
+    assert!(summary.residual.iter().any(|(how, n)| *how == Broken::Excursion && *n > 0), "{:?}", summary.residual);
+}
+
+#[test]
+fn a_campaign_stops_and_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, done) = (plan(20), AtomicU64::new(0));
+    let count = |n| {
+        done.fetch_add(n, Ordering::Relaxed);
+    };
+    let missing = join(&plan, folder.path());
+    assert!(matches!(missing, Err(CampaignError::Missing { missing: 20, .. })), "{missing:?}");
+    run_shard(&plan, (2, 2), folder.path(), &MOTIONS, &count).unwrap();
+    assert_eq!(done.load(Ordering::Relaxed), 0, "all twenty are the first shard's");
+    run_shard(&plan, (1, 2), folder.path(), &MOTIONS, &count).unwrap();
+    let written = std::fs::read(folder.path().join("chunk-00000.json")).unwrap();
+    run_shard(&plan, (1, 1), folder.path(), &MOTIONS, &count).unwrap();
+    assert_eq!(done.load(Ordering::Relaxed), 40);
+    assert_eq!(std::fs::read(folder.path().join("chunk-00000.json")).unwrap(), written);
+    assert_eq!(join(&plan, folder.path()).unwrap(), run(&plan, &MOTIONS, &|_| ()).unwrap());
+    let other = Plan { seed: SEED + 1, ..plan };
+    assert!(matches!(run_shard(&other, (1, 1), folder.path(), &MOTIONS, &count), Err(CampaignError::Other(_))));
+}
