@@ -119,8 +119,15 @@ mod tests {
             filter: None,
         };
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed).to_vec();
-        let sizes =
-            Yardsticks { command: 1.0, command_rate: 1.0, speed: 1.0, displacement: 1.0, force: 1.0, line: 50.0 };
+        let sizes = Yardsticks {
+            command: 1.0,
+            command_rate: 1.0,
+            speed: 1.0,
+            displacement: 1.0,
+            force: 1.0,
+            duration: 1.0,
+            line: 50.0,
+        };
         let mut effect = Placed::start(entry("command_delay").unwrap(), 0, &sizes).unwrap();
         effect.values[0] = Value::fixed(delay);
         let model = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), sharp: true }.with(effect);
