@@ -40,8 +40,13 @@ fn the_stopping_distance_is_latency_and_braking() {
 #[test]
 fn the_envelope_is_left_where_the_table_could_not_stop() {
     let envelope = envelope();
-    // Room 0.1 m; at 0.2 m/s it takes 0.03 m to stand.
+    let room = 0.12_f32 - 0.02;
+    // Room 0.1 m; at 0.2 m/s it takes 0.03 m to stand. At a limit nothing is said.
     for (x, v, cause) in [
+        (room, 0.0, None),
+        (room, -0.2, None),
+        (room, -0.401, Some(Trip::Velocity)),
+        (0.0, 0.4, None),
         (0.069, 0.2, None),
         (0.071, 0.2, Some(Trip::Displacement)),
         (-0.069, -0.2, None),
@@ -80,9 +85,9 @@ fn what_may_last_trips_one_tick_after_its_time() {
         assert_eq!(envelope().advance(&mut state, &quiet), None);
         assert_eq!(envelope().advance(&mut state, &motion), None);
     }
-    for good in [99_900.0, -99_900.0] {
+    for good in [100_000.0, -100_000.0] {
         let mut state = EnvelopeState::default();
-        let motion = Motion { pressure_difference: good, error: 0.0499, ..quiet };
+        let motion = Motion { pressure_difference: good, error: 0.05, ..quiet };
         assert!((0..20).all(|_| envelope().advance(&mut state, &motion).is_none()));
     }
 }
@@ -100,6 +105,9 @@ fn acceleration_and_its_steps_are_told_apart() {
     assert_eq!(run(&[-2.9, -5.1, -5.1, -5.1, -5.1]), [Trip::Acceleration]);
     assert_eq!(run(&[1.6, -1.6, 1.6, -1.6, 1.6]), [Trip::Jerk]);
     assert_eq!(run(&[1.4, -1.4, 1.4, -1.4, 1.4]), []);
+    // At the limit nothing is said.
+    assert_eq!(run(&[2.5, 5.0, 5.0, 5.0, 5.0, 5.0]), []);
+    assert_eq!(run(&[1.5, -1.5, 1.5, -1.5, 1.5]), []);
 }
 
 #[test]

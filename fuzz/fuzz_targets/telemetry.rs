@@ -35,5 +35,6 @@ fuzz_target!(|bytes: &[u8]| {
         }
     }
     let text = csv(telemetry.rows(), &defaults::setup(), 1);
-    assert!(text.len() < 400 + 400 * (2 * telemetry.rows().len() + 10_000 * telemetry.gaps().len()));
+    // A device decides how far apart its ticks are, and not how much is written for it.
+    assert!(text.len() < 400 + 400 * 10_001 * telemetry.rows().len());
 });
