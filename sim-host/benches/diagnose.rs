@@ -61,10 +61,10 @@ fn recording(number: usize, effects: &[Placed<f64>]) -> String {
     let trace = simulate(&table, effects, &drive, &start).expect("the table runs");
     let mut random = ChaCha8Rng::seed_from_u64(number as u64);
     let mut text = String::from("time,reference,displacement,acceleration,command\n");
-    for k in 0..input.len() {
+    for (k, reference) in input.iter().enumerate() {
         let x = trace.displacement[k] + NOISE[0] * gauss(&mut random);
         let a = trace.acceleration[k] + NOISE[1] * gauss(&mut random);
-        let _ = writeln!(text, "{:.3},{:.9},{x:.9},{a:.6},{:.9}", k as f64 * DT, input[k], trace.command[k]);
+        let _ = writeln!(text, "{:.3},{:.9},{x:.9},{a:.6},{:.9}", k as f64 * DT, reference, trace.command[k]);
     }
     text
 }

@@ -47,7 +47,7 @@ fn timed<T>(name: &str, runs: usize, mut work: impl FnMut() -> T) {
         black_box(work());
         wall = wall.min(begin.elapsed().as_secs_f64());
         if let (Some(before), Some(after)) = (before, processor()) {
-            cpu = cpu.min((after - before).as_secs_f64());
+            cpu = cpu.min(after.saturating_sub(before).as_secs_f64());
         }
     }
     println!("{name:32} {:10.2} ms {:10.2} ms", 1e3 * wall, 1e3 * cpu);

@@ -10,7 +10,7 @@
 )]
 
 use shakedown::diagnose::result::Verdict;
-use shakedown::diagnose::{Diagnosis, diagnose_file};
+use shakedown::diagnose::{Diagnosis, Options, diagnose_file};
 use shakedown::motion::condition::Recipe;
 use shakedown::motion::generate::{self, NEAR_FIELD_MODERATE, NEAR_FIELD_STRONG};
 use shakedown_truth::closed_loop::{Controller, Run, simulate};
@@ -74,10 +74,10 @@ fn write(folder: &Path, physics: &Physics) {
 fn diagnosed(physics: &Physics) -> Diagnosis {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), physics);
-    let diagnosis = diagnose_file(&folder.path().join("experiment.toml"), &Default::default()).unwrap();
+    let diagnosis = diagnose_file(&folder.path().join("experiment.toml"), &Options::default()).unwrap();
     let named: Vec<&str> = diagnosis.effects.iter().map(|e| e.id).collect();
     let (before, after) = (diagnosis.holdout.before.chi2, diagnosis.holdout.after.chi2);
-    println!("{:?}: {named:?}, held-out chi2 {before:.2} -> {after:.2}", diagnosis.verdict);
+    eprintln!("{:?}: {named:?}, held-out chi2 {before:.2} -> {after:.2}", diagnosis.verdict);
     diagnosis
 }
 

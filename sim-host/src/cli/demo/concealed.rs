@@ -24,7 +24,8 @@ pub(super) fn play(seed: u64) -> Result<Concealed, Failure> {
     let failed = |e: &dyn Display| Failure::Work(format!("demo: concealed effect: {e}"));
     let spinner = progress::spinner("making recordings with a concealed effect".into());
     let matters = |number: &u64| matches!(stratum(seed, *number), Stratum::Single(_, Strength::Gross));
-    let number = (0..).find(matters).unwrap_or_default();
+    // Cases come in cycles, and every cycle holds many such.
+    let number = (0..1000).find(matters).unwrap_or_default();
     let case = shakedown_truth::case(seed, number);
     let folder = tempfile::tempdir().map_err(|e| failed(&e))?;
     case.write(folder.path()).map_err(|e| failed(&e))?;

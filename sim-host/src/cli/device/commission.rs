@@ -54,7 +54,7 @@ impl Commission {
         print("Hydraulics off. Enter goes on; `stop` ends, and keeps what was measured so far.\n");
         let mut text = String::from("# What the first steps of the commissioning guide measured.\n");
         let ended =
-            self.dry(session, &mut text).and_then(|all| if all { self.oil(session, &mut text) } else { Ok(()) });
+            Self::dry(session, &mut text).and_then(|all| if all { self.oil(session, &mut text) } else { Ok(()) });
         // What was measured before something failed is kept too.
         write_whole(&self.out, text.as_bytes())?;
         print(&format!("\nWrote {}.\n", self.out.display()));
@@ -62,7 +62,7 @@ impl Commission {
     }
 
     /// The steps with the hydraulics off; whether all were walked.
-    fn dry(&self, session: &mut Session<Port>, text: &mut String) -> Result<bool, Failure> {
+    fn dry(session: &mut Session<Port>, text: &mut String) -> Result<bool, Failure> {
         for &(number, instruction, measures) in STEPS {
             if let Measures::Output(code) = measures {
                 clear(session)?;
