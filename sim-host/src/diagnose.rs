@@ -110,7 +110,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     options.say("judging on the runs held back", 0.9);
     let mut decision = decide::decide(&prepared, &search)?;
     let mut held_out_shared = false;
-    if decision.unlisted && !prepared.holdout.is_empty() && shared::unseen(&search) {
+    if decision.unlisted && !prepared.holdout.is_empty() && shared::unseen(&decision) {
         options.say("the runs fitted do not show it: trying with half of those held back", 0.9);
         let other = shared::shared(&prepared);
         let found = search::search(&other, options)?;

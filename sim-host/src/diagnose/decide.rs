@@ -113,6 +113,7 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
     let rivals = rivals(prepared, &after.fit, grown)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
     let (after, rivals) = best_of(after, rivals);
     sizes.push(rivals);
+    let after = needed(&before, after, prepared, runs)?;
     Ok(weigh(before, after, sizes))
 }
 
@@ -134,6 +135,25 @@ impl Ranking {
         let parameters: usize = judged.fit.model.values().filter(|v| v.free).count();
         judged.total() + self.parameter * parameters as f64
     }
+}
+
+/// The accepted model less what it does without: a companion may have led an effect to where it belongs and stands no more
+/// against that effect alone.
+fn needed(before: &Judged, after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, SimulateError> {
+    if after.added.len() < 2 {
+        return Ok(after);
+    }
+    // An effect that freed one of the model's own parameters leaves more behind than it brought.
+    let bare = |id: &&&str| crate::plant::effects::entry(id).is_some_and(|entry| entry.frees.is_empty());
+    let without = |id: &&'static str| -> Result<Judged, SimulateError> {
+        let mut fit = Fit::resume(after.fit.model.without(id), after.fit.locals.clone(), &prepared.fit)?;
+        fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-5 })?;
+        let added = after.added.iter().copied().filter(|other| other != id).collect();
+        Ok(Judged { hold: score(&fit.model, runs)?, fit, added, probability: 0.0 })
+    };
+    let smaller = after.added.iter().filter(bare).map(without).collect::<Result<Vec<_>, _>>()?;
+    let enough = smaller.into_iter().filter(|less| !stands(before, less, &after));
+    Ok(enough.min_by(|a, b| a.total().total_cmp(&b.total())).unwrap_or(after))
 }
 
 /// The accepted model, or a rival that does better with no more parameters' worth; and the rest.

@@ -149,7 +149,7 @@ fn swap(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> Result
 }
 
 /// True where no more is left than noise leaves.
-pub(super) fn explains(fit: &Fit) -> bool {
+fn explains(fit: &Fit) -> bool {
     fit.squares < fit.rows as f64 + 3.0 * (2.0 * fit.rows as f64).sqrt()
 }
 

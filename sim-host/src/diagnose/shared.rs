@@ -1,7 +1,7 @@
 //! Where the runs fitted show nothing and those held back do: a stop that only the largest motion reaches, a limit that only the
 //! fastest one meets. Then every other stretch of the runs held back is fitted too, and the stretches between them judge.
 
-use super::search::{Search, explains};
+use super::decide::{Decision, Judged};
 use crate::identify::data::Run;
 use crate::identify::model::Yardsticks;
 use crate::identify::prepare::Prepared;
@@ -11,9 +11,13 @@ const SHORTEST: f64 = 1.0;
 /// Stretches of a run, at least: a motion that shows it once must show it in both kinds.
 const STRETCHES: usize = 12;
 
-/// True where some model explains every run that was fitted.
-pub(super) fn unseen(search: &Search) -> bool {
-    explains(&search.baseline) || search.grown.iter().flatten().any(explains)
+/// Share of what a model leaves on the runs held back, below which it leaves nothing to speak of on those fitted.
+const NOTHING: f64 = 0.02;
+
+/// True where some model leaves next to nothing on the runs that were fitted, and much on those held back.
+pub(super) fn unseen(decision: &Decision) -> bool {
+    let explained = |c: &Judged| c.fit.chi2() - 1.0 < NOTHING * (c.hold.chi2 - 1.0);
+    decision.candidates.iter().any(explained)
 }
 
 /// The same experiment with every other stretch of the runs held back among those fitted.
