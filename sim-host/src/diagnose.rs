@@ -5,6 +5,7 @@
 //! what no effect explains; [`locate`] looks at the residual without the library. Out comes a [`Diagnosis`].
 
 pub mod decide;
+mod finish;
 pub mod locate;
 mod next_test;
 pub mod remainder;

@@ -1,10 +1,10 @@
 //! Names what stands: significance on the runs fitted, gain on the runs held back, and at least nine tenths of the
 //! excess explained. What falls short is said to be outside the library.
 
+use super::finish::{best_of, needed, polished};
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
-use crate::identify::data::Run;
-use crate::identify::fit::{Effort, Fit};
+use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, gains, score};
 use crate::identify::model::Value;
 use crate::identify::prepare::Prepared;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// Models of each size that are judged on the runs held back.
 const JUDGED: usize = 6;
 /// Gain of squares on the runs held back that chance does not give a model fitted elsewhere.
-const SURE: f64 = 16.0;
+pub(super) const SURE: f64 = 16.0;
 /// Gain there that needs no other on the runs fitted.
 const OVERWHELMING: f64 = 600.0;
 /// Most of that gain that blocks may lose elsewhere.
@@ -53,7 +53,7 @@ pub struct Judged {
 
 impl Judged {
     /// Squares on all runs.
-    fn total(&self) -> f64 {
+    pub(super) fn total(&self) -> f64 {
         self.fit.squares + self.hold.squares()
     }
 
@@ -118,78 +118,23 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
 }
 
 /// What parameters cost, and by how much squares overstate the evidence.
-struct Ranking {
+pub(super) struct Ranking {
     parameter: f64,
 }
 
 impl Ranking {
     /// Among these models.
-    fn new<'a>(models: impl IntoIterator<Item = &'a Judged>) -> Self {
+    pub(super) fn new<'a>(models: impl IntoIterator<Item = &'a Judged>) -> Self {
         let misfit = |judged: &Judged| judged.total() - judged.rows() as f64;
         let least = models.into_iter().map(misfit).fold(f64::INFINITY, f64::min);
         Self { parameter: 10.0 + PARAMETER * if least.is_finite() { least.max(0.0) } else { 0.0 } }
     }
 
     /// Squares with the price of parameters.
-    fn cost(&self, judged: &Judged) -> f64 {
+    pub(super) fn cost(&self, judged: &Judged) -> f64 {
         let parameters: usize = judged.fit.model.values().filter(|v| v.free).count();
         judged.total() + self.parameter * parameters as f64
     }
-}
-
-/// The accepted model less what it does without: a companion may have led an effect to where it belongs and stands no more
-/// against that effect alone.
-fn needed(before: &Judged, after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, SimulateError> {
-    if after.added.len() < 2 {
-        return Ok(after);
-    }
-    // An effect that freed one of the model's own parameters leaves more behind than it brought.
-    let bare = |id: &&&str| crate::plant::effects::entry(id).is_some_and(|entry| entry.frees.is_empty());
-    let without = |id: &&'static str| -> Result<Judged, SimulateError> {
-        let mut fit = Fit::resume(after.fit.model.without(id), after.fit.locals.clone(), &prepared.fit)?;
-        fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-5 })?;
-        let added = after.added.iter().copied().filter(|other| other != id).collect();
-        Ok(Judged { hold: score(&fit.model, runs)?, fit, added, probability: 0.0 })
-    };
-    let smaller = after.added.iter().filter(bare).map(without).collect::<Result<Vec<_>, _>>()?;
-    let enough = smaller.into_iter().filter(|less| !stands(before, less, &after));
-    Ok(enough.min_by(|a, b| a.total().total_cmp(&b.total())).unwrap_or(after))
-}
-
-/// The accepted model, or a rival that does better with no more parameters' worth; and the rest.
-fn best_of(accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
-    let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
-    let ranking = Ranking::new(&all);
-    all.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
-    let best = all.remove(0);
-    (best, all)
-}
-
-/// The accepted model fitted to the end: corners leave a search in hollows that a fresh start of the fit climbs out of.
-fn polished(after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, SimulateError> {
-    if after.added.is_empty() {
-        return Ok(after);
-    }
-    let mut fit = Fit::resume(after.fit.model.clone(), after.fit.locals.clone(), &prepared.fit)?;
-    fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
-    fit.sharpen(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
-    let hold = score(&fit.model, runs)?;
-    let polished = Judged { fit, hold, ..after.clone() };
-    let after = if polished.total() < after.total() { polished } else { after };
-    refined(after, prepared, runs)
-}
-
-/// The accepted model with the details of its effects' forms fitted too, where both kinds of runs bear them out.
-fn refined(after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, SimulateError> {
-    let model = after.fit.model.refined();
-    if model.values().filter(|v| v.free).count() == after.fit.model.values().filter(|v| v.free).count() {
-        return Ok(after);
-    }
-    let mut fit = Fit::resume(model, after.fit.locals.clone(), &prepared.fit)?;
-    fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
-    let hold = score(&fit.model, runs)?;
-    let better = after.fit.squares - fit.squares > CHANCE && after.hold.squares() - hold.squares() > SURE;
-    Ok(if better { Judged { fit, hold, ..after } } else { after })
 }
 
 /// The largest model that stands, each against the one before it.
@@ -242,7 +187,7 @@ fn weigh(before: Judged, mut after: Judged, sizes: Vec<Vec<Judged>>) -> Decision
 }
 
 /// Whether a larger model stands against the present one.
-fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
+pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
     let added = larger.fit.model.values().filter(|v| v.free).count() as f64
         - present.fit.model.values().filter(|v| v.free).count() as f64;
     let gained = present.fit.squares - larger.fit.squares;
