@@ -53,7 +53,9 @@ fn interrupted(cleans: bool) -> usize {
     while !folder.path().join("file").exists() || parts(folder.path()) == 0 {
         assert!(child.try_wait().unwrap().is_none(), "the writer ended by itself");
     }
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    // Where the tests themselves run in the background an interrupt is ignored by all that does not ask for it.
+    let signal = if cleans { "-INT" } else { "-KILL" };
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
     assert!(!child.wait().unwrap().success());
     let written = std::fs::read(folder.path().join("file")).unwrap();
