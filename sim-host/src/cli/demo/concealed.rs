@@ -8,8 +8,12 @@ use shakedown::diagnose::{Examined, Options, diagnose};
 use shakedown::recording::Experiment;
 use shakedown::report::{Item, Section, Table};
 use shakedown_truth::answer::Opened;
+use shakedown_truth::effect::Effect;
 use shakedown_truth::plan::{Stratum, Strength, stratum};
 use std::fmt::Display;
+
+/// What every laboratory knows, and a diagnosis finds in seconds: one of these is concealed.
+const KNOWN: [Effect; 3] = [Effect::SupplyDroop, Effect::OilCompliance, Effect::ValveLag];
 
 /// What was concealed, and what was found.
 pub(super) struct Concealed {
@@ -23,7 +27,7 @@ pub(super) struct Concealed {
 pub(super) fn play(seed: u64) -> Result<Concealed, Failure> {
     let failed = |e: &dyn Display| Failure::Work(format!("demo: concealed effect: {e}"));
     let spinner = progress::spinner("making recordings with a concealed effect".into());
-    let matters = |number: &u64| matches!(stratum(seed, *number), Stratum::Single(_, Strength::Gross));
+    let matters = |number: &u64| matches!(stratum(seed, *number), Stratum::Single(effect, Strength::Gross) if KNOWN.contains(&effect));
     // Cases come in cycles, and every cycle holds many such.
     let number = (0..1000).find(matters).unwrap_or_default();
     let case = shakedown_truth::case(seed, number);
@@ -90,10 +94,14 @@ impl Concealed {
             let found = self.examined.diagnosis.effects.iter().find(|e| e.id == truth.id);
             for (key, value) in &truth.parameters {
                 let q = found.and_then(|e| e.parameters.get(*key));
-                let number = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.4}"));
+                let number = |x: Option<f64>| match x {
+                    None => "-".into(),
+                    Some(x) if x.abs() < 0.01 => format!("{x:.3e}"),
+                    Some(x) => format!("{x:.4}"),
+                };
                 rows.push(vec![
                     format!("{}.{key}", truth.id),
-                    format!("{value:.4}"),
+                    number(Some(*value)),
                     number(q.map(|q| q.value)),
                     number(q.and_then(|q| q.low)),
                     number(q.and_then(|q| q.high)),
