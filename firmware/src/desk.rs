@@ -174,6 +174,10 @@ impl<'a> Desk<'a> {
         if state != State::Off {
             return Report::Refused(RefusedBecause::State(state));
         }
+        // Who asks to arm is done with probing: the valve is back at zero flow before any oil comes.
+        if self.queues.orders.enqueue(Order::Probe(None)).is_err() {
+            return Report::Refused(RefusedBecause::Full);
+        }
         self.entropy = self.entropy.wrapping_add(1);
         let challenge = Challenge(answer(Challenge(self.entropy)) ^ u64::from(now));
         self.challenge = Some((challenge, now));

@@ -12,9 +12,8 @@
     reason = "a bench prints its figures and stops where it cannot"
 )]
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use shakedown::diagnose::{Options, diagnose};
+use shakedown::faults::dice::Dice;
 use shakedown::plant::model::Baseline;
 use shakedown::plant::simulate::{Drive, Law, Placed, Start, Wanted, simulate};
 use shakedown::recording::Experiment;
@@ -26,10 +25,6 @@ const DT: f64 = 1e-3;
 const SECONDS: f64 = 30.0;
 const RUNS: usize = 4;
 const NOISE: [f64; 2] = [1e-5, 0.05];
-
-fn gauss(random: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
-}
 
 /// Tones of another phase in each run, as fast as the limit lets through.
 fn reference(number: usize) -> Vec<f64> {
@@ -59,11 +54,11 @@ fn recording(number: usize, effects: &[Placed<f64>]) -> String {
     let table = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };
     let start = Start { displacement: input[0], velocity: 0.0, states: Vec::new() };
     let trace = simulate(&table, effects, &drive, &start).expect("the table runs");
-    let mut random = ChaCha8Rng::seed_from_u64(number as u64);
+    let mut dice = Dice::new(1, number as u64);
     let mut text = String::from("time,reference,displacement,acceleration,command\n");
     for (k, reference) in input.iter().enumerate() {
-        let x = trace.displacement[k] + NOISE[0] * gauss(&mut random);
-        let a = trace.acceleration[k] + NOISE[1] * gauss(&mut random);
+        let x = trace.displacement[k] + NOISE[0] * dice.normal();
+        let a = trace.acceleration[k] + NOISE[1] * dice.normal();
         let _ = writeln!(text, "{:.3},{:.9},{x:.9},{a:.6},{:.9}", k as f64 * DT, reference, trace.command[k]);
     }
     text

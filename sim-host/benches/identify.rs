@@ -43,17 +43,8 @@ fn model(values: [f64; 6]) -> Model {
         prior: None,
     });
     let model = Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), sharp: false };
-    let sizes = Yardsticks {
-        command: 0.05,
-        command_rate: 0.5,
-        speed: 0.2,
-        displacement: 0.1,
-        force: 1.0,
-        duration: 30.0,
-        line: 50.0,
-    };
     let placed = |id: &str, value: f64| {
-        let mut placed = Placed::start(entry(id).expect("listed"), 0, &sizes).expect("a start");
+        let mut placed = Placed::start(entry(id).expect("listed"), 0, &Yardsticks::TYPICAL).expect("a start");
         placed.values[0].value = value;
         placed
     };

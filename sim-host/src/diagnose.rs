@@ -77,7 +77,7 @@ pub struct Examined {
 impl Examined {
     /// The runs that judged: those held back, or those fitted where none was.
     pub fn judging_runs(&self) -> &[Run] {
-        if self.prepared.holdout.is_empty() { &self.prepared.fit } else { &self.prepared.holdout }
+        self.prepared.judging()
     }
 
     /// True where the model that came out is not the stated one refitted.
@@ -107,19 +107,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     if is_bad_data(&findings) {
         return unfit(prepared, &findings, begun);
     }
-    let mut search = search::search(&prepared, options)?;
-    options.say("judging on the runs held back", 0.9);
-    let mut decision = decide::decide(&prepared, &search)?;
-    let mut held_out_shared = false;
-    if decision.unlisted && !prepared.holdout.is_empty() && shared::unseen(&decision) {
-        options.say("the runs fitted do not show it: trying with half of those held back", 0.9);
-        let other = shared::shared(&prepared);
-        let found = search::search(&other, options)?;
-        let decided = decide::decide(&other, &found)?;
-        if !decided.unlisted && !decided.consistent() {
-            (prepared, search, decision, held_out_shared) = (other, found, decided, true);
-        }
-    }
+    let Answer { prepared, search, mut decision, held_out_shared } = answer(prepared, options)?;
     let location = locate::locate(&prepared, &search.baseline, &decision)?;
     let modelled = if decision.unlisted {
         options.say("modelling what the library does not hold", 0.93);
@@ -139,10 +127,38 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     Ok(Examined { diagnosis, prepared, decision })
 }
 
+/// What was found, and on which runs.
+struct Answer {
+    prepared: Prepared,
+    search: search::Search,
+    decision: decide::Decision,
+    held_out_shared: bool,
+}
+
+/// Searches and decides; once more with half of the runs held back where they alone show it.
+fn answer(prepared: Prepared, options: &Options) -> Result<Answer, SimulateError> {
+    let search = search::search(&prepared, options)?;
+    options.say("judging on the runs held back", 0.9);
+    let decision = decide::decide(&prepared, &search)?;
+    if decision.unlisted && !prepared.holdout.is_empty() && shared::unseen(&decision) {
+        options.say("the runs fitted do not show it: trying with half of those held back", 0.9);
+        let prepared = shared::shared(&prepared);
+        let search = search::search(&prepared, options)?;
+        let decision = decide::decide(&prepared, &search)?;
+        if !decision.unlisted && !decision.consistent() {
+            return Ok(Answer { prepared, search, decision, held_out_shared: true });
+        }
+    }
+    Ok(Answer { prepared, search, decision, held_out_shared: false })
+}
+
 /// What is said of recordings that cannot be believed: the stated model's standing and nothing more.
 fn unfit(prepared: Prepared, findings: &[Finding], begun: std::time::Instant) -> Result<Examined, DiagnoseError> {
     let stated = Fit::begin(prepared.model.clone(), &prepared.fit)?;
-    let decision = decide::decide(&prepared, &search::Search { baseline: stated, grown: Vec::new() })?;
+    let decision = decide::decide(
+        &prepared,
+        &search::Search { baseline: stated, grown: Vec::new(), yardsticks: prepared.yardsticks },
+    )?;
     let location = locate::Location::default();
     let open = result::Open { seconds: begun.elapsed().as_secs_f64(), ..result::Open::default() };
     let mut diagnosis = result::assemble(&prepared, &decision, location, open, findings);

@@ -1,5 +1,7 @@
 //! Files that are whole or not there at all.
 
+pub mod json;
+
 use std::io::{Result, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};

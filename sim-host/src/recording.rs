@@ -1,6 +1,6 @@
 //! Experiments and the recordings they name: reading, channels, quality checks.
 //!
-//! [`Experiment::load`] reads the TOML of formats.md and every file it names, and gives typed runs in SI on an even
+//! [`Experiment::load`] reads the TOML of docs/formats.md and every file it names, and gives typed runs in SI on an even
 //! time grid. Nothing is guessed: what is not as stated is an error that names the file, the place and the remedy.
 
 pub mod channel;

@@ -24,7 +24,7 @@ use std::process::{Command, Stdio};
 const VELOCITY: f64 = 0.242;
 const STROKE: f64 = 0.12;
 
-/// Record, peak it is scaled to, the best `E_a` that motion.md measured with velocity and stroke limited.
+/// Record, peak it is scaled to, the best `E_a` that is known for it with velocity and stroke limited.
 const RECORDS: [(&str, &str, Option<&str>, f64); 5] = [
     ("Kobe 0.74 g", "RSN1106_KOBE_KJM000.AT2", Some("0.74g"), 0.397),
     ("Kobe", "RSN1106_KOBE_KJM000.AT2", None, 0.441),
@@ -33,7 +33,7 @@ const RECORDS: [(&str, &str, Option<&str>, f64); 5] = [
     ("Taft", "RSN15_KERN_TAF021.AT2", None, 0.0),
 ];
 
-/// A record of the development data as motion.md prepares it, or nothing and a line that says so.
+/// A record of the development data prepared as the figures are stated for, or nothing and a line that says so.
 fn prepared(file: &str, scale: Option<&str>) -> Option<Motion> {
     let folder = std::env::var_os("SHAKEDOWN_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);

@@ -34,15 +34,19 @@ pub(crate) fn flash(words: &[String]) -> Result<(), Problem> {
     execute(&mut command(&["probe-rs", "run", "--chip", CHIP, IMAGE]))
 }
 
-/// The chore: the image in the loop, all tests or those named.
-pub(crate) fn replay(words: &[String]) -> Result<(), Problem> {
+/// Builds everything that the tests of the image in the loop run.
+pub(crate) fn images() -> Result<(), Problem> {
     build(&[])?;
     no_panic()?;
     bare("shakedown-second-opinion", &[])?;
-    beside_image()?;
+    beside_image()
+}
+
+/// The chore: the image in the loop, all tests or those named.
+pub(crate) fn replay(words: &[String]) -> Result<(), Problem> {
+    images()?;
     execute(&mut command(&["cargo", "test", "--locked", "--package", "shakedown-firmware", "--lib"]))?;
-    let tool = ["cargo", "build", "--locked", "--release", "--package", "shakedown", "--bin", "shakedown"];
-    execute(&mut command(&tool))?;
+    execute(&mut command(&["cargo", "build", "--locked", "--package", "shakedown", "--bin", "shakedown"]))?;
     test(words, &[])
 }
 
@@ -56,8 +60,9 @@ pub(crate) fn beside(words: &[String]) -> Result<(), Problem> {
 /// Runs tests of the image, all or those named.
 fn test(names: &[String], more: &[&str]) -> Result<(), Problem> {
     let names: Vec<&str> = names.iter().flat_map(|name| ["--test", name.as_str()]).collect();
-    // The emulator states a newer compiler than it needs, and a minute on the device is a minute here without optimisation.
-    let cargo = ["cargo", "test", "--release", "--locked", "--ignore-rust-version", "--package", "shakedown-replay"];
+    // The emulator states a newer compiler than it needs.
+    let cargo =
+        ["cargo", "test", "--locked", "--no-fail-fast", "--ignore-rust-version", "--package", "shakedown-replay"];
     execute(&mut command(&[&cargo, names.as_slice(), &["--"], more].concat()))
 }
 

@@ -31,11 +31,10 @@ const STEPS: &[Step] = &[
     Step { name: "format", run: || cargo(&["fmt", "--all", "--check"]) },
     Step { name: "lints", run: || cargo(&["clippy", "--all-targets", "--locked", "--", "-D", "warnings"]) },
     Step { name: "house", run: || house::run(&[]).into() },
-    Step { name: "tests", run: || cargo(&["test", "--locked", "--no-fail-fast"]) },
     Step { name: "docs", run: docs },
     Step { name: "core on the target", run: core_on_target },
-    Step { name: "firmware", run: || on_target(|_| firmware::build(&[])) },
-    Step { name: "firmware in the loop", run: || on_target(|_| firmware::replay(&[])) },
+    Step { name: "firmware", run: || on_target(|_| firmware::images()) },
+    Step { name: "tests", run: tests },
 ];
 
 /// The chore: all steps, or those named.
@@ -80,6 +79,16 @@ fn on_target(work: impl Fn(Toolchain) -> Result<(), Problem>) -> Outcome {
     match toolchain::find() {
         Some(found) => work(found).into(),
         None => Outcome::Failed(format!("no compiler for {}, so nothing of it was tested", toolchain::TARGET)),
+    }
+}
+
+/// All tests in one build, the firmware in the loop among them where its images can be had (the step before says loudly
+/// where they cannot). The emulator states a newer compiler than it needs.
+fn tests() -> Outcome {
+    let words = ["test", "--locked", "--no-fail-fast"];
+    match toolchain::find() {
+        Some(_) => cargo(&[&words[..], &["--workspace", "--ignore-rust-version"]].concat()),
+        None => cargo(&words),
     }
 }
 

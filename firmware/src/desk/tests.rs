@@ -40,7 +40,11 @@ fn arming_takes_the_answer_to_this_challenge_in_time_and_once() {
         assert_eq!(report(desk, Request::Arm(answer(second) ^ 1), State::Off, 5001), refused);
         assert_eq!(report(desk, Request::Arm(answer(second)), State::Off, 5001), refused);
         let third = challenge(desk, 6000);
-        assert!(!decide.orders.ready());
+        // Each asking took a probe off the valve, and nothing else came of it.
+        for _ in 0..3 {
+            assert_eq!(decide.orders.dequeue(), Some(Order::Probe(None)));
+        }
+        assert_eq!(decide.orders.dequeue(), None);
         assert_eq!(report(desk, Request::Arm(answer(third)), State::Off, 6001), Report::Done);
         assert_eq!(decide.orders.dequeue(), Some(Order::Ask(Ask::Arm)));
     });

@@ -46,7 +46,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn failure(error: DiagnoseError) -> Failure {
+pub(super) fn failure(error: DiagnoseError) -> Failure {
     match error {
         DiagnoseError::Simulate(e) => Failure::Work(e.to_string()),
         other => Failure::Input(other.to_string()),

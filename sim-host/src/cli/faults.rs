@@ -9,6 +9,7 @@ use clap::builder::PossibleValuesParser;
 use serde_json::json;
 use shakedown::faults::campaign::{join, run as run_all, run_shard};
 use shakedown::faults::{CLASSES, CampaignError, Case, Class, Motions, Plan, Summary, rig, watcher};
+use shakedown::files::json::JsonError;
 use std::path::PathBuf;
 
 /// Random faults at random times in random records, judged by a watcher that knows the truth and not the guard.
@@ -120,7 +121,7 @@ fn again(args: &Args, number: u64, motions: &Motions) -> Result<(), Failure> {
 
 fn failure(error: CampaignError) -> Failure {
     match error {
-        CampaignError::File { .. } | CampaignError::Rig(_) => Failure::Work(error.to_string()),
+        CampaignError::Json(JsonError::File { .. }) | CampaignError::Rig(_) => Failure::Work(error.to_string()),
         _ => Failure::Input(error.to_string()),
     }
 }

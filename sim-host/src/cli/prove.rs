@@ -1,12 +1,14 @@
 //! `shakedown prove`: the diagnosis examined on concealed cases.
 
 mod engine;
+mod recordings;
 
 use super::output::{Outputs, print_table};
 use super::shard::Shard;
 use super::{Failure, progress};
 use clap::Subcommand;
 use engine::Engine;
+use shakedown::files::json::JsonError;
 use shakedown::prove::campaign::{CampaignError, Plan, join, run as examine};
 use shakedown::prove::summary::{Summary, summarise};
 use shakedown::prove::{Examinee as _, page};
@@ -21,6 +23,7 @@ use std::path::{Path, PathBuf};
   shakedown prove --seed 7 --cases 1400 --out proof    resumable: run it again and it goes on
   shakedown prove --seed 7 --cases 1400 --out proof --shard 3/8
   shakedown prove merge proof --report proof.html     joins the pieces to the result of one run
+  shakedown prove recordings CHY027.toml KAU039.toml --report recordings.html
   shakedown prove seals --seed 7 --cases 1400          the salted hashes, to be published first"
 )]
 pub(crate) struct Args {
@@ -61,6 +64,14 @@ enum Part {
         #[command(flatten)]
         outputs: Outputs,
     },
+    /// Diagnoses real recordings and shows them side by side.
+    Recordings {
+        /// Experiments, each given a model that leaves out what is known to be there.
+        #[arg(value_name = "EXPERIMENT.toml", required = true)]
+        experiments: Vec<PathBuf>,
+        #[command(flatten)]
+        outputs: Outputs,
+    },
     /// Prints each case's seal: a salted SHA-256 of its answer.
     Seals {
         #[command(flatten)]
@@ -72,6 +83,7 @@ enum Part {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     match &args.part {
         Some(Part::Merge { folder, outputs }) => show(&joined(folder)?, outputs),
+        Some(Part::Recordings { experiments, outputs }) => recordings::run(experiments, outputs),
         Some(Part::Seals { deal }) => {
             seals(*deal);
             Ok(())
@@ -134,7 +146,7 @@ fn seals(deal: Deal) {
 
 fn failure(error: CampaignError) -> Failure {
     match error {
-        CampaignError::File { .. } | CampaignError::Seal(_) => Failure::Work(error.to_string()),
+        CampaignError::Json(JsonError::File { .. }) | CampaignError::Seal(_) => Failure::Work(error.to_string()),
         _ => Failure::Input(error.to_string()),
     }
 }

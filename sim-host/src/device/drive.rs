@@ -238,6 +238,8 @@ impl Drive {
             (Step::Stream | Step::Stand, State::Ready) => self.go(Step::Disarm),
             (Step::Disarm, State::Off) => self.go(Step::Done),
             (_, State::Tripped) if moving => self.failed = Some(stopped(vitals.cause)),
+            // It answers: the stand may take as long as it takes.
+            (Step::Stand, _) => self.repeats = 0,
             _ => {}
         }
     }

@@ -7,9 +7,10 @@ use shakedown_core::link::{RefusedBecause, Report, Request, Setup, VERSION, Vita
 
 use super::{Drive, DriveError, Progress, Talker, Telemetry};
 
-/// Time after which a question is repeated, and how often.
-const PATIENCE: Duration = Duration::from_millis(100);
-const REPEATS: u32 = 30;
+/// Time after which a question is repeated, and how often: longer than a busy host takes to see the answer, for an order
+/// given twice is refused the second time.
+const PATIENCE: Duration = Duration::from_millis(500);
+const REPEATS: u32 = 6;
 /// Between two looks at a silent line.
 const NAP: Duration = Duration::from_millis(1);
 

@@ -52,6 +52,12 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// Scores a fitted model on the runs that judge.
+    pub(super) fn of(fit: Fit, prepared: &Prepared) -> Result<Self, SimulateError> {
+        let added = fit.model.ids_beside(&prepared.model.ids());
+        Ok(Self { hold: score(&fit.model, prepared.judging())?, fit, added, probability: 0.0 })
+    }
+
     /// Squares on all runs.
     pub(super) fn total(&self) -> f64 {
         self.fit.squares + self.hold.squares()
@@ -91,12 +97,7 @@ impl Decision {
 
 /// Judges everything the search found.
 pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, SimulateError> {
-    let runs = if prepared.holdout.is_empty() { &prepared.fit } else { &prepared.holdout };
-    let stated = prepared.model.ids();
-    let judged = |fit: &Fit| -> Result<Judged, SimulateError> {
-        let added = fit.model.ids().into_iter().filter(|id| !stated.contains(id)).collect();
-        Ok(Judged { hold: score(&fit.model, runs)?, fit: fit.clone(), added, probability: 0.0 })
-    };
+    let judged = |fit: &Fit| Judged::of(fit.clone(), prepared);
     let before = judged(&search.baseline)?;
     let mut sizes = Vec::new();
     for grown in &search.grown {
@@ -105,15 +106,14 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
         size.sort_by(|a, b| rank.cost(a).total_cmp(&rank.cost(b)));
         sizes.push(size);
     }
-    let after = polished(choose(&before, &sizes), prepared, runs)?;
+    let after = polished(choose(&before, &sizes), prepared)?;
     if after.added.is_empty() {
         return Ok(weigh(before, after, sizes));
     }
-    let grown = search.grown.get(after.added.len() - 1).map_or(&[][..], Vec::as_slice);
-    let rivals = rivals(prepared, &after.fit, grown)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
+    let rivals = rivals(prepared, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
     let (after, rivals) = best_of(after, rivals);
     sizes.push(rivals);
-    let after = needed(&before, after, prepared, runs)?;
+    let after = needed(&before, after, prepared)?;
     Ok(weigh(before, after, sizes))
 }
 
@@ -140,10 +140,12 @@ impl Ranking {
 /// The largest model that stands, each against the one before it.
 fn choose(before: &Judged, sizes: &[Vec<Judged>]) -> Judged {
     let mut after = before.clone();
-    let mut skipped = false;
     // What already leaves less than the noise has nothing to explain, however surely a line stands within it.
-    let at_floor = before.hold.chi2 < 1.0 && before.fit.squares < before.fit.rows as f64;
-    for size in sizes.iter().filter(|_| !at_floor) {
+    if before.hold.chi2 < 1.0 && before.fit.squares < before.fit.rows as f64 {
+        return after;
+    }
+    let mut skipped = false;
+    for size in sizes {
         let Some(best) = size.first() else { break };
         if stands(before, &after, best) {
             after = best.clone();

@@ -3,37 +3,34 @@
 
 use super::decide::{Judged, Ranking, SURE, stands};
 use super::search::CHANCE;
-use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::score;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 
 /// The accepted model fitted to the end: corners leave a search in hollows that a fresh start of the fit climbs out of.
-pub(super) fn polished(after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, SimulateError> {
+pub(super) fn polished(after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> {
     if after.added.is_empty() {
         return Ok(after);
     }
     let mut fit = Fit::resume(after.fit.model.clone(), after.fit.locals.clone(), &prepared.fit)?;
     fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
     fit.sharpen(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
-    let hold = score(&fit.model, runs)?;
-    let polished = Judged { fit, hold, ..after.clone() };
-    let after = if polished.total() < after.total() { polished } else { after };
-    refined(after, prepared, runs)
+    let polished = Judged::of(fit, prepared)?;
+    refined(if polished.total() < after.total() { polished } else { after }, prepared)
 }
 
 /// The accepted model with the details of its effects' forms fitted too, where both kinds of runs bear them out.
-fn refined(after: Judged, prepared: &Prepared, runs: &[Run]) -> Result<Judged, SimulateError> {
+fn refined(after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> {
     let model = after.fit.model.refined();
     if model.values().filter(|v| v.free).count() == after.fit.model.values().filter(|v| v.free).count() {
         return Ok(after);
     }
     let mut fit = Fit::resume(model, after.fit.locals.clone(), &prepared.fit)?;
     fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
-    let hold = score(&fit.model, runs)?;
-    let better = after.fit.squares - fit.squares > CHANCE && after.hold.squares() - hold.squares() > SURE;
-    Ok(if better { Judged { fit, hold, ..after } } else { after })
+    let refined = Judged::of(fit, prepared)?;
+    let better =
+        after.fit.squares - refined.fit.squares > CHANCE && after.hold.squares() - refined.hold.squares() > SURE;
+    Ok(if better { refined } else { after })
 }
 
 /// The accepted model, or a rival that does better with no more parameters' worth; and the rest.
@@ -47,12 +44,7 @@ pub(super) fn best_of(accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Jud
 
 /// The accepted model less what it does without: a companion may have led an effect to where it belongs and stands no more
 /// against that effect alone.
-pub(super) fn needed(
-    before: &Judged,
-    after: Judged,
-    prepared: &Prepared,
-    runs: &[Run],
-) -> Result<Judged, SimulateError> {
+pub(super) fn needed(before: &Judged, after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> {
     if after.added.len() < 2 {
         return Ok(after);
     }
@@ -61,8 +53,7 @@ pub(super) fn needed(
     let without = |id: &&'static str| -> Result<Judged, SimulateError> {
         let mut fit = Fit::resume(after.fit.model.without(id), after.fit.locals.clone(), &prepared.fit)?;
         fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-5 })?;
-        let added = after.added.iter().copied().filter(|other| other != id).collect();
-        Ok(Judged { hold: score(&fit.model, runs)?, fit, added, probability: 0.0 })
+        Judged::of(fit, prepared)
     };
     let smaller = after.added.iter().filter(bare).map(without).collect::<Result<Vec<_>, _>>()?;
     let enough = smaller.into_iter().filter(|less| !stands(before, less, &after));

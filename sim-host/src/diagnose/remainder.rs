@@ -56,7 +56,6 @@ pub struct Modelled {
 pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<Option<Modelled>, SimulateError> {
     let kind = best.fit.model.kind;
     let curves: Vec<&'static Entry> = remainder::entries().filter(|e| e.kinds.contains(&kind)).collect();
-    let runs = if prepared.holdout.is_empty() { &prepared.fit } else { &prepared.holdout };
     // An effect that explains a part by chance stands in the curve's way: each is tried without it too.
     let parents = [best, before].into_iter().take(if best.added.is_empty() { 1 } else { 2 });
     let starts: Vec<(&Judged, &'static Entry)> = parents.flat_map(|p| curves.iter().map(move |&e| (p, e))).collect();
@@ -73,7 +72,7 @@ pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<
     looks.truncate(FINALISTS);
     let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<Judged, SimulateError> {
         fit.improve(&prepared.fit, FULL)?;
-        let hold = score(&fit.model, runs)?;
+        let hold = score(&fit.model, prepared.judging())?;
         Ok(Judged { fit, hold, added, probability: 0.0 })
     };
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;

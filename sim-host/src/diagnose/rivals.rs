@@ -1,6 +1,8 @@
 //! What the accepted model is mistaken for, fitted as thoroughly as it: a double that a short look left half way must not lose
 //! for that.
 
+use super::search::Search;
+use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::{Model, Placed};
 use crate::identify::prepare::{Prepared, candidates};
@@ -14,10 +16,10 @@ const FULL: Effort = Effort { steps: 12, tolerance: 1e-4 };
 const LAST: Effort = Effort { steps: 4, tolerance: 1e-4 };
 
 /// The accepted model with each of its added effects in turn put out for one that it is mistaken for, by the library's own
-/// word; `grown` is what a search has of them.
-pub(super) fn rivals(prepared: &Prepared, accepted: &Fit, grown: &[Fit]) -> Result<Vec<Fit>, SimulateError> {
-    let stated = prepared.model.ids();
-    let ours = accepted.model.effects.iter().filter(|p| !stated.contains(&p.entry.id));
+/// word.
+pub(super) fn rivals(prepared: &Prepared, accepted: &Fit, search: &Search) -> Result<Vec<Fit>, SimulateError> {
+    let added = accepted.model.ids_beside(&prepared.model.ids());
+    let ours = accepted.model.effects.iter().filter(|p| added.contains(&p.entry.id));
     let mut tasks = Vec::new();
     for placed in ours {
         let rest = accepted.model.without(placed.entry.id);
@@ -25,7 +27,7 @@ pub(super) fn rivals(prepared: &Prepared, accepted: &Fit, grown: &[Fit]) -> Resu
             tasks.push((rest.clone(), double));
         }
     }
-    let fitted = |(rest, double): (Model, &'static Entry)| thorough(prepared, accepted, &rest, double, grown);
+    let fitted = |(rest, double): (Model, &'static Entry)| thorough(&prepared.fit, accepted, &rest, double, search);
     let fits = tasks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     Ok(fits.into_iter().flatten().collect())
 }
@@ -37,21 +39,20 @@ fn alike(a: &Entry, b: &Entry) -> bool {
 
 /// The double's best fit: on from where the search left it, or from its most promising start.
 fn thorough(
-    prepared: &Prepared,
+    runs: &[Run],
     accepted: &Fit,
     rest: &Model,
     double: &'static Entry,
-    grown: &[Fit],
+    search: &Search,
 ) -> Result<Option<Fit>, SimulateError> {
-    let runs = &prepared.fit;
     let mut starts = Vec::new();
-    for placed in (0..).map_while(|i| Placed::start(double, i, &prepared.yardsticks)) {
+    for placed in (0..).map_while(|i| Placed::start(double, i, &search.yardsticks)) {
         starts.push(Fit::resume(rest.with(placed), accepted.locals.clone(), runs)?);
     }
     let fresh = starts.into_iter().min_by(|a, b| a.promised().total_cmp(&b.promised()));
     let Some(mut fresh) = fresh else { return Ok(None) };
     let set = fresh.model.ids();
-    let seen = grown.iter().find(|fit| fit.model.ids() == set);
+    let seen = search.grown.iter().flatten().find(|fit| fit.model.ids() == set);
     fresh.improve(runs, FULL)?;
     let mut best = fresh;
     if let Some(seen) = seen {

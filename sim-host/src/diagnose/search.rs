@@ -18,6 +18,8 @@ pub struct Search {
     pub baseline: Fit,
     /// Every model tried to some depth, best squares first, by number of effects added: singles, pairs, triples.
     pub grown: Vec<Vec<Fit>>,
+    /// Sizes of the signals, with the strongest line of the accelerometer's residual found.
+    pub yardsticks: Yardsticks,
 }
 
 /// Most effects added to the stated model.
@@ -49,12 +51,13 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     let baseline = fit_stated(prepared)?;
     let yardsticks = Yardsticks { line: super::locate::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
     let stated = prepared.model.ids();
-    let mut search = Search { baseline, grown: Vec::new() };
+    let mut search = Search { baseline, grown: Vec::new(), yardsticks };
     let mut parents = vec![search.baseline.clone()];
+    let held_back = Foresight::of(prepared, &search.baseline)?;
     // A refit bends a model far from the truth to hide what is missing: then values near those stated are a second start.
     if !explains(&search.baseline) {
         parents.extend(fit_from_near(prepared, &search.baseline)?);
-    } else if !foresees(prepared, &search.baseline, &search.baseline)? {
+    } else if !held_back.reaches(&search.baseline)? {
         parents = fit_near(prepared, &search.baseline)?.map_or(parents, |near| vec![near]);
     }
     if parents.len() == 1 && search.baseline.chi2() > BENT {
@@ -63,15 +66,14 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     for size in 0..MOST {
         options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
         let singles = search.grown.first().cloned().unwrap_or_default();
-        search.grown.push(grow(&parents, &singles, runs, &yardsticks)?);
+        search.grown.push(grow(&parents, &singles, runs, &search.yardsticks)?);
         eliminate(&mut search.grown, &stated, runs)?;
         swap(&mut search.grown, &stated, runs)?;
         let Some(grown) = search.grown.last() else { break };
         let (Some(best), Some(parent)) = (grown.first(), parents.last()) else { break };
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
-        let foreseen = foresees(prepared, &search.baseline, best)?;
-        if gain < CHANCE || (foreseen && (explains(best) || left < SETTLED)) {
+        if gain < CHANCE || ((explains(best) || left < SETTLED) && held_back.reaches(best)?) {
             break;
         }
         parents = grown.iter().take(BEAM).cloned().collect();
@@ -85,11 +87,6 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     Ok(search)
 }
 
-/// Effects that a model has beside the stated one's.
-fn added(fit: &Fit, stated: &[&'static str]) -> Vec<&'static str> {
-    fit.model.ids().into_iter().filter(|id| !stated.contains(id)).collect()
-}
-
 /// Takes effects out of the best models of the last size, one at a time: a companion may have led the other to where it
 /// belongs. What does better than before without it takes its place among the smaller models.
 fn eliminate(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> Result<(), SimulateError> {
@@ -99,7 +96,9 @@ fn eliminate(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> R
     let Some(least) = smaller.first().map(|best| best.squares) else { return Ok(()) };
     // An effect that freed one of the model's own parameters leaves more behind than it brought.
     let bare = |id: &&str| crate::plant::effects::entry(id).is_some_and(|entry| entry.frees.is_empty());
-    let out = |fit: &Fit| added(fit, stated).into_iter().filter(bare).map(|id| (fit.clone(), id)).collect::<Vec<_>>();
+    let out = |fit: &Fit| {
+        fit.model.ids_beside(stated).into_iter().filter(bare).map(|id| (fit.clone(), id)).collect::<Vec<_>>()
+    };
     let pairs: Vec<_> = larger.iter().take(BEAM).flat_map(out).collect();
     let refit = |(fit, id): (Fit, &str)| -> Result<Fit, SimulateError> {
         let mut fit = Fit::resume(fit.model.without(id), fit.locals, runs)?;
@@ -120,32 +119,33 @@ fn swap(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> Result
     };
     for _ in 0..MOST {
         let Some(best) = larger.first().filter(|best| !explains(best)) else { return Ok(()) };
-        let known: Vec<_> = larger.iter().map(|fit| fit.model.ids()).collect();
-        let mut doubles = Vec::new();
-        let has = |p: &&Placed| !best.model.ids().contains(&p.entry.id);
-        for id in added(best, stated) {
-            let rest = best.model.without(id);
-            for placed in singles.iter().take(DOUBLES).filter_map(|single| single.model.effects.iter().find(has)) {
-                let swapped = rest.with(placed.clone());
-                if !known.contains(&swapped.ids()) {
-                    doubles.push(swapped);
-                }
-            }
-        }
         let begun = |model: Model| Fit::resume(model, best.locals.clone(), runs);
-        let mut fits = doubles.into_par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+        let mut fits =
+            doubles(best, singles, larger, stated).into_par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
         fits.sort_by(|a, b| a.promised().total_cmp(&b.promised()));
         fits.truncate(HOPEFUL);
         further(&mut fits, HOPEFUL, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
         further(&mut fits, 1, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
-        let (before, better) = (best.squares, fits.first().is_some_and(|fit| fit.squares < best.squares - CHANCE));
+        let better = fits.first().is_some_and(|fit| fit.squares < best.squares - CHANCE);
         larger.extend(fits);
         best_of_each_set(larger);
-        if !better || larger.first().is_none_or(|fit| fit.squares >= before) {
+        if !better {
             return Ok(());
         }
     }
     Ok(())
+}
+
+/// The model with each of its effects in turn put out for one of the best alone, but for sets that are known.
+fn doubles(best: &Fit, singles: &[Fit], known: &[Fit], stated: &[&'static str]) -> Vec<Model> {
+    let new = |p: &&Placed| !best.model.ids().contains(&p.entry.id);
+    let others = || singles.iter().take(DOUBLES).filter_map(|single| single.model.effects.iter().find(new));
+    let swapped = |id| {
+        let rest = best.model.without(id);
+        others().map(move |placed| rest.with(placed.clone()))
+    };
+    let unknown = |model: &Model| known.iter().all(|fit| fit.model.ids() != model.ids());
+    best.model.ids_beside(stated).into_iter().flat_map(swapped).filter(unknown).collect()
 }
 
 /// True where no more is left than noise leaves.
@@ -153,11 +153,26 @@ fn explains(fit: &Fit) -> bool {
     fit.squares < fit.rows as f64 + 3.0 * (2.0 * fit.rows as f64).sqrt()
 }
 
-/// True where a model leaves little on the runs held back too: what shows there alone is worth another effect.
-fn foresees(prepared: &Prepared, baseline: &Fit, best: &Fit) -> Result<bool, SimulateError> {
-    let excess = |fit: &Fit| Ok((score(&fit.model, &prepared.holdout)?.chi2 - 1.0).max(0.0));
-    let (before, after) = (excess(baseline)?, excess(best)?);
-    Ok(prepared.holdout.is_empty() || after < (FORESEEN * before).max(0.02))
+/// Whether a model leaves little on the runs held back too: what shows there alone is worth another effect.
+struct Foresight<'a> {
+    runs: &'a [Run],
+    /// Excess of chi2 over one that is little.
+    little: f64,
+}
+
+impl<'a> Foresight<'a> {
+    fn of(prepared: &'a Prepared, baseline: &Fit) -> Result<Self, SimulateError> {
+        let foresight = Self { runs: &prepared.holdout, little: 0.02 };
+        Ok(Self { little: (FORESEEN * foresight.excess(baseline)?).max(foresight.little), ..foresight })
+    }
+
+    fn excess(&self, fit: &Fit) -> Result<f64, SimulateError> {
+        Ok(score(&fit.model, self.runs)?.chi2 - 1.0)
+    }
+
+    fn reaches(&self, fit: &Fit) -> Result<bool, SimulateError> {
+        Ok(self.runs.is_empty() || self.excess(fit)? < self.little)
+    }
 }
 
 /// A start: which parent, with which effect where.

@@ -25,8 +25,7 @@ pub(super) fn shared(prepared: &Prepared) -> Prepared {
     let mut shared = prepared.clone();
     shared.fit.extend(prepared.holdout.iter().map(|run| kept(run, 0)));
     shared.holdout = prepared.holdout.iter().map(|run| kept(run, 1)).collect();
-    let reach = Yardsticks::of(&shared.fit, prepared.yardsticks.force);
-    shared.yardsticks = Yardsticks { line: prepared.yardsticks.line, ..reach };
+    shared.yardsticks = Yardsticks::of(&shared.fit, prepared.yardsticks.force);
     shared
 }
 

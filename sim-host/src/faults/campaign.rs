@@ -5,7 +5,7 @@ use super::class::Class;
 use super::motions::{Motions, MotionsError};
 use super::rig::RigError;
 use super::watcher::{Outcome, judge};
-use crate::files::write_whole;
+use crate::files::json::{self, JsonError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -31,22 +31,9 @@ pub struct Plan {
 /// Why a campaign stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
-    /// A file could not be read or written.
-    #[error("{path}: {cause}")]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the file system said.
-        cause: std::io::Error,
-    },
-    /// A file is not what it should be.
-    #[error("{path}: {problem}; remove it to have its runs done anew")]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        problem: String,
-    },
+    /// A file could not be read, written or taken.
+    #[error(transparent)]
+    Json(#[from] JsonError),
     /// The folder holds another campaign.
     #[error("{0}: another campaign was begun there; give another --out")]
     Other(PathBuf),
@@ -103,24 +90,8 @@ impl Plan {
     }
 }
 
-fn file_error(path: &Path) -> impl Fn(std::io::Error) -> CampaignError + '_ {
-    move |cause| CampaignError::File { path: path.to_path_buf(), cause }
-}
-
 fn chunk_path(folder: &Path, chunk: u64) -> PathBuf {
     folder.join(format!("chunk-{chunk:05}.json"))
-}
-
-fn write(path: &Path, value: &impl Serialize) -> Result<(), CampaignError> {
-    let content = |e: serde_json::Error| CampaignError::Content { path: path.to_path_buf(), problem: e.to_string() };
-    let text = serde_json::to_string(value).map_err(content)?;
-    write_whole(path, (text + "\n").as_bytes()).map_err(file_error(path))
-}
-
-fn read<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, CampaignError> {
-    let text = std::fs::read(path).map_err(file_error(path))?;
-    serde_json::from_slice(&text)
-        .map_err(|e| CampaignError::Content { path: path.to_path_buf(), problem: e.to_string() })
 }
 
 /// Runs all of `plan` in memory.
@@ -138,14 +109,14 @@ pub fn run_shard(
     motions: &Motions,
     done: &(impl Fn(u64) + Sync),
 ) -> Result<(), CampaignError> {
-    std::fs::create_dir_all(folder).map_err(file_error(folder))?;
+    std::fs::create_dir_all(folder).map_err(JsonError::file(folder))?;
     let path = folder.join("plan.json");
     if path.exists() {
-        if read::<Plan>(&path)? != *plan {
+        if json::read::<Plan>(&path)? != *plan {
             return Err(CampaignError::Other(folder.to_path_buf()));
         }
     } else {
-        write(&path, plan)?;
+        json::write(&path, serde_json::to_string(plan))?;
     }
     for chunk in plan.chunks(shard.0, shard.1) {
         let path = chunk_path(folder, chunk);
@@ -153,7 +124,7 @@ pub fn run_shard(
             let numbers = plan.numbers(chunk);
             done(numbers.end - numbers.start);
         } else {
-            write(&path, &plan.judge(chunk, motions, done)?)?;
+            json::write(&path, serde_json::to_string(&plan.judge(chunk, motions, done)?))?;
         }
     }
     Ok(())
@@ -167,7 +138,7 @@ pub fn join(plan: &Plan, folder: &Path) -> Result<Vec<Outcome>, CampaignError> {
         let path = chunk_path(folder, chunk);
         let numbers = plan.numbers(chunk);
         if path.exists() {
-            outcomes.extend(read::<Vec<Outcome>>(&path)?);
+            outcomes.extend(json::read::<Vec<Outcome>>(&path)?);
         } else {
             missing += numbers.end - numbers.start;
         }

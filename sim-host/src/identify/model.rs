@@ -100,6 +100,17 @@ pub struct Yardsticks {
 }
 
 impl Yardsticks {
+    /// Of a table of the paper's kind that plays an earthquake: for models that are written down, not measured.
+    pub const TYPICAL: Self = Self {
+        command: 0.05,
+        command_rate: 0.5,
+        speed: 0.2,
+        displacement: 0.1,
+        force: 1.0,
+        duration: 30.0,
+        line: 50.0,
+    };
+
     /// The size that one yardstick stands for.
     pub fn size(&self, yardstick: Yardstick) -> f64 {
         match yardstick {
@@ -230,6 +241,11 @@ impl Model {
     /// The identifiers of its effects.
     pub fn ids(&self) -> Vec<&'static str> {
         self.effects.iter().map(|p| p.entry.id).collect()
+    }
+
+    /// The identifiers of its effects that are not among `stated`.
+    pub fn ids_beside(&self, stated: &[&'static str]) -> Vec<&'static str> {
+        self.ids().into_iter().filter(|id| !stated.contains(id)).collect()
     }
 
     /// Every shared value, in a fixed order: own, scale, effects.

@@ -69,6 +69,13 @@ pub struct Prepared {
     pub yardsticks: Yardsticks,
 }
 
+impl Prepared {
+    /// The runs that judge a model: those held back, or those fitted where none was.
+    pub fn judging(&self) -> &[Run] {
+        if self.holdout.is_empty() { &self.fit } else { &self.holdout }
+    }
+}
+
 /// Turns an experiment into what fits and diagnoses work on.
 pub fn prepare(experiment: &Experiment) -> Result<Prepared, PrepareError> {
     let runs = |purpose| -> Result<Vec<Run>, PrepareError> {

@@ -3,7 +3,7 @@
 use super::Examinee;
 use super::record::{Attainable, Record, Reply, SCHEMA, Truth};
 use super::rival;
-use crate::files::write_whole;
+use crate::files::json::{self, JsonError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -41,22 +41,9 @@ impl Plan {
 /// Why a campaign stopped or cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
-    /// A file could not be read or written.
-    #[error("{path}: {cause}")]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the file system said.
-        cause: std::io::Error,
-    },
-    /// A file is not what it should be.
-    #[error("{path}: {problem}; remove it to have the case answered anew")]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        problem: String,
-    },
+    /// A file could not be read, written or taken.
+    #[error(transparent)]
+    Json(#[from] JsonError),
     /// The folder holds another campaign.
     #[error("{path}: begun as seed {seed}, {cases} cases, engine {engine}; give another --out")]
     Other {
@@ -103,10 +90,6 @@ fn missing_text(missing: &[(u64, Vec<u64>)], plan: &Plan) -> String {
     )
 }
 
-fn file_error(path: &Path) -> impl Fn(std::io::Error) -> CampaignError + '_ {
-    move |cause| CampaignError::File { path: path.to_path_buf(), cause }
-}
-
 /// What the examinee said, as it is kept before the seal is broken.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Answered {
@@ -125,14 +108,14 @@ pub fn run(
 ) -> Result<(), CampaignError> {
     for part in ["answers", "records"] {
         let path = folder.join(part);
-        std::fs::create_dir_all(&path).map_err(file_error(&path))?;
+        std::fs::create_dir_all(&path).map_err(JsonError::file(&path))?;
     }
     begin(plan, folder)?;
     let open: Vec<u64> = plan.numbers().into_iter().filter(|n| !record_path(folder, *n).exists()).collect();
     done((plan.numbers().len() - open.len()) as u64);
     open.par_iter().try_for_each(|number| {
         let record = examine(plan, folder, examinee, *number)?;
-        write_json(&record_path(folder, *number), &record)?;
+        write(&record_path(folder, *number), &record)?;
         done(1);
         Ok(())
     })
@@ -147,47 +130,39 @@ fn begin(plan: &Plan, folder: &Path) -> Result<(), CampaignError> {
             return Err(CampaignError::Other { path, seed: other.seed, cases: other.cases, engine: other.engine });
         }
     }
-    write_json(&plan.file(folder), plan)
+    Ok(write(&plan.file(folder), plan)?)
 }
 
 fn record_path(folder: &Path, number: u64) -> PathBuf {
     folder.join("records").join(format!("case-{number:04}.json"))
 }
 
-fn write_json(path: &Path, value: &impl Serialize) -> Result<(), CampaignError> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|e| CampaignError::Content { path: path.to_path_buf(), problem: e.to_string() })?;
-    write_whole(path, (text + "\n").as_bytes()).map_err(file_error(path))
-}
-
-fn read_json<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, CampaignError> {
-    let text = std::fs::read(path).map_err(file_error(path))?;
-    serde_json::from_slice(&text)
-        .map_err(|e| CampaignError::Content { path: path.to_path_buf(), problem: e.to_string() })
+/// For people to read too.
+fn write(path: &Path, value: &impl Serialize) -> Result<(), JsonError> {
+    json::write(path, serde_json::to_string_pretty(value))
 }
 
 /// One case: dealt, answered, the answer stored, and only then opened.
 fn examine(plan: &Plan, folder: &Path, examinee: &impl Examinee, number: u64) -> Result<Record, CampaignError> {
     let dealt = case(plan.seed, number);
     let seal = dealt.sealed.seal.clone();
-    let scratch = tempfile::tempdir().map_err(file_error(folder))?;
+    let scratch = tempfile::tempdir().map_err(JsonError::file(folder))?;
     let stored = folder.join("answers").join(format!("{}.json", dealt.name));
     // An answer that a stopped campaign left is kept: it was given before its seal was broken.
-    let answered = match read_json::<Answered>(&stored) {
+    let answered = match json::read::<Answered>(&stored) {
         Ok(earlier) if earlier.engine == plan.engine && earlier.seal == seal => earlier,
         _ => {
             let desk = scratch.path().join(&dealt.name);
-            dealt.write(&desk).map_err(file_error(&desk))?;
+            dealt.write(&desk).map_err(JsonError::file(&desk))?;
             let answered = answer(examinee, &desk, plan, &seal);
-            write_json(&stored, &answered)?;
+            write(&stored, &answered)?;
             answered
         }
     };
     let rivals = rival::replies(&dealt.experiment).map(Vec::from).unwrap_or_default();
     let opened = dealt.sealed.open_after(&stored)?;
     let reply = reply(&answered.diagnosis);
-    let truth: Truth = serde_json::from_value(opened.answer.to_json())
-        .map_err(|e| CampaignError::Content { path: stored.clone(), problem: e.to_string() })?;
+    let truth: Truth = serde_json::from_value(opened.answer.to_json()).map_err(JsonError::content(&stored))?;
     let attainable = attainable(examinee, &opened, &reply, &truth, scratch.path());
     Ok(Record {
         schema: SCHEMA.into(),
@@ -251,7 +226,7 @@ fn plans(folder: &Path) -> Result<Vec<Plan>, CampaignError> {
         let path = entry.path();
         let named = path.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("shard-"));
         if named && path.extension().is_some_and(|extension| extension == "json") {
-            found.push(read_json(&path)?);
+            found.push(json::read(&path)?);
         }
     }
     Ok(found)
@@ -281,7 +256,7 @@ pub fn join(folder: &Path) -> Result<(Plan, Vec<Record>), CampaignError> {
         let mut lost = Vec::new();
         for number in plan.numbers() {
             match places.iter().map(|place| record_path(place, number)).find(|path| path.exists()) {
-                Some(path) => records.push(read_json::<Record>(&path)?),
+                Some(path) => records.push(json::read::<Record>(&path)?),
                 None => lost.push(number),
             }
         }

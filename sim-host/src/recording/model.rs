@@ -40,9 +40,9 @@ pub struct Accuracy {
 /// An effect that the model has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StatedEffect {
-    /// Its identifier (formats.md).
+    /// Its identifier (docs/effects.md).
     pub id: String,
-    /// Parameters by key, in the units of formats.md; what is left out starts at the library's own value.
+    /// Parameters by key, in the units of docs/effects.md; what is left out starts at the library's own value.
     pub parameters: BTreeMap<String, f64>,
     /// Where it is stated, for messages.
     pub place: Place,

@@ -41,7 +41,7 @@ const fn unit(symbol: &'static str, dimension: Dimension, factor: f64) -> Unit {
     Unit { symbol, dimension, factor }
 }
 
-/// Every unit an experiment may name (formats.md).
+/// Every unit an experiment may name (docs/formats.md).
 pub const UNITS: [Unit; 20] = [
     unit("m", Dimension::Length, 1.0),
     unit("mm", Dimension::Length, 1e-3),

@@ -65,16 +65,7 @@ fn truth() -> Model {
         free: true,
         prior: None,
     });
-    let sizes = Yardsticks {
-        command: 0.05,
-        command_rate: 0.5,
-        speed: 0.2,
-        displacement: 0.1,
-        force: 1.0,
-        duration: 30.0,
-        line: 50.0,
-    };
-    let mut bias = Placed::start(entry("null_bias").expect("listed"), 0, &sizes).expect("a start");
+    let mut bias = Placed::start(entry("null_bias").expect("listed"), 0, &Yardsticks::TYPICAL).expect("a start");
     bias.values[0].value = BIAS;
     Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), sharp: false }.with(bias)
 }

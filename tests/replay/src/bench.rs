@@ -41,11 +41,15 @@ impl Bench {
         };
         let dt = 1.0 / f64::from(self.setup.control.rate);
         let before = self.v;
-        for _ in 0..STEPS {
-            let h = dt / STEPS as f64;
-            self.z += h * (-A1 * self.z + (B0 - B1 * A1) * u);
-            self.v = if relay { (self.z + B1 * u).clamp(-LIMIT, LIMIT) } else { 0.0 };
-            self.x += h * self.v;
+        if relay {
+            for _ in 0..STEPS {
+                let h = dt / STEPS as f64;
+                self.z += h * (-A1 * self.z + (B0 - B1 * A1) * u);
+                self.v = (self.z + B1 * u).clamp(-LIMIT, LIMIT);
+                self.x += h * self.v;
+            }
+        } else {
+            (self.z, self.v) = (0.0, 0.0);
         }
         self.a = (self.v - before) / dt;
         if let Some(played) = &mut self.played {

@@ -53,7 +53,7 @@ fn a_recording_of_the_device_is_read_as_it_is() {
     assert!(text.contains("b1 = 0.0"));
     std::fs::write(&file, text.replace("b1 = 0.0", "b1 = 0.69")).unwrap();
 
-    let tool = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/release/shakedown");
+    let tool = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/debug/shakedown");
     let output = Command::new(&tool).arg("diagnose").arg(&file).args(["--json", "-"]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

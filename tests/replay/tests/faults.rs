@@ -52,6 +52,8 @@ fn elaborate(mut setup: Setup) -> Setup {
     let tracking = TrackingSettings {
         flow,
         notch: Some(NotchSettings { frequency: 20.0, damping: 0.1 }),
+        // Two ticks, as far apart as they are at the usual rate.
+        spacing: 2.0 / setup.control.rate,
         ..TrackingSettings::default()
     };
     setup.control.tracking = Some(tracking);
@@ -135,6 +137,7 @@ fn a_tick_that_takes_longer_than_its_period_trips() {
         // A reference from the converter: at this rate the line is too slow for a stream.
         setup.wiring.source = Source::Analog;
         let tuned = elaborate(setup);
+        assert_eq!(tuned.validate(), Ok(()));
         let mut said = false;
         let write: Mischief = Box::new(move |tick, talker| {
             if tick.index as usize >= AT && !said {

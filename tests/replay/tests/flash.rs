@@ -11,7 +11,7 @@ mod common;
 
 use common::{bench::Bench, image, setup};
 use shakedown::device::Talker;
-use shakedown_core::link::{Report, Request, Setup, Vitals};
+use shakedown_core::link::{RefusedBecause, Report, Request, Setup, Vitals};
 use shakedown_core::{Mode, State};
 use shakedown_firmware::defaults;
 use shakedown_firmware::store::{SLOT, Slots, save};
@@ -122,7 +122,7 @@ fn the_setup_saved_last_is_in_force() {
 /// One wrong bit anywhere in the slot: the setup before it is in force.
 #[test]
 fn a_corrupted_slot_leaves_the_setup_before_it_in_force() {
-    for (byte, bit) in [(0, 0), (5, 3), (9, 7), (20, 1), (300, 5)] {
+    for (byte, bit) in [(0, 0), (5, 3), (9, 7), (20, 1), (200, 5)] {
         let mut memory = holding(&[gain(2.0), gain(3.0)]);
         memory.0[1][byte] ^= 1 << bit;
         let (setup, vitals) = at_power_on(&memory);
@@ -139,14 +139,15 @@ fn with_both_slots_corrupted_the_device_is_as_it_was_never_set_up() {
     assert_eq!((setup, vitals.stored, vitals.state), (defaults::setup(), false, State::Off));
 }
 
-/// Saved on the device, by the device: and the stack that the longest way through it takes.
+/// The emulated flash erases in its time and takes nothing that is programmed, as one does that is worn out: that is said,
+/// what was written stays in force unsaved, and the stack is deep enough for the longest way through the device.
 #[test]
-fn what_is_saved_is_stored_and_the_stack_is_deep_enough_for_it() {
+fn a_save_that_the_flash_does_not_take_is_said() {
     let questions = vec![Request::WriteSetup(gain(4.0)), Request::Save, Request::ReadVitals, Request::ReadSetup];
     let ran = ask(&holding(&[gain(2.0), gain(3.0)]), questions);
     match ran.world.heard[..] {
-        [Report::Done, Report::Done, Report::Vitals(vitals), Report::Setup(setup)] => {
-            assert_eq!((setup, vitals.stored), (gain(4.0), true));
+        [Report::Done, Report::Refused(RefusedBecause::Flash), Report::Vitals(vitals), Report::Setup(setup)] => {
+            assert_eq!((setup, vitals.stored), (gain(4.0), false));
         }
         ref other => panic!("{other:?}"),
     }

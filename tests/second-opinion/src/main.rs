@@ -8,7 +8,7 @@ mod pipe;
 mod target {
     use shakedown_core::link::Setup;
     use shakedown_firmware::Loop;
-    use shakedown_firmware::queues::{Order, Point, Queues};
+    use shakedown_firmware::queues::{LoopEnd, Order, Point, Queues};
     use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
 
     use super::pipe::{Pipe, exit};
@@ -25,6 +25,12 @@ mod target {
         exit(run(QUEUES).is_some())
     }
 
+    /// The loop where it stays, by a function of its own: what it needs of the stack the rest need not have free.
+    #[inline(never)]
+    fn placed(setup: &Setup, queues: LoopEnd<'static>) -> Option<&'static mut Loop<'static>> {
+        cortex_m::singleton!(: Loop<'static> = Loop::wired(setup, queues))
+    }
+
     /// Until the other end closes the pipe. None: it never got as far as a tick.
     fn run(queues: &'static mut Queues) -> Option<()> {
         let (input, output) = (Pipe::reading(TO_DEVICE)?, Pipe::writing(FROM_DEVICE)?);
@@ -32,7 +38,7 @@ mod target {
         input.read(&mut bytes)?;
         let (setup, _) = postcard::take_from_bytes::<Setup>(&bytes).ok()?;
         let (loop_end, mut desk) = queues.split();
-        let decide = cortex_m::singleton!(: Loop<'static> = Loop::wired(&setup, loop_end))?;
+        let decide = placed(&setup, loop_end)?;
         decide.begin(&setup, false).ok()?;
         let mut bytes = [0; Given::LENGTH];
         while input.read(&mut bytes).is_some() {

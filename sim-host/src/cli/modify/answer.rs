@@ -52,7 +52,7 @@ impl Answer {
             .unwrap_or_default()
     }
 
-    /// The shape that formats.md fixes, and more.
+    /// The shape that docs/formats.md states, and more.
     pub(super) fn json(&self) -> Result<Value, Failure> {
         let (fitted, clipped) = (self.compared(&self.modified.motion)?, self.compared(&self.clipped)?);
         let (displacement, velocity, acceleration) = self.modified.motion.peaks();

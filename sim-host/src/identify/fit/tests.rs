@@ -74,22 +74,13 @@ fn a_model_is_recovered_from_ten_per_cent_off() {
 
 #[test]
 fn friction_is_found_in_one_model_and_missed_by_the_other() {
-    let yardsticks = Yardsticks {
-        command: 0.05,
-        command_rate: 0.5,
-        speed: 0.2,
-        displacement: 0.1,
-        force: 1.0,
-        duration: 30.0,
-        line: 50.0,
-    };
-    let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 1, &yardsticks).unwrap();
+    let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 1, &Yardsticks::TYPICAL).unwrap();
     friction.values[0].value = 0.3;
     let runs = [recorded(&model(TRUTH).with(friction), 3)];
     let mut without = Fit::begin(model(TRUTH), &runs).unwrap();
     without.improve(&runs, Effort::FULL).unwrap();
     assert!(without.chi2() > 2.0, "a model without friction must not fit: chi2 {}", without.chi2());
-    let start = Placed::start(entry("coulomb_friction").unwrap(), 0, &yardsticks).unwrap();
+    let start = Placed::start(entry("coulomb_friction").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
     let mut with = Fit::resume(without.model.with(start), without.locals.clone(), &runs).unwrap();
     with.improve(&runs, Effort::FULL).unwrap();
     let force = with.model.effects[0].values[0].value;

@@ -1,6 +1,7 @@
 //! The accelerometer's filter lags.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::displacement_lag::TIME_CONSTANT;
+use super::{Effect, Entry, Hooks, Instant, Stage};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -9,18 +10,7 @@ pub const ENTRY: Entry = Entry {
     id: "acceleration_lag",
     equation: "tau y' = a - y",
     stage: Stage::Sensor,
-    parameters: &[Parameter {
-        key: "time",
-        unit: "s",
-        rigid_unit: "s",
-        meaning: "time constant",
-        yardstick: Yardstick::One,
-        low: 1e-4,
-        high: 0.1,
-        starts: &[0.001, 0.008],
-        positive: true,
-        role: Role::Shared,
-    }],
+    parameters: &[TIME_CONSTANT],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "acceleration trails the second difference of displacement",

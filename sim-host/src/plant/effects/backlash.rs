@@ -58,6 +58,11 @@ const STRIDE: f64 = 0.25;
 /// Travel, in half gaps, after which the lead has become the gap.
 const SETTLED: f64 = 3.0;
 
+/// Share of the gap that is left when it counts as closed.
+const CLOSED: f64 = 1e-9;
+/// Logarithm of the contact's share below which there is none.
+const FREE: f64 = -30.0;
+
 /// Lost motion between actuator and table.
 #[derive(Debug, Clone)]
 pub struct Backlash<S> {
@@ -94,11 +99,15 @@ impl<S: Scalar> Backlash<S> {
 /// `s` after `ds/dt = 1 - s^n` over `time`, from below 1, by steps of the exponential Rosenbrock-Euler rule, which are exact
 /// where the equation is linear and never pass 1 far.
 fn grow<S: Scalar>(mut s: S, time: S, n: S) -> S {
+    if s.value() > 1.0 - CLOSED {
+        return S::from(1.0);
+    }
     let time = time.min(S::from(SETTLED));
     let strides = (time.value() / STRIDE).ceil().max(1.0);
     let stride = time / strides;
     for _ in 0..strides as usize {
-        let (power, slope) = if s.value() < 1e-3 {
+        let free = n.value() * s.value().max(f64::MIN_POSITIVE).ln() < FREE;
+        let (power, slope) = if free {
             (S::from(0.0), S::from(0.0))
         } else {
             let power = s.pow(n);

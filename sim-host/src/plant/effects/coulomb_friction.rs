@@ -11,18 +11,7 @@ pub const ENTRY: Entry = Entry {
     equation: "f = Fc z, dz/dt = (v - |v| z)/s",
     stage: Stage::Table,
     parameters: &[
-        Parameter {
-            key: "force",
-            unit: "m/s2",
-            rigid_unit: "N",
-            meaning: "sliding friction per table mass",
-            yardstick: Yardstick::Force,
-            low: 1e-4,
-            high: 4.0,
-            starts: &[0.005, 0.1, 0.6],
-            positive: true,
-            role: Role::Shared,
-        },
+        FORCE,
         PRESLIDING,
     ],
     kinds: &[Kind::Servo, Kind::RigidMass, Kind::ForceBalance],
@@ -30,6 +19,20 @@ pub const ENTRY: Entry = Entry {
     signature: "a step in effort at every reversal, the same size at all speeds",
     mistaken_for: &["valve_deadband", "stribeck_friction", "backlash"],
     test: "pressure difference; supply pressure or payload changed; amplitude ladder",
+};
+
+/// Friction of a contact that slides.
+pub(super) const FORCE: Parameter = Parameter {
+    key: "force",
+    unit: "m/s2",
+    rigid_unit: "N",
+    meaning: "sliding friction per table mass",
+    yardstick: Yardstick::Force,
+    low: 1e-4,
+    high: 4.0,
+    starts: &[0.005, 0.1, 0.6],
+    positive: true,
+    role: Role::Shared,
 };
 
 /// The travel over which a contact bends before it slides.

@@ -9,23 +9,26 @@ pub const ENTRY: Entry = Entry {
     id: "displacement_lag",
     equation: "tau y' = x - y",
     stage: Stage::Sensor,
-    parameters: &[Parameter {
-        key: "time",
-        unit: "s",
-        rigid_unit: "s",
-        meaning: "time constant",
-        yardstick: Yardstick::One,
-        low: 1e-4,
-        high: 0.1,
-        starts: &[0.001, 0.008],
-        positive: true,
-        role: Role::Shared,
-    }],
+    parameters: &[TIME_CONSTANT],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "displacement trails the accelerometer; the loop loses phase",
     mistaken_for: &["command_delay", "valve_lag"],
     test: "accelerometer against LVDT phase at 20 Hz and up",
+};
+
+/// The time constant of a sensor.
+pub(super) const TIME_CONSTANT: Parameter = Parameter {
+    key: "time",
+    unit: "s",
+    rigid_unit: "s",
+    meaning: "time constant",
+    yardstick: Yardstick::One,
+    low: 1e-4,
+    high: 0.1,
+    starts: &[0.001, 0.008],
+    positive: true,
+    role: Role::Shared,
 };
 
 /// A lag in the displacement sensor.

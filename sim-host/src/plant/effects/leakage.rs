@@ -24,7 +24,7 @@ pub const ENTRY: Entry = Entry {
     kinds: &[Kind::Servo],
     frees: &[],
     signature: "velocity sags while force is needed; creep under a held load",
-    mistaken_for: &["viscous_friction", "load_dependent_flow", "valve_lag"],
+    mistaken_for: &["viscous_friction", "load_dependent_flow", "valve_lag", "command_delay"],
     test: "pressure at constant velocity; a loaded hold",
 };
 

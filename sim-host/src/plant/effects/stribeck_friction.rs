@@ -1,7 +1,7 @@
 //! Dry friction that is larger near standstill and falls as the bearings begin to slide.
 
 use super::bristle::Bristles;
-use super::coulomb_friction::PRESLIDING;
+use super::coulomb_friction::{FORCE, PRESLIDING};
 use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
@@ -12,18 +12,7 @@ pub const ENTRY: Entry = Entry {
     equation: "f = (Fc + (Fs - Fc) exp(-(v/vs)^2)) z, dz/dt = (v - |v| z)/s",
     stage: Stage::Table,
     parameters: &[
-        Parameter {
-            key: "force",
-            unit: "m/s2",
-            rigid_unit: "N",
-            meaning: "sliding friction per table mass",
-            yardstick: Yardstick::Force,
-            low: 1e-4,
-            high: 4.0,
-            starts: &[0.02, 0.2],
-            positive: true,
-            role: Role::Shared,
-        },
+        Parameter { starts: &[0.02, 0.2], ..FORCE },
         Parameter {
             key: "static",
             unit: "m/s2",

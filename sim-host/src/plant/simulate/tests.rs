@@ -5,15 +5,7 @@ use crate::plant::model::Kind;
 use crate::scalar::{Dual, Scalar};
 
 const DT: f64 = 0.004;
-const YARDSTICKS: Yardsticks = Yardsticks {
-    command: 0.05,
-    command_rate: 0.5,
-    speed: 0.2,
-    displacement: 0.05,
-    force: 1.0,
-    duration: 30.0,
-    line: 50.0,
-};
+const YARDSTICKS: Yardsticks = Yardsticks { displacement: 0.05, ..Yardsticks::TYPICAL };
 
 fn reference(n: usize) -> Vec<f64> {
     let sine = |t: f64, hz: f64, size: f64| size * (std::f64::consts::TAU * hz * t).sin();

@@ -1,4 +1,4 @@
-//! The three baselines of formats.md, each with its parameters in SI.
+//! The three baselines of an experiment (docs/formats.md), each with its parameters in SI.
 
 use super::super::document::Section;
 use super::super::error::{Problem, RecordingError, nearest};

@@ -71,12 +71,17 @@ impl Oil<'_> {
         self.session.order(&Request::Arm(answer(challenge))).map_err(failed)?;
         self.session.listen(Duration::from_secs(1)).map_err(failed)?;
         let heard = self.session.listen(Duration::from_secs(2)).map_err(failed)?;
-        let state = self.session.vitals().map_err(failed)?.state;
+        let vitals = self.session.vitals().map_err(failed)?;
+        let state = vitals.state;
         // Whatever the state is, the relay opens.
         let order = if state == State::Ready { Request::Disarm } else { Request::Trip };
         self.session.order(&order).map_err(failed)?;
         let rows: Vec<Row> = heard.rows().iter().copied().filter(|row| row.state == State::Ready).collect();
-        let speed = self.drift(&rows).ok_or_else(|| Failure::Work("the table was not held; see the vitals".into()))?;
+        let not_held = || {
+            let (rows, cause) = (heard.rows().len(), vitals.cause);
+            Failure::Work(format!("the table was not held: the device is {state:?}, {cause:?}; {rows} records came"))
+        };
+        let speed = self.drift(&rows).ok_or_else(not_held)?;
         let _ = writeln!(text, "state = \"{state:?}\"\ncreeps_by = {} # m/s", number(speed));
         if self.setup.control.mode == Mode::Controller {
             let command = mean(rows.iter().map(|row| self.command(row)));

@@ -1,0 +1,136 @@
+//! Real recordings as a second page: what the stated model holds, what was found missing, how much better it foresees.
+
+use super::super::diagnose::failure;
+use super::super::diagnose::page::lead;
+use super::super::output::{Outputs, print_table};
+use super::super::{Failure, progress};
+use serde_json::json;
+use shakedown::diagnose::{Diagnosis, Options, diagnose};
+use shakedown::recording::Experiment;
+use shakedown::report::{Item, Page, Section, Table};
+use std::path::PathBuf;
+
+/// One experiment and its diagnosis.
+struct Examined {
+    experiment: Experiment,
+    diagnosis: Diagnosis,
+}
+
+/// Diagnoses each experiment and shows them side by side.
+pub(super) fn run(files: &[PathBuf], outputs: &Outputs) -> Result<(), Failure> {
+    let bar = progress::bar(files.len() as u64, "recordings");
+    let mut all = Vec::new();
+    for file in files {
+        let experiment = Experiment::load(file).map_err(|e| Failure::Input(e.to_string()))?;
+        let diagnosis = diagnose(&experiment, &Options::default()).map_err(failure)?.diagnosis;
+        all.push(Examined { experiment, diagnosis });
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let inputs: Vec<PathBuf> = all.iter().flat_map(|one| one.experiment.inputs.clone()).collect();
+    let of = |one: &Examined| json!({ "experiment": one.experiment.name, "diagnosis": one.diagnosis });
+    let value = json!({ "schema": "shakedown.recordings/1", "recordings": all.iter().map(of).collect::<Vec<_>>() });
+    outputs.write_json(value, &inputs)?;
+    outputs.write_report(&mut page(&all), &inputs)?;
+    if !outputs.quiet() {
+        print_table(&found(&all));
+        print_table(&fits(&all));
+    }
+    Ok(())
+}
+
+fn page(all: &[Examined]) -> Page {
+    let said = |one: &Examined| Section {
+        heading: one.experiment.name.clone(),
+        items: vec![Item::Text(lead(&one.diagnosis)), Item::Table(parameters(one)), Item::Table(findings(one))],
+    };
+    let mut sections =
+        vec![Section { heading: "Side by side".into(), items: vec![Item::Table(found(all)), Item::Table(fits(all))] }];
+    sections.extend(all.iter().map(said));
+    Page {
+        title: "Proof on real recordings".into(),
+        lead: format!("{} real recordings, each given a model that leaves out what is known to be there.", all.len()),
+        sections,
+        ..Page::default()
+    }
+}
+
+/// What was stated and what was found.
+fn found(all: &[Examined]) -> Table {
+    let row = |one: &Examined| {
+        let stated = one.experiment.model.effects.iter().map(|e| e.id.as_str());
+        let kind = one.experiment.model.baseline.kind();
+        let stated: Vec<&str> = std::iter::once(kind).chain(stated).collect();
+        let named: Vec<&str> = one.diagnosis.effects.iter().map(|e| e.id).collect();
+        let part = one.diagnosis.part_explained.as_ref();
+        let part = part.map_or(String::new(), |p| format!(" ({}: {:.1} %)", p.ids.join(", "), 100.0 * p.share));
+        vec![
+            one.experiment.name.clone(),
+            stated.join(", "),
+            format!("{}{part}", named.join(", ")),
+            format!("{}", one.diagnosis.findings.len()),
+            format!("{:.1}", one.diagnosis.seconds),
+        ]
+    };
+    Table {
+        columns: ["Recording", "Stated", "Found missing", "Findings [1]", "Time [s]"].map(Into::into).to_vec(),
+        rows: all.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// Fit on the runs held back, each channel that judges.
+fn fits(all: &[Examined]) -> Table {
+    let rows = all.iter().flat_map(|one| {
+        let (before, after) = (&one.diagnosis.holdout.before, &one.diagnosis.holdout.after);
+        after.r2.iter().map(|(&channel, &r2)| {
+            vec![
+                one.experiment.name.clone(),
+                channel.to_owned(),
+                format!("{:.4}", before.r2.get(channel).copied().unwrap_or(f64::NAN)),
+                format!("{r2:.4}"),
+                format!("{:.2}", 100.0 * before.nrmse.get(channel).copied().unwrap_or(f64::NAN)),
+                format!("{:.2}", 100.0 * after.nrmse.get(channel).copied().unwrap_or(f64::NAN)),
+            ]
+        })
+    });
+    Table {
+        columns: [
+            "Recording",
+            "Channel held out",
+            "R2 before [1]",
+            "R2 after [1]",
+            "Error before [%]",
+            "Error after [%]",
+        ]
+        .map(Into::into)
+        .to_vec(),
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}
+
+fn parameters(one: &Examined) -> Table {
+    let rows = one.diagnosis.effects.iter().flat_map(|effect| {
+        effect.parameters.iter().map(|(key, q)| {
+            let spread = q.std.map_or("not determined".into(), |s| format!("{s:.2e}"));
+            vec![format!("{}.{key}", effect.id), format!("{:.5}", q.value), spread, q.unit.to_owned()]
+        })
+    });
+    Table {
+        columns: ["Parameter", "Value", "Standard error", "Unit"].map(Into::into).to_vec(),
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}
+
+fn findings(one: &Examined) -> Table {
+    let row = |f: &shakedown::recording::check::Finding| {
+        vec![f.run.clone(), f.channel.to_owned(), f.problem.clone(), f.remedy.clone()]
+    };
+    Table {
+        columns: ["Run", "Channel", "Finding", "Remedy"].map(Into::into).to_vec(),
+        rows: one.diagnosis.findings.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
