@@ -2,17 +2,21 @@
 
 use shakedown_firmware::store::{SLOT, Slots};
 use stm32f4xx_hal::flash::{Error, FlashExt, LockedFlash};
+use stm32f4xx_hal::pac;
 
 use super::{ticker, watchdog};
 
 const SECTOR: [u8; 2] = [10, 11];
 const OFFSET: [usize; 2] = [0x000C_0000, 0x000E_0000];
 
+/// Cycles between two looks at an erase that takes a second.
+const WAIT: u32 = 10_000;
+
 /// The flash.
 pub(crate) struct Flash(pub(crate) LockedFlash);
 
 impl Flash {
-    /// Lets `work` write. The ticks stop meanwhile, for a second or two: only with the relay open.
+    /// Lets `work` write. The ticks stop meanwhile, for about a second: only with the relay open.
     pub(crate) fn write<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         ticker::without_ticks(|| watchdog::patiently(|| work(self)))
     }
@@ -29,10 +33,19 @@ impl Slots for Flash {
     }
 
     fn erase(&mut self, slot: usize) -> Result<(), Error> {
-        match SECTOR.get(slot) {
-            Some(&sector) => self.0.unlocked().erase(sector),
-            None => Err(Error::Operation),
+        let Some(&sector) = SECTOR.get(slot) else { return Err(Error::Operation) };
+        let _unlocked = self.0.unlocked();
+        // SAFETY: this owns the flash, and while it is unlocked nobody else reads or writes its registers.
+        let flash = unsafe { &*pac::FLASH::ptr() };
+        // Word by word, which the board's 3.3 V allow, takes half the time of the driver's byte by byte (RM0090, 3.6.2).
+        // SAFETY: a sector that the part has.
+        flash.cr().modify(|_, w| unsafe { w.psize().psize32().snb().bits(sector).ser().set_bit() });
+        flash.cr().modify(|_, w| w.strt().set_bit());
+        while flash.sr().read().bsy().bit() {
+            cortex_m::asm::delay(WAIT);
         }
+        flash.cr().modify(|_, w| w.ser().clear_bit());
+        if flash.sr().read().wrperr().bit() { Err(Error::WriteProtection) } else { Ok(()) }
     }
 
     fn program(&mut self, slot: usize, offset: usize, bytes: &[u8]) -> Result<(), Error> {
