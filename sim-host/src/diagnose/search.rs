@@ -185,7 +185,9 @@ struct Seedling<'a> {
 fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks) -> Result<Vec<Fit>, SimulateError> {
     let mut seedlings = Vec::new();
     let mut sets: Vec<Vec<&'static str>> = Vec::new();
-    for parent in parents {
+    let blurred = |parent: &Fit| parent.blurred(runs, Effort { steps: 3, tolerance: 1e-4 });
+    let parents = parents.par_iter().map(blurred).collect::<Result<Vec<_>, _>>()?;
+    for parent in &parents {
         for entry in candidates(&parent.model) {
             let mut set = parent.model.ids();
             set.push(entry.id);

@@ -109,6 +109,18 @@ impl Fit {
         Ok(())
     }
 
+    /// The same with corners blurred again, for a look at what else may be missing: sharp ones take several times as long.
+    pub fn blurred(&self, runs: &[Run], effort: Effort) -> Result<Self, SimulateError> {
+        if !self.model.sharp {
+            return Ok(self.clone());
+        }
+        let model = Model { sharp: false, ..self.model.clone() };
+        let mut fit = Self::resume(model, self.locals.clone(), runs)?;
+        fit.evaluations += self.evaluations;
+        fit.improve(runs, effort)?;
+        Ok(fit)
+    }
+
     /// One step; false where it led nowhere and only the damping grew.
     fn step(&mut self, runs: &[Run]) -> Result<bool, SimulateError> {
         let held = self.held();
