@@ -23,9 +23,23 @@ pub(crate) use {config::Config, track::tracking};
 
 use crate::guard::{Refused, Request, State, Supervisor, Trip};
 use crate::modifier::{Modifier, ModifierState};
-use crate::sample::{Channels, Command, Relay, Sample, Status};
+use crate::sample::{Channels, Command, Course, Relay, Sample, Status};
 use crate::scalar::Scalar;
 use crate::settings::{Mode, Settings, SettingsError};
+
+/// Whether the last tick ran whole, nothing missing, fading or blending, and no change was asked for since; and how much of
+/// the configuration a tick then need not ask about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Quiet {
+    /// It did not.
+    No,
+    /// It did.
+    Partly,
+    /// And every part that looks on is in use.
+    All,
+    /// And the mode is [`Mode::Guard`], on the sensors that every table has.
+    Guard,
+}
 
 /// The whole control law.
 #[derive(Debug, Clone)]
@@ -55,8 +69,7 @@ pub struct Controller {
     /// Whether every needed channel has been read at least once.
     begun: bool,
     tracker: Tracker,
-    /// Whether the last tick ran whole: nothing missing, fading or blending, no change asked for since.
-    quiet: bool,
+    quiet: Quiet,
     /// Whether ticks have passed that the record modifier did not hear of.
     gap: bool,
     modifier: ModifierState,
@@ -90,7 +103,7 @@ impl Controller {
             blending: false,
             begun: false,
             tracker: Tracker::default(),
-            quiet: false,
+            quiet: Quiet::No,
             gap: false,
             modifier: ModifierState::Off,
             config,
@@ -103,14 +116,14 @@ impl Controller {
     pub fn retune(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let config = Config::new(settings)?;
         let law = tracking(settings)?;
-        match (&self.config.guard, &config.guard) {
-            (Some(_), None) if self.supervisor.state() != State::Off => {
+        match (self.config.parts.guard, config.parts.guard) {
+            (true, false) if self.supervisor.state() != State::Off => {
                 return Err(SettingsError::Contradiction { field: "guard", with: "a test that is not off" });
             }
-            (Some(_), None) => self.supervisor = Supervisor::unguarded(),
-            (None, Some(_)) => self.supervisor = Supervisor::off(),
+            (true, false) => self.supervisor = Supervisor::unguarded(),
+            (false, true) => self.supervisor = Supervisor::off(),
             // Without a guard only a controller that was inert is off.
-            (None, None) if self.supervisor.state() == State::Off => self.supervisor = Supervisor::unguarded(),
+            (false, false) if self.supervisor.state() == State::Off => self.supervisor = Supervisor::unguarded(),
             _ => {}
         }
         if !self.begun {
@@ -123,21 +136,21 @@ impl Controller {
         }
         self.blend.pending = self.begun;
         self.blending = self.begun;
-        self.quiet = false;
+        self.quiet = Quiet::No;
         self.config = config;
         Ok(())
     }
 
     /// Asks for a change of state, for instance [`Request::Arm`] and then [`Request::Start`].
     pub fn request(&mut self, request: Request) -> Result<(), Refused> {
-        if self.config.guard.is_none() {
+        if !self.config.parts.guard {
             return Err(Refused::NoGuard);
         }
         if let (Request::Arm, Some(cause)) = (request, self.watch.cause()) {
             return Err(Refused::Cause(cause));
         }
         let whole = self.supervisor.whole();
-        self.quiet = false;
+        self.quiet = Quiet::No;
         self.supervisor.request(request)?;
         match request {
             Request::Arm => self.start_at(self.readings.displacement),
@@ -182,26 +195,42 @@ impl Controller {
     /// One tick: measure, decide, command.
     #[inline]
     pub fn step(&mut self, sample: &Sample) -> Command {
-        let missing = self.advance(sample);
-        self.command(missing)
+        let course = self.advance(sample);
+        self.command(course.missing())
     }
 
-    /// The first half of [`Self::step`]: the tick itself. Gives the needed inputs that were no believable numbers. A caller
-    /// that reads of the command only what it needs, when it needs it, spares the rest.
+    /// The first half of [`Self::step`]: the tick itself. A caller that reads of the command only what it needs, when it needs
+    /// it, spares the rest.
     #[inline]
-    pub fn advance(&mut self, sample: &Sample) -> Channels {
-        let missing = self.config.walls.take(sample, &mut self.readings);
+    pub fn advance(&mut self, sample: &Sample) -> Course {
         // A test that runs whole, which is where the ticks count, asks no questions; see `go_on` for all of them.
-        if self.quiet && missing.is_empty() {
-            match self.watch.step(&self.config, &self.readings, self.drive()) {
-                None => self.decide::<true>(),
+        if self.quiet == Quiet::Guard && self.config.walls.take_three(sample, &mut self.readings) {
+            return match self.watch.step::<true, true>(&self.config, &self.readings, self.drive()) {
+                None if self.decide::<true, true>() => Course::Whole,
+                None => Course::Other(Channels::NONE),
+                cause => {
+                    self.go_on(Channels::NONE, cause);
+                    Course::Other(Channels::NONE)
+                }
+            };
+        }
+        let missing = self.config.walls.take(sample, &mut self.readings);
+        if self.quiet != Quiet::No && missing.is_empty() {
+            let cause = if self.quiet == Quiet::All {
+                self.watch.step::<true, false>(&self.config, &self.readings, self.drive())
+            } else {
+                self.watch_partly()
+            };
+            match cause {
+                None if self.decide::<true, false>() => return Course::Whole,
+                None => {}
                 cause => self.go_on(missing, cause),
             }
         } else if self.begun || self.begin(missing) {
             let cause = self.watch(missing);
             self.go_on(missing, cause);
         }
-        missing
+        Course::Other(missing)
     }
 
     /// The rest of a tick in which something may be missing, fading or blending, or the guard may have found a cause to
@@ -211,25 +240,35 @@ impl Controller {
         if cause.is_some() || !self.supervisor.steady() {
             self.supervise(cause);
         }
-        self.quiet = missing.is_empty() && self.supervisor.steady();
+        let whole = missing.is_empty() && self.supervisor.steady();
         if !self.supervisor.moves() {
             self.make_safe();
         } else if missing.is_empty() {
-            self.decide::<false>();
-            self.quiet &= !self.blending;
+            self.decide::<false, false>();
         } else {
             self.gap = true;
         }
+        self.quiet = if !whole || self.blending || !self.supervisor.steady() {
+            Quiet::No
+        } else if self.config.guards() {
+            Quiet::Guard
+        } else if self.config.complete() {
+            Quiet::All
+        } else {
+            Quiet::Partly
+        };
     }
 
     /// Takes up what the guard has found, and moves the ramps on.
     #[inline(never)]
     fn supervise(&mut self, cause: Option<Trip>) {
-        let Some(guard) = &self.config.guard else { return };
+        if !self.config.parts.guard {
+            return;
+        }
         if let Some(cause) = cause {
             self.supervisor.doubt(cause);
         }
-        self.supervisor.advance(guard.ramps);
+        self.supervisor.advance(self.config.guard.ramps);
     }
 
     /// The first tick for which every needed channel is there. Until then nothing moves.
@@ -247,6 +286,12 @@ impl Controller {
     #[inline]
     fn drive(&self) -> Drive {
         Drive { reference: self.reference, reference_velocity: self.law.reference_velocity(), excess: self.excess }
+    }
+
+    /// What they say where some parts that look on are not in use.
+    #[inline(never)]
+    fn watch_partly(&mut self) -> Option<Trip> {
+        self.watch.step_partly(&self.config, &self.readings, self.drive())
     }
 
     /// What the sensors say of the table, the valve and themselves.
@@ -274,11 +319,13 @@ impl Controller {
         self.output = self.zero_flow() + self.supervisor.command() * self.excess;
     }
 
-    /// The output of the mode, all inputs being good; `WHOLE` where nothing fades or blends.
+    /// The output of the mode, all inputs being good; `WHOLE` where nothing fades or blends, `GUARD` where the mode is known to
+    /// be [`Mode::Guard`]. False where the command was beyond its limit.
     #[inline(always)]
-    fn decide<const WHOLE: bool>(&mut self) {
+    fn decide<const WHOLE: bool, const GUARD: bool>(&mut self) -> bool {
         let zero = self.zero_flow();
-        let (asked, whole) = match self.config.mode {
+        let mode = if GUARD { Mode::Guard } else { self.config.mode };
+        let (asked, whole) = match mode {
             Mode::Guard => (self.readings.external - zero, self.readings.external),
             Mode::Modifier => {
                 let reference = self.fit_reference::<WHOLE>();
@@ -295,7 +342,8 @@ impl Controller {
         };
         let all = WHOLE || self.supervisor.steady() && !self.blending;
         let wanted = if all { asked } else { self.fade(asked, zero) };
-        if wanted.abs() <= self.config.command_limit {
+        let within = self.config.within.holds(wanted);
+        if within {
             self.limited = false;
             self.excess = wanted;
             // What nothing acts on passes to the last bit, which `zero + (external - zero)` would not.
@@ -303,6 +351,7 @@ impl Controller {
         } else {
             self.limit(wanted, zero);
         }
+        within
     }
 
     /// A command beyond what the valve is given, or none at all: no input makes the law's state other than a number,
@@ -310,9 +359,9 @@ impl Controller {
     #[cold]
     fn limit(&mut self, wanted: f32, zero: f32) {
         if wanted.is_nan() {
-            self.quiet = false;
+            self.quiet = Quiet::No;
             self.start_at(self.readings.displacement);
-            if self.config.guard.is_some() {
+            if self.config.parts.guard {
                 self.supervisor.trip(Trip::Internal);
             }
             return;

@@ -23,5 +23,5 @@ pub mod units;
 
 pub use controller::Controller;
 pub use guard::{Refused, Request, State, Trip};
-pub use sample::{Channels, Command, Relay, Sample, Status};
+pub use sample::{Channels, Command, Course, Relay, Sample, Status};
 pub use settings::{Mode, Modification, Settings, SettingsError};

@@ -3,6 +3,28 @@
 //! In a tick only comparisons and, near the end of the stroke, the square root are called; configurations work the
 //! rest out once.
 
+/// A limit on the magnitude of a number, kept so that what is within it is told by one comparison of whole numbers: bits
+/// without the sign are in the order of the magnitudes, and what is no number lies beyond all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Magnitude(u32);
+
+impl Magnitude {
+    /// Nothing but zero is within it.
+    pub const ZERO: Self = Self(0);
+
+    /// Within `limit`, itself included; infinity lets every number pass. The limit's sign does not matter.
+    #[inline]
+    pub const fn new(limit: f32) -> Self {
+        Self(limit.to_bits() << 1)
+    }
+
+    /// Whether `value` is within.
+    #[inline]
+    pub const fn holds(self, value: f32) -> bool {
+        value.to_bits() << 1 <= self.0
+    }
+}
+
 /// The smaller of two numbers. Where either is NaN the second is given; a plain comparison, where `f32::min` is a call on
 /// a target without the instruction.
 #[inline]

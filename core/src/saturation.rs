@@ -23,6 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{BlockError, require};
 use crate::control::Blocked;
+use crate::math::Magnitude;
 
 /// How saturation is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -66,7 +67,7 @@ pub struct Evidence {
 /// The detector's configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detector {
-    plateau: f32,
+    plateau: Magnitude,
     error: f32,
     excess: f32,
     slowest: f32,
@@ -110,6 +111,20 @@ impl DetectorState {
 }
 
 impl Detector {
+    /// No detector: every limit is believed.
+    pub(crate) const fn none() -> Self {
+        Self {
+            plateau: Magnitude::ZERO,
+            error: 0.0,
+            excess: 1.0,
+            slowest: 0.0,
+            limit: 0.0,
+            hold: u32::MAX,
+            follow: 0.0,
+            recovery: 0.0,
+        }
+    }
+
     /// A detector for a table of `velocity_limit` (m/s) at ticks of `dt` (s).
     pub fn new(settings: &Detection, velocity_limit: f32, dt: f32) -> Result<Self, BlockError> {
         let limit = require("velocity_limit", velocity_limit, 1e-3, 10.0)?;
@@ -118,7 +133,7 @@ impl Detector {
         let follow = require("saturation.follow", settings.follow, 1e-3, 10.0)?;
         let recovery = require("saturation.recovery", settings.recovery, 0.01, 1000.0)?;
         Ok(Self {
-            plateau: require("saturation.plateau", settings.plateau, 1e-3, 100.0)?,
+            plateau: Magnitude::new(require("saturation.plateau", settings.plateau, 1e-3, 100.0)?),
             error: require("saturation.error", settings.error, 0.0, 1.0)?,
             excess: 1.0 + require("saturation.shortfall", settings.shortfall, 0.0, 10.0)?,
             slowest: floor * limit,
@@ -144,7 +159,7 @@ impl Detector {
         } else {
             (-seen.error, -seen.demand, &mut state.negative)
         };
-        let pushed = error > self.error && seen.acceleration.abs() <= self.plateau && speed >= self.slowest;
+        let pushed = error > self.error && self.plateau.holds(seen.acceleration) && speed >= self.slowest;
         if pushed && (speed >= 0.92 * *limit || demand > self.excess * speed) {
             state.lasted = state.lasted.saturating_add(1);
         } else {

@@ -4,16 +4,20 @@
 //! relay. This file turns codes into the core's units and back, feeds it the reference, and passes on what only the
 //! board can see.
 
-use shakedown_core::link::{Cause, Record, Setup};
-use shakedown_core::{Channels, Controller, Refused, Relay, Request, Sample, SettingsError, State, Trip};
+use shakedown_core::link::{Cause, MAX_BATCH, Record, Setup};
+use shakedown_core::{Channels, Controller, Course, Refused, Relay, Request, Sample, SettingsError, State, Trip};
 
 mod outcome;
 
-pub use outcome::{Events, Outcome};
+pub use outcome::{Codes, Events, News, Outcome};
 
 use crate::output::ZeroFlow;
 use crate::queues::{Entry, LoopEnd, Order, Standing};
 use crate::wires::Wires;
+
+/// Ticks after which the others are told where the loop stands even when that is no news: as many as a frame of telemetry has
+/// records.
+const ROUND: u32 = MAX_BATCH as u32;
 
 /// Everything that decides the output.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
@@ -22,16 +26,20 @@ use crate::wires::Wires;
 pub struct Loop<'a> {
     wires: Wires,
     queues: LoopEnd<'a>,
+    /// Ticks until there is something to do beside the output, and how many there will have been then. So an ordinary tick
+    /// counts down, and everything that is due now and then shares one question.
+    left: u32,
+    due: u32,
+    /// Reference of the last tick, m.
+    reference: f32,
     /// The core's count of changes when the standing was last told; none of its counts after a change of the cause.
     told: u16,
     /// What the board, the stream or a refusal has to say beside the core.
     cause: Option<Cause>,
-    tick: u32,
-    until_record: u16,
+    /// The tick of the next record.
+    record_at: u32,
     dropped: u32,
     probe: Option<u16>,
-    /// Reference of the last tick, m.
-    reference: f32,
     /// A record of telemetry every so many ticks.
     every: u16,
     controller: Controller,
@@ -55,13 +63,14 @@ impl<'a> Loop<'a> {
             controller: Controller::inert(),
             wires: Wires::new(setup),
             queues,
+            left: 1,
+            due: 1,
+            reference: 0.0,
             told: u16::MAX,
             cause: None,
-            tick: 0,
-            until_record: 0,
+            record_at: 0,
             dropped: 0,
             probe: None,
-            reference: 0.0,
             every: setup.telemetry_every,
             rate: setup.control.rate,
             zero_flow: ZeroFlow::new(setup),
@@ -92,7 +101,7 @@ impl<'a> Loop<'a> {
     /// Ticks so far, and records that found no room.
     #[inline]
     pub const fn counts(&self) -> (u32, u32) {
-        (self.tick, self.dropped)
+        (self.due.wrapping_sub(self.left), self.dropped)
     }
 
     /// The control rate in force, Hz.
@@ -105,11 +114,12 @@ impl<'a> Loop<'a> {
         self.zero_flow
     }
 
-    /// One tick. `inputs` are the codes of reference, displacement, acceleration and existing command.
+    /// One tick. `inputs` are the codes of reference, displacement, acceleration and existing command, by reference, so that
+    /// they are not packed into words for a call that is not made.
     #[inline]
-    pub fn tick(&mut self, inputs: [u16; 4]) -> Outcome {
+    pub fn tick(&mut self, inputs: &[u16; 4]) -> Outcome {
         if self.queues.orders.ready() {
-            return self.tick_with(inputs, Events::default());
+            return self.tick_with(Codes::of(inputs), Events::default());
         }
         let sample = self.sample(inputs);
         self.decide(inputs, sample, false)
@@ -118,10 +128,13 @@ impl<'a> Loop<'a> {
     /// The same when the board has noticed something.
     #[cold]
     #[inline(never)]
-    pub fn tick_with(&mut self, inputs: [u16; 4], events: Events) -> Outcome {
+    pub fn tick_with(&mut self, inputs: Codes, events: Events) -> Outcome {
+        let inputs = &inputs.each();
         let new_setup = self.queues.orders.ready() && self.obey();
-        if events.emergency_stop || events.supply_low || events.overrun {
-            self.trip(events);
+        if events.emergency_stop {
+            self.trip(Cause::EmergencyStop);
+        } else if events.supply_low {
+            self.trip(Cause::SupplyLow);
         }
         let mut sample = self.sample(inputs);
         if events.no_sample {
@@ -132,35 +145,48 @@ impl<'a> Loop<'a> {
     }
 
     #[inline(always)]
-    fn decide(&mut self, inputs: [u16; 4], sample: Sample, new_setup: bool) -> Outcome {
+    fn decide(&mut self, inputs: &[u16; 4], sample: Sample, new_setup: bool) -> Outcome {
         self.reference = sample.reference;
-        let missing = self.controller.advance(&sample);
-        let mut output = self.wires.output.code(self.controller.valve());
-        if self.probe.is_some() {
-            output = self.probed(output);
+        let course = self.controller.advance(&sample);
+        let output = self.wires.output.code(self.controller.valve());
+        self.left = self.left.wrapping_sub(1);
+        if course == Course::Whole && self.left != 0 {
+            return Outcome { output, news: None };
         }
-        self.report(inputs, missing, output);
-        self.tick = self.tick.wrapping_add(1);
-        let relay = self.controller.relay() == Relay::Closed;
+        self.attend(Codes::of(inputs), course, output, new_setup)
+    }
+
+    /// The rest of a tick in which something is due or may have changed.
+    #[inline(never)]
+    fn attend(&mut self, inputs: Codes, course: Course, output: u16, new_setup: bool) -> Outcome {
+        let output = match self.probe {
+            Some(code) if self.controller.state() == State::Off => self.wires.output.nearest(code),
+            _ => output,
+        };
+        let (ticks, _) = self.counts();
+        self.report(ticks.wrapping_sub(1), inputs.each(), course.missing(), output);
         let changes = u16::from(self.controller.changes());
         let changed = changes != self.told;
         self.told = changes;
-        Outcome { output, relay, new_setup, changed }
+        let relay = self.controller.relay() == Relay::Closed;
+        let news = News { relay, new_setup, tell: changed || ticks % ROUND == 0 };
+        self.schedule(ticks);
+        Outcome { output, news: Some(news) }
     }
 
-    /// The probe's code while the test is off, `output` otherwise.
-    #[cold]
-    fn probed(&self, output: u16) -> u16 {
-        match self.probe {
-            Some(code) if self.controller.state() == State::Off => self.wires.output.nearest(code),
-            _ => output,
+    /// Works out which tick is the next to attend to, after `ticks` of them.
+    fn schedule(&mut self, ticks: u32) {
+        self.left = ROUND - ticks % ROUND;
+        if self.every > 0 {
+            self.left = self.left.min(self.record_at.wrapping_sub(ticks).wrapping_add(1));
         }
+        self.due = ticks.wrapping_add(self.left);
     }
 
     /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.
     #[inline]
-    fn sample(&mut self, inputs: [u16; 4]) -> Sample {
-        let [reference, displacement, acceleration, external] = inputs;
+    fn sample(&mut self, inputs: &[u16; 4]) -> Sample {
+        let &[reference, displacement, acceleration, external] = inputs;
         let wires = &self.wires;
         let mut sample = Sample {
             displacement: wires.read(wires.displacement, displacement),
@@ -199,15 +225,16 @@ impl<'a> Loop<'a> {
         self.told = u16::MAX;
     }
 
-    fn trip(&mut self, events: Events) {
+    /// The tick that has just ended took too long: the next one has come already, and finds the test tripped.
+    #[cold]
+    #[inline(never)]
+    pub fn overrun(&mut self) {
+        self.trip(Cause::Overrun);
+    }
+
+    fn trip(&mut self, cause: Cause) {
         if self.controller.state() != State::Tripped {
-            self.blame(Some(if events.emergency_stop {
-                Cause::EmergencyStop
-            } else if events.supply_low {
-                Cause::SupplyLow
-            } else {
-                Cause::Overrun
-            }));
+            self.blame(Some(cause));
             let _ = self.controller.request(Request::Trip);
         }
     }
@@ -233,7 +260,7 @@ impl<'a> Loop<'a> {
             self.wires = Wires::new(setup);
             (self.every, self.rate) = (setup.telemetry_every, setup.control.rate);
             self.zero_flow = ZeroFlow::new(setup);
-            self.until_record = 0;
+            self.record_at = self.counts().0;
         }
         self.queues.setups.dequeue();
         taken
@@ -255,16 +282,11 @@ impl<'a> Loop<'a> {
     }
 
     /// Telemetry, every so many ticks.
-    #[inline]
-    fn report(&mut self, inputs: [u16; 4], missing: Channels, output: u16) {
-        if self.until_record > 1 {
-            self.until_record -= 1;
+    fn report(&mut self, tick: u32, inputs: [u16; 4], missing: Channels, output: u16) {
+        if self.every == 0 || tick != self.record_at {
             return;
         }
-        self.until_record = self.every;
-        if self.until_record == 0 {
-            return;
-        }
+        self.record_at = tick.wrapping_add(u32::from(self.every));
         let command = self.controller.command(missing);
         let record = Record {
             reference: self.reference,
@@ -273,7 +295,7 @@ impl<'a> Loop<'a> {
             output,
             flags: command.status.bits(),
         };
-        let entry = Entry { tick: self.tick, state: command.status.state, record };
+        let entry = Entry { tick, state: command.status.state, record };
         if self.queues.records.enqueue(entry).is_err() {
             self.dropped = self.dropped.wrapping_add(1);
         }

@@ -143,9 +143,9 @@ mod tests {
             setup.control.valve.null_bias = bias;
             let mut queues = Queues::new();
             let mut decide = Loop::new(&setup, queues.split().0, false).unwrap();
-            let outcome = decide.tick([2048, code, 2048, 2048]);
+            let outcome = decide.tick(&[2048, code, 2048, 2048]);
             prop_assert_eq!(outcome.output, ZeroFlow::new(&setup).code(code));
-            prop_assert!(!outcome.relay);
+            prop_assert!(!outcome.relay());
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::control::{AccelerationLoop, DisplacementLoop, LoopGains, VelocityLoop
 use crate::filter::{Differentiator, Fusion, Lag};
 use crate::guard::supervisor::Ramps;
 use crate::guard::{Envelope, GuardSettings, Plausibility, ValveMonitor, Walls};
+use crate::math::Magnitude;
 use crate::modifier::Modifier;
 use crate::saturation::Detector;
 use crate::settings::{Gains, Mode, ReferenceRates, Settings, SettingsError, VelocitySource};
@@ -18,11 +19,43 @@ pub(crate) enum Rates {
     Zero,
 }
 
+/// Which of the parts are in use that a configuration may do without. They lie in it all the same, so that a tick with all
+/// of them asks once and not for each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Parts {
+    pub(crate) observer: bool,
+    pub(crate) velocity_sensor: bool,
+    pub(crate) detector: bool,
+    pub(crate) guard: bool,
+    pub(crate) plausibility: bool,
+}
+
+impl Parts {
+    /// Everything that looks on, and the velocity is the observer's.
+    const ALL: Self =
+        Self { observer: true, velocity_sensor: false, detector: true, guard: true, plausibility: true };
+    const NONE: Self =
+        Self { observer: false, velocity_sensor: false, detector: false, guard: false, plausibility: false };
+
+    /// Those that `settings` name.
+    fn of(s: &Settings) -> Self {
+        let watched = s.guard.is_some() || s.saturation.is_some();
+        let tracked = s.velocity.act() && s.velocity_source == VelocitySource::Observer;
+        Self {
+            observer: watched || tracked,
+            velocity_sensor: s.velocity_source == VelocitySource::Sensor,
+            detector: s.saturation.is_some(),
+            guard: s.guard.is_some(),
+            plausibility: s.guard.is_some() && s.observer.accelerometer,
+        }
+    }
+}
+
 /// The guard's configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Guard {
     pub(crate) envelope: Envelope,
-    pub(crate) plausibility: Option<Plausibility>,
+    pub(crate) plausibility: Plausibility,
     pub(crate) valve: ValveMonitor,
     pub(crate) ramps: Ramps,
     pub(crate) lost: u32,
@@ -33,10 +66,10 @@ pub(crate) struct Guard {
 pub(crate) struct Config {
     pub(crate) mode: Mode,
     pub(crate) walls: Walls,
-    pub(crate) observer: Option<Fusion>,
+    pub(crate) parts: Parts,
+    pub(crate) observer: Fusion,
     pub(crate) smoothing: Lag,
-    pub(crate) velocity_sensor: bool,
-    pub(crate) detector: Option<Detector>,
+    pub(crate) detector: Detector,
     pub(crate) modifier: Modifier,
     pub(crate) displacement: DisplacementLoop,
     pub(crate) velocity: Option<VelocityLoop>,
@@ -49,12 +82,13 @@ pub(crate) struct Config {
     pub(crate) null_bias: f32,
     pub(crate) valve_gain: f32,
     pub(crate) command_limit: f32,
+    pub(crate) within: Magnitude,
     /// Command beyond which the table moves no faster, m.
     pub(crate) wide_open: f32,
     pub(crate) anti_windup: bool,
     pub(crate) velocity_limit: f32,
     pub(crate) blend_step: f32,
-    pub(crate) guard: Option<Guard>,
+    pub(crate) guard: Guard,
 }
 
 impl Config {
@@ -63,10 +97,10 @@ impl Config {
         Self {
             mode: Mode::Controller,
             walls: Walls::shut(),
-            observer: None,
+            parts: Parts::NONE,
+            observer: Fusion::none(),
             smoothing: Lag::none(),
-            velocity_sensor: false,
-            detector: None,
+            detector: Detector::none(),
             modifier: Modifier::Off,
             displacement: DisplacementLoop::new(LoopGains { proportional: 0.0, integral: 0.0 }, 0.0, 0.0),
             velocity: None,
@@ -77,12 +111,23 @@ impl Config {
             null_bias: 0.0,
             valve_gain: 0.0,
             command_limit: 0.0,
+            within: Magnitude::ZERO,
             wide_open: 0.0,
             anti_windup: false,
             velocity_limit: 0.0,
             blend_step: 1.0,
-            guard: None,
+            guard: Guard::none(),
         }
+    }
+
+    /// Whether every part that looks on is in use.
+    pub(crate) fn complete(&self) -> bool {
+        self.parts == Parts::ALL
+    }
+
+    /// Whether it is complete, guards an existing controller, and reads no channel that few tables have.
+    pub(crate) fn guards(&self) -> bool {
+        self.complete() && self.mode == Mode::Guard && self.walls.three()
     }
 
     /// Works out `settings`, or says which field does not hold.
@@ -93,16 +138,16 @@ impl Config {
         let limit = s.valve.command_limit;
         let acceleration =
             AccelerationLoop::new(loop_gains(s.acceleration), dt, s.washout_frequency, limit).map(Some)?;
-        let watched = s.guard.is_some() || s.saturation.is_some();
-        let tracked = s.velocity.act() && s.velocity_source == VelocitySource::Observer;
-        let observer = Fusion::new(s.observer.frequency, dt).map_err(|error| error.named("observer.frequency"))?;
         Ok(Self {
             mode: s.mode,
             walls: Walls::new(s),
-            observer: (watched || tracked).then_some(observer),
+            parts: Parts::of(s),
+            observer: Fusion::new(s.observer.frequency, dt).map_err(|error| error.named("observer.frequency"))?,
             smoothing: Lag::new(s.observer.smoothing, dt).map_err(|error| error.named("observer.smoothing"))?,
-            velocity_sensor: s.velocity_source == VelocitySource::Sensor,
-            detector: s.saturation.map(|d| Detector::new(&d, s.velocity_limit, f32::from(TURNS) * dt)).transpose()?,
+            detector: match &s.saturation {
+                Some(detection) => Detector::new(detection, s.velocity_limit, f32::from(TURNS) * dt)?,
+                None => Detector::none(),
+            },
             modifier: Modifier::new(s)?,
             displacement: DisplacementLoop::new(loop_gains(s.displacement), dt, limit),
             velocity: s.velocity.act().then(|| VelocityLoop::new(loop_gains(s.velocity), dt, limit)),
@@ -114,16 +159,30 @@ impl Config {
             null_bias: if s.mode == Mode::Modifier { 0.0 } else { s.valve.null_bias },
             valve_gain: s.valve.gain,
             command_limit: limit,
+            within: Magnitude::new(limit),
             wide_open: s.velocity_limit / s.valve.gain,
             anti_windup: s.anti_windup,
             velocity_limit: s.velocity_limit,
             blend_step: dt / s.blend.max(dt),
-            guard: s.guard.map(|guard| Guard::new(&guard, s, dt)).transpose()?,
+            guard: match &s.guard {
+                Some(guard) => Guard::new(guard, s, dt)?,
+                None => Guard::none(),
+            },
         })
     }
 }
 
 impl Guard {
+    fn none() -> Self {
+        Self {
+            envelope: Envelope::none(),
+            plausibility: Plausibility::none(),
+            valve: ValveMonitor::none(),
+            ramps: Ramps::none(),
+            lost: 0,
+        }
+    }
+
     fn new(guard: &GuardSettings, s: &Settings, dt: f32) -> Result<Self, BlockError> {
         let turn = f32::from(TURNS) * dt;
         let plausibility = Plausibility::new(&guard.plausibility, turn)?;
@@ -131,7 +190,7 @@ impl Guard {
         Ok(Self {
             // An existing controller's reference is not ours to know.
             envelope: if s.mode == Mode::Guard { envelope.without_tracking() } else { envelope },
-            plausibility: s.observer.accelerometer.then_some(plausibility),
+            plausibility,
             valve: ValveMonitor::new(&guard.valve, s.valve.lag, turn)?,
             ramps: Ramps::new(&guard.ramps, dt)?,
             lost: (require("guard.plausibility.lost", guard.plausibility.lost, 0.0, 1.0)? / dt) as u32,

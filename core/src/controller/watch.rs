@@ -4,10 +4,9 @@
 //! stopping distance, and velocity. The other monitors judge what lasts ten milliseconds and more; each has its turn at
 //! every third tick, which costs a third and adds two ticks to their latency.
 
-use super::config::{Config, Guard};
+use super::config::Config;
 use crate::block::Block;
 use crate::control::Blocked;
-use crate::filter::Fusion;
 use crate::filter::fusion::FusionState;
 use crate::filter::lag::LagState;
 use crate::guard::envelope::{EnvelopeState, Motion};
@@ -78,7 +77,7 @@ impl Watch {
 
     /// Goes on under new settings; the limit in force is forgotten where the set one changed.
     pub(super) fn retune(&mut self, config: &Config, before: &Config) {
-        if config.detector.is_none() || before.detector.is_none() || config.velocity_limit != before.velocity_limit {
+        if !config.parts.detector || !before.parts.detector || config.velocity_limit != before.velocity_limit {
             self.detector = DetectorState::at(config.velocity_limit);
             self.velocity_limit = config.velocity_limit;
         }
@@ -124,26 +123,44 @@ impl Watch {
         self.cause
     }
 
-    /// One tick with every needed reading there. Gives why the guard should trip.
+    /// One tick with every needed reading there, under a [`Config::complete`] configuration where `ALL`, in guard mode where
+    /// `GUARD`. Gives why the guard should trip.
     #[inline(always)]
-    pub(super) fn step(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
-        let Some(observer) = &config.observer else {
+    pub(super) fn step<const ALL: bool, const GUARD: bool>(
+        &mut self,
+        config: &Config,
+        readings: &Sample,
+        drive: Drive,
+    ) -> Option<Trip> {
+        if !ALL && !config.parts.observer {
             self.velocity = readings.velocity;
             return None;
-        };
-        self.observe(config, observer, readings);
-        let doubt = self.take_turn(config, readings, drive);
-        let guard = config.guard.as_ref()?;
-        let left = guard.envelope.left_by(readings.displacement, self.velocity);
-        self.cause = if left.is_some() { left } else { doubt };
-        self.cause
+        }
+        self.observe::<ALL>(config, readings);
+        let mode = if GUARD { Mode::Guard } else { config.mode };
+        let doubt = self.take_turn::<ALL>(mode, config, readings, drive);
+        if !ALL && !config.parts.guard {
+            return None;
+        }
+        let left = config.guard.envelope.left_by(readings.displacement, self.velocity);
+        let cause = if left.is_some() { left } else { doubt };
+        // A whole tick follows one that found nothing, or the test would not run.
+        if !ALL || cause.is_some() {
+            self.cause = cause;
+        }
+        cause
+    }
+
+    /// The same under any configuration.
+    #[inline(never)]
+    pub(super) fn step_partly(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
+        self.step::<false, false>(config, readings, drive)
     }
 
     /// The same after a tick that missed a reading.
-    #[inline(never)]
     pub(super) fn step_again(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
         self.lost = 0;
-        self.step(config, readings, drive)
+        self.step_partly(config, readings, drive)
     }
 
     /// One tick without the `missing` readings: what remains is watched, and the rest is waited for.
@@ -157,76 +174,93 @@ impl Watch {
     ) -> Option<Trip> {
         let lost = self.lost.saturating_add(1);
         let seen = if missing.any(SENSORS) {
-            if let Some(observer) = config.observer.as_ref().filter(|_| lost <= COAST) {
-                observer.coast(&mut self.observer);
+            if config.parts.observer && lost <= COAST {
+                config.observer.coast(&mut self.observer);
             }
             None
         } else {
             self.step_again(config, readings, drive)
         };
         self.lost = lost;
-        let limit = config.guard.as_ref()?.lost;
-        self.cause = seen.or((lost > limit).then_some(Trip::SensorLost));
+        if !config.parts.guard {
+            return None;
+        }
+        self.cause = seen.or((lost > config.guard.lost).then_some(Trip::SensorLost));
         self.cause
     }
 
     /// Velocity and low-passed acceleration of the table. A reading that is not there stands at zero.
     #[inline]
-    fn observe(&mut self, config: &Config, observer: &Fusion, readings: &Sample) {
-        observer.advance(&mut self.observer, readings.displacement, readings.acceleration);
-        self.velocity = if config.velocity_sensor { readings.velocity } else { self.observer.velocity };
+    fn observe<const ALL: bool>(&mut self, config: &Config, readings: &Sample) {
+        config.observer.advance(&mut self.observer, readings.displacement, readings.acceleration);
+        let sensed = !ALL && config.parts.velocity_sensor;
+        self.velocity = if sensed { readings.velocity } else { self.observer.velocity };
         config.smoothing.advance(&mut self.acceleration, readings.acceleration + self.observer.offset);
     }
 
     /// The monitor whose turn it is.
     #[inline(always)]
-    fn take_turn(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
-        // Down rather than up: the end of a turn is then a borrow and no comparison.
-        let turn = self.turn;
-        self.turn = turn.checked_sub(1).unwrap_or(TURNS - 1);
-        match (turn, &config.guard) {
-            (0, _) => {
-                self.detect(config, readings, drive);
+    fn take_turn<const ALL: bool>(
+        &mut self,
+        mode: Mode,
+        config: &Config,
+        readings: &Sample,
+        drive: Drive,
+    ) -> Option<Trip> {
+        let parts = config.parts;
+        // Each says whose turn is next, which spares counting.
+        match self.turn {
+            0 => {
+                self.turn = 2;
+                if ALL || parts.detector {
+                    self.detect(mode, config, readings, drive);
+                }
                 None
             }
-            (1, Some(guard)) => self.judge(config, guard, readings, drive),
-            (_, Some(Guard { plausibility: Some(plausibility), .. })) => {
-                let (x, a) = (readings.displacement, readings.acceleration);
-                plausibility.advance(&mut self.plausibility, x, a, &self.observer)
+            1 => {
+                self.turn = 0;
+                if ALL || parts.guard { self.judge(mode, config, readings, drive) } else { None }
             }
-            _ => None,
+            _ => {
+                self.turn = 1;
+                if !ALL && !parts.plausibility {
+                    return None;
+                }
+                let (x, a) = (readings.displacement, readings.acceleration);
+                config.guard.plausibility.advance(&mut self.plausibility, x, a, &self.observer)
+            }
         }
     }
 
     /// Looks for velocity saturation.
     #[inline(always)]
-    fn detect(&mut self, config: &Config, readings: &Sample, drive: Drive) {
-        let Some(detector) = &config.detector else { return };
+    fn detect(&mut self, mode: Mode, config: &Config, readings: &Sample, drive: Drive) {
         let acceleration = config.smoothing.last(&self.acceleration);
         let seen = Evidence {
             velocity: self.velocity,
             acceleration,
-            error: if config.mode == Mode::Guard { drive.excess } else { drive.reference - readings.displacement },
-            demand: if config.mode == Mode::Modifier {
+            error: if mode == Mode::Guard { drive.excess } else { drive.reference - readings.displacement },
+            demand: if mode == Mode::Modifier {
                 drive.reference_velocity
             } else {
                 drive.excess * config.valve_gain
             },
         };
-        detector.advance(&mut self.detector, seen);
+        config.detector.advance(&mut self.detector, seen);
         self.velocity_limit = self.detector.limit();
     }
 
     /// What the guard has against the table's motion and against the valve.
     #[inline(always)]
-    fn judge(&mut self, config: &Config, guard: &Guard, readings: &Sample, drive: Drive) -> Option<Trip> {
+    fn judge(&mut self, mode: Mode, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
+        let guard = &config.guard;
         let motion = Motion {
             acceleration: config.smoothing.last(&self.acceleration),
             pressure_difference: readings.pressure_difference,
             error: drive.reference - readings.displacement,
         };
         let beyond = guard.envelope.advance(&mut self.envelope, &motion);
-        if config.mode != Mode::Modifier {
+        if mode != Mode::Modifier {
             let asked = drive.excess * config.valve_gain;
             let x = readings.displacement;
             if guard.valve.advance(&mut self.valve, asked, self.velocity_limit, self.velocity, x) {

@@ -48,6 +48,11 @@ impl FusionState {
 }
 
 impl Fusion {
+    /// No observer: what was last seen stands.
+    pub(crate) const fn none() -> Self {
+        Self { dt: 0.0, half_dt2: 0.0, l1: 0.0, l2: 0.0, l3: 0.0 }
+    }
+
     /// An observer that believes the LVDT below `frequency` (Hz, 0.1 up to a twentieth of the rate) at ticks of `dt` (s).
     pub fn new(frequency: f32, dt: f32) -> Result<Self, BlockError> {
         let dt = require("dt", dt, 1e-6, 1.0)?;

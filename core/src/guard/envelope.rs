@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Trip;
 use crate::block::{BlockError, require};
+use crate::math::Magnitude;
 
 /// Largest force of the actuator and how it is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -77,14 +78,14 @@ pub struct Motion {
 /// The envelope's configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Envelope {
-    room: f32,
     latency: f32,
     half_inverse_deceleration: f32,
-    velocity: f32,
-    acceleration: f32,
-    jerk_step: f32,
-    pressure: f32,
-    tracking: f32,
+    room: Magnitude,
+    velocity: Magnitude,
+    acceleration: Magnitude,
+    jerk_step: Magnitude,
+    pressure: Magnitude,
+    tracking: Magnitude,
     persistence: u32,
 }
 
@@ -96,6 +97,21 @@ pub struct EnvelopeState {
 }
 
 impl Envelope {
+    /// No envelope: nothing may move.
+    pub(crate) const fn none() -> Self {
+        Self {
+            latency: 0.0,
+            half_inverse_deceleration: 0.0,
+            room: Magnitude::ZERO,
+            velocity: Magnitude::ZERO,
+            acceleration: Magnitude::ZERO,
+            jerk_step: Magnitude::ZERO,
+            pressure: Magnitude::ZERO,
+            tracking: Magnitude::ZERO,
+            persistence: 0,
+        }
+    }
+
     /// An envelope inside `stroke` (m) at ticks of `dt` (s).
     pub fn new(settings: &EnvelopeSettings, stroke: f32, dt: f32) -> Result<Self, BlockError> {
         let s = settings;
@@ -109,14 +125,14 @@ impl Envelope {
             None => f32::INFINITY,
         };
         Ok(Self {
-            room: stroke - margin,
+            room: Magnitude::new(stroke - margin),
             latency: require("guard.envelope.stopping_latency", s.stopping_latency, 0.0, 10.0)?,
             half_inverse_deceleration: 0.5 / deceleration,
-            velocity: require("guard.envelope.velocity", s.velocity, 1e-3, 100.0)?,
-            acceleration: require("guard.envelope.acceleration", s.acceleration, 0.01, 1e4)?,
-            jerk_step: require("guard.envelope.jerk", s.jerk, 0.1, 1e7)? * dt,
-            pressure,
-            tracking: require("guard.envelope.tracking", s.tracking, 1e-4, 100.0)?,
+            velocity: Magnitude::new(require("guard.envelope.velocity", s.velocity, 1e-3, 100.0)?),
+            acceleration: Magnitude::new(require("guard.envelope.acceleration", s.acceleration, 0.01, 1e4)?),
+            jerk_step: Magnitude::new(require("guard.envelope.jerk", s.jerk, 0.1, 1e7)? * dt),
+            pressure: Magnitude::new(pressure),
+            tracking: Magnitude::new(require("guard.envelope.tracking", s.tracking, 1e-4, 100.0)?),
             persistence: (require("guard.envelope.persistence", s.persistence, 0.0, 10.0)? / dt) as u32,
         })
     }
@@ -131,12 +147,12 @@ impl Envelope {
     #[inline]
     pub fn left_by(&self, displacement: f32, velocity: f32) -> Option<Trip> {
         let rest = displacement + self.stopping_distance(velocity);
-        if rest.abs() > self.room {
+        if !self.room.holds(rest) {
             Some(Trip::Displacement)
-        } else if velocity.abs() > self.velocity {
+        } else if !self.velocity.holds(velocity) {
             // Between the two, so that they are not worked into one: each is a comparison and a branch not taken.
-            Some(if displacement.abs() > self.room { Trip::Displacement } else { Trip::Velocity })
-        } else if displacement.abs() > self.room {
+            Some(if self.room.holds(displacement) { Trip::Velocity } else { Trip::Displacement })
+        } else if !self.room.holds(displacement) {
             Some(Trip::Displacement)
         } else {
             None
@@ -146,7 +162,7 @@ impl Envelope {
     /// The same without a limit on the distance from the reference.
     #[must_use]
     pub(crate) const fn without_tracking(self) -> Self {
-        Self { tracking: f32::INFINITY, ..self }
+        Self { tracking: Magnitude::new(f32::INFINITY), ..self }
     }
 
     /// One tick of what may last.
@@ -154,13 +170,13 @@ impl Envelope {
     pub fn advance(&self, state: &mut EnvelopeState, motion: &Motion) -> Option<Trip> {
         let jerk_step = motion.acceleration - state.acceleration;
         state.acceleration = motion.acceleration;
-        let cause = if motion.acceleration.abs() > self.acceleration {
+        let cause = if !self.acceleration.holds(motion.acceleration) {
             Trip::Acceleration
-        } else if jerk_step.abs() > self.jerk_step {
+        } else if !self.jerk_step.holds(jerk_step) {
             Trip::Jerk
-        } else if motion.pressure_difference.abs() > self.pressure {
+        } else if !self.pressure.holds(motion.pressure_difference) {
             Trip::Force
-        } else if motion.error.abs() > self.tracking {
+        } else if !self.tracking.holds(motion.error) {
             Trip::Tracking
         } else {
             state.lasted = 0;

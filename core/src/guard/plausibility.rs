@@ -18,7 +18,7 @@ use crate::block::{Block, BlockError, require};
 use crate::filter::Lag;
 use crate::filter::fusion::FusionState;
 use crate::filter::lag::LagState;
-use crate::scalar::Scalar;
+use crate::math::{Magnitude, min};
 
 /// When a sensor is not believed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -48,8 +48,10 @@ pub struct Plausibility {
     stuck: u32,
     suspicious: f32,
     disagreement: f32,
-    offset: f32,
+    offset: Magnitude,
     acceleration_noise: f32,
+    /// Twice that.
+    spike: f32,
     mean: Lag,
 }
 
@@ -66,16 +68,32 @@ pub struct PlausibilityState {
 }
 
 impl Plausibility {
+    /// No monitor: nothing is believed.
+    pub(crate) fn none() -> Self {
+        Self {
+            stuck: 0,
+            suspicious: 0.0,
+            disagreement: 0.0,
+            offset: Magnitude::ZERO,
+            acceleration_noise: 0.0,
+            spike: 0.0,
+            mean: Lag::none(),
+        }
+    }
+
     /// A monitor at ticks of `dt` (s).
     pub fn new(settings: &PlausibilitySettings, dt: f32) -> Result<Self, BlockError> {
         let s = settings;
         let disagreement = require("guard.plausibility.disagreement", s.disagreement, 1e-6, 1.0)?;
+        let noise = s.acceleration_noise;
+        let acceleration_noise = require("guard.plausibility.acceleration_noise", noise, 1e-3, 1e4)?;
         Ok(Self {
             stuck: (require("guard.plausibility.stuck", s.stuck, 0.0, 10.0)? / dt) as u32,
             suspicious: 0.25 * disagreement,
             disagreement,
-            offset: require("guard.plausibility.offset", s.offset, 0.01, 1e3)?,
-            acceleration_noise: require("guard.plausibility.acceleration_noise", s.acceleration_noise, 1e-3, 1e4)?,
+            offset: Magnitude::new(require("guard.plausibility.offset", s.offset, 0.01, 1e3)?),
+            acceleration_noise,
+            spike: 2.0 * acceleration_noise,
             mean: Lag::new(0.05, dt)?,
         })
     }
@@ -98,14 +116,13 @@ impl Plausibility {
         self.mean.advance(&mut state.innovation, seen.innovation);
         let innovation = self.mean.advance(&mut state.innovation_size, seen.innovation.abs());
         // A single spike, such as a valve that closes at speed makes, is not noise.
-        let change = change.bounded(2.0 * self.acceleration_noise).abs();
-        let roughness = self.mean.advance(&mut state.roughness, change);
+        let roughness = self.mean.advance(&mut state.roughness, min(self.spike, change.abs()));
         if innovation > self.suspicious
             && let Some(trip) = self.accuse(state, innovation)
         {
             return Some(trip);
         }
-        if seen.offset.abs() > self.offset {
+        if !self.offset.holds(seen.offset) {
             Some(Trip::SensorsDisagree)
         } else if roughness > self.acceleration_noise {
             Some(Trip::AccelerationNoisy)

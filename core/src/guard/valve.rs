@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::{Block, BlockError, require};
 use crate::filter::Lag;
 use crate::filter::lag::LagState;
+use crate::math::Magnitude;
 use crate::scalar::Scalar;
 
 /// When the valve is not believed.
@@ -40,11 +41,11 @@ pub struct ValveMonitor {
     lag: Lag,
     dt: f32,
     keep: f32,
-    mismatch: f32,
+    mismatch: Magnitude,
     /// The same for a table that stands still: what is kept from turn to turn, band and limit, m.
     still_keep: f32,
-    still_band: f32,
-    still_limit: f32,
+    still_band: Magnitude,
+    still_limit: Magnitude,
 }
 
 /// What the monitor remembers.
@@ -58,6 +59,12 @@ pub struct ValveMonitorState {
 }
 
 impl ValveMonitor {
+    /// No monitor: no valve is believed.
+    pub(crate) fn none() -> Self {
+        let (lag, none) = (Lag::none(), Magnitude::ZERO);
+        Self { lag, dt: 0.0, keep: 0.0, mismatch: none, still_keep: 0.0, still_band: none, still_limit: none }
+    }
+
     /// A monitor of a valve with the given `lag` (s) at ticks of `dt` (s).
     pub fn new(settings: &ValveMonitorSettings, lag: f32, dt: f32) -> Result<Self, BlockError> {
         let memory = require("guard.valve.memory", settings.memory, 0.01, 100.0)?;
@@ -66,10 +73,10 @@ impl ValveMonitor {
             lag: Lag::new(lag, dt)?,
             dt,
             keep: 1.0 - (dt / memory).min(1.0),
-            mismatch,
+            mismatch: Magnitude::new(mismatch),
             still_keep: 1.0 - (0.2 * dt / memory).min(1.0),
-            still_band: 0.05 * mismatch,
-            still_limit: 0.5 * mismatch,
+            still_band: Magnitude::new(0.05 * mismatch),
+            still_limit: Magnitude::new(0.5 * mismatch),
         })
     }
 
@@ -87,12 +94,12 @@ impl ValveMonitor {
         let asked = asked.bounded(limit);
         let expected = self.lag.advance(&mut state.velocity, asked);
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);
-        if (displacement - state.stood).abs() > self.still_band {
+        if self.still_band.holds(displacement - state.stood) {
+            state.told = self.still_keep * state.told + self.dt * asked;
+        } else {
             state.stood = displacement;
             state.told = 0.0;
-        } else {
-            state.told = self.still_keep * state.told + self.dt * asked;
         }
-        state.unexplained.abs() > self.mismatch || state.told.abs() > self.still_limit
+        !self.mismatch.holds(state.unexplained) || !self.still_limit.holds(state.told)
     }
 }

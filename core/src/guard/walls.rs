@@ -3,13 +3,38 @@
 //! A reading passes when it is a number within its range; otherwise the last one that passed is kept, channel by
 //! channel, and the channel is reported missing. Channels that the settings do not use are not looked at.
 
+use crate::math::Magnitude;
 use crate::sample::{Channels, Sample};
 use crate::settings::{Mode, Ranges, ReferenceRates, Settings, VelocitySource};
+
+/// What the channels may say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Within {
+    external: Magnitude,
+    reference: Magnitude,
+    displacement: Magnitude,
+    acceleration: Magnitude,
+    velocity: Magnitude,
+    pressure_difference: Magnitude,
+}
+
+impl Within {
+    fn new(ranges: &Ranges) -> Self {
+        Self {
+            external: Magnitude::new(ranges.external),
+            reference: Magnitude::new(ranges.reference),
+            displacement: Magnitude::new(ranges.displacement),
+            acceleration: Magnitude::new(ranges.acceleration),
+            velocity: Magnitude::new(ranges.velocity),
+            pressure_difference: Magnitude::new(ranges.pressure_difference),
+        }
+    }
+}
 
 /// Which channels are read, and what they may say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walls {
-    ranges: Ranges,
+    ranges: Within,
     follows_external: bool,
     accelerometer: bool,
     /// Of the channels that few tables have, those that are read.
@@ -27,7 +52,7 @@ impl Walls {
             external: 0.0,
             pressure_difference: 0.0,
         };
-        Self { ranges: none, follows_external: false, accelerometer: false, rare: Channels::NONE }
+        Self { ranges: Within::new(&none), follows_external: false, accelerometer: false, rare: Channels::NONE }
     }
 
     /// The channels and ranges of `settings`.
@@ -38,11 +63,30 @@ impl Walls {
             (settings.reference_rates == ReferenceRates::Supplied, Channels::REFERENCE_RATES),
         ];
         Self {
-            ranges: settings.ranges,
+            ranges: Within::new(&settings.ranges),
             follows_external: settings.mode == Mode::Guard,
             accelerometer: settings.observer.accelerometer,
             rare: rare.iter().fold(Channels::NONE, |all, &(read, channel)| if read { all.and(channel) } else { all }),
         }
+    }
+
+    /// Whether the existing controller's command, the LVDT and the accelerometer are all that is read.
+    pub(crate) fn three(&self) -> bool {
+        self.follows_external && self.accelerometer && self.rare.is_empty()
+    }
+
+    /// Takes these three over into `readings`, all or none; whether all were believable.
+    #[inline(always)]
+    pub(crate) fn take_three(&self, sample: &Sample, readings: &mut Sample) -> bool {
+        let (r, s) = (&self.ranges, sample);
+        let believable =
+            r.external.holds(s.external) && r.displacement.holds(s.displacement) && r.acceleration.holds(s.acceleration);
+        if believable {
+            readings.external = s.external;
+            readings.displacement = s.displacement;
+            readings.acceleration = s.acceleration;
+        }
+        believable
     }
 
     /// Takes what is believable of `sample` over into `readings`; gives the needed channels that were not.
@@ -50,8 +94,8 @@ impl Walls {
     pub fn take(&self, sample: &Sample, readings: &mut Sample) -> Channels {
         let (r, s) = (&self.ranges, sample);
         let mut missing = Channels::NONE;
-        let mut take = |channel, value: f32, range: f32, reading: &mut f32| {
-            if value.abs() <= range {
+        let mut take = |channel, value: f32, range: Magnitude, reading: &mut f32| {
+            if range.holds(value) {
                 *reading = value;
             } else {
                 missing = missing.and(channel);
@@ -78,9 +122,9 @@ impl Walls {
         let r = &self.ranges;
         let [velocity, pressure_difference, reference_velocity, reference_acceleration] = rare;
         let mut missing = Channels::NONE;
-        let mut take = |channel, value: f32, range: f32, reading: &mut f32| {
+        let mut take = |channel, value: f32, range: Magnitude, reading: &mut f32| {
             if self.rare.any(channel) {
-                if value.abs() <= range {
+                if range.holds(value) {
                     *reading = value;
                 } else {
                     missing = missing.and(channel);

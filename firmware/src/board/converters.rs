@@ -11,8 +11,7 @@ use stm32f4xx_hal::{
     rcc::{Enable, Rcc, Reset},
 };
 
-/// Memory that the DMA writes, two codes a word.
-#[repr(align(4))]
+/// Memory that the DMA writes.
 struct Buffer(UnsafeCell<[u16; INPUTS]>);
 
 // SAFETY: read only by `OnChip::read`, of which there is one, with volatile reads.
@@ -37,7 +36,6 @@ pub(crate) struct OnChip {
     adc: ADC1,
     dac: DAC,
     dma: DMA2,
-    late: bool,
 }
 
 impl OnChip {
@@ -51,7 +49,7 @@ impl OnChip {
         DMA2::enable(rcc);
         DMA2::reset(rcc);
         common.ccr().modify(|_, w| w.adcpre().div4());
-        let pair = Self { adc, dac, dma, late: false };
+        let pair = Self { adc, dac, dma };
         pair.arm();
         pair
     }
@@ -86,23 +84,29 @@ impl OnChip {
         });
     }
 
-    /// Notes whether the next tick has come already; asked at the end of a tick.
+    /// Acknowledges the sample; whether the converter failed, which starts it again.
     #[inline]
-    pub(crate) fn note_lateness(&mut self) {
-        if self.dma.lisr().read().tcif0().bit_is_set() {
-            self.late = true;
+    pub(crate) fn failed(&mut self) -> bool {
+        let flags = self.dma.lisr().read();
+        self.dma.lifcr().write(|w| unsafe { w.bits(0x3D) });
+        let failed = flags.teif0().bit_is_set() || self.adc.sr().read().ovr().bit_is_set();
+        if failed {
+            self.arm();
         }
+        failed
     }
 
-    /// Whether the last tick was not done when this one began.
+    /// The codes sampled for this tick.
     #[inline]
-    pub(crate) const fn late(&self) -> bool {
-        self.late
+    pub(crate) fn codes(&self) -> [u16; INPUTS] {
+        // SAFETY: the DMA has written the buffer and does not touch it again before the next update.
+        core::array::from_fn(|input| unsafe { SAMPLES.0.get().cast::<u16>().add(input).read_volatile() })
     }
 
-    /// The same, for the last time.
-    pub(crate) const fn take_lateness(&mut self) -> bool {
-        core::mem::replace(&mut self.late, false)
+    /// Whether the next tick has come already; asked at the end of a tick.
+    #[inline]
+    pub(crate) fn late(&self) -> bool {
+        self.dma.lisr().read().tcif0().bit_is_set()
     }
 
     /// Lets the last code written out, if it is not out yet.
@@ -118,15 +122,7 @@ impl Converters for OnChip {
 
     #[inline]
     fn read(&mut self) -> Result<[u16; INPUTS], Fault> {
-        let flags = self.dma.lisr().read();
-        self.dma.lifcr().write(|w| unsafe { w.bits(0x3D) });
-        if flags.teif0().bit_is_set() || self.adc.sr().read().ovr().bit_is_set() {
-            self.arm();
-            return Err(Fault::Lost);
-        }
-        // SAFETY: the DMA has written the buffer and does not touch it again before the next update; it is aligned to words.
-        let [first, second] = unsafe { SAMPLES.0.get().cast::<[u32; INPUTS / 2]>().read_volatile() };
-        Ok([first as u16, (first >> 16) as u16, second as u16, (second >> 16) as u16])
+        if self.failed() { Err(Fault::Lost) } else { Ok(self.codes()) }
     }
 
     #[inline]

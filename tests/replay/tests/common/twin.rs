@@ -55,17 +55,18 @@ pub(crate) fn run(
             desk.points.enqueue(point).unwrap();
         }
         let inputs = bench.codes();
-        let outcome = decide.tick(inputs);
+        let outcome = decide.tick(&inputs);
         let output = spoil(tick, outcome.output);
-        twin.codes.push(Codes { inputs, output, relay: outcome.relay });
+        twin.codes.push(Codes { inputs, output, relay: outcome.relay() });
         while let Some(entry) = desk.records.dequeue() {
             twin.entries.push(entry);
         }
-        bench.advance(output, outcome.relay);
-        if outcome.relay && !relay && bench.played.is_none() {
+        let closed = outcome.relay();
+        bench.advance(output, closed);
+        if closed && !relay && bench.played.is_none() {
             bench.played = Some(0);
         }
-        relay = outcome.relay;
+        relay = closed;
     }
     twin
 }
