@@ -204,15 +204,8 @@ impl Controller {
     #[inline]
     pub fn advance(&mut self, sample: &Sample) -> Course {
         // A test that runs whole, which is where the ticks count, asks no questions; see `go_on` for all of them.
-        if self.quiet == Quiet::Guard && self.config.walls.take_three(sample, &mut self.readings) {
-            return match self.watch.step::<true, true>(&self.config, &self.readings, self.drive()) {
-                None if self.decide::<true, true>() => Course::Whole,
-                None => Course::Other(Channels::NONE),
-                cause => {
-                    self.go_on(Channels::NONE, cause);
-                    Course::Other(Channels::NONE)
-                }
-            };
+        if self.passes(sample) {
+            return self.pass(sample);
         }
         let missing = self.config.walls.take(sample, &mut self.readings);
         if self.quiet != Quiet::No && missing.is_empty() {
@@ -233,6 +226,27 @@ impl Controller {
         Course::Other(missing)
     }
 
+    /// Whether a tick with this `sample` may be [`Self::pass`]: in the middle of a test in [`Mode::Guard`], with every part that
+    /// looks on in use, on the sensors that every table has, all of them believable.
+    #[inline(always)]
+    pub fn passes(&self, sample: &Sample) -> bool {
+        self.quiet == Quiet::Guard && self.config.walls.admit_three(sample)
+    }
+
+    /// [`Self::advance`] where [`Self::passes`]: with nothing to ask about the configuration and the state.
+    #[inline(always)]
+    pub fn pass(&mut self, sample: &Sample) -> Course {
+        self.readings.external = sample.external;
+        self.readings.displacement = sample.displacement;
+        self.readings.acceleration = sample.acceleration;
+        match self.watch.step::<true, true>(&self.config, &self.readings, self.drive()) {
+            None if self.decide::<true, true>() => return Course::Whole,
+            None => {}
+            cause => self.go_on(Channels::NONE, cause),
+        }
+        Course::Other(Channels::NONE)
+    }
+
     /// The rest of a tick in which something may be missing, fading or blending, or the guard may have found a cause to
     /// trip.
     #[inline(never)]
@@ -248,7 +262,7 @@ impl Controller {
         } else {
             self.gap = true;
         }
-        self.quiet = if !whole || self.blending || !self.supervisor.steady() {
+        self.quiet = if !whole || self.blending || self.limited || !self.supervisor.steady() {
             Quiet::No
         } else if self.config.guards() {
             Quiet::Guard
@@ -335,7 +349,8 @@ impl Controller {
                 let reference = self.fit_reference::<WHOLE>();
                 let asked = self.tracker.step(reference, &self.readings).unwrap_or_else(|| {
                     let blocked = self.watch.blocked(&self.config, self.limited, self.excess);
-                    self.law.step(&self.config, reference, &self.readings, self.watch.velocity(), blocked)
+                    let velocity = self.watch.velocity(&self.config, &self.readings);
+                    self.law.step(&self.config, reference, &self.readings, velocity, blocked)
                 });
                 (asked, zero + asked)
             }
@@ -344,7 +359,9 @@ impl Controller {
         let wanted = if all { asked } else { self.fade(asked, zero) };
         let within = self.config.within.holds(wanted);
         if within {
-            self.limited = false;
+            if !WHOLE {
+                self.limited = false;
+            }
             self.excess = wanted;
             // What nothing acts on passes to the last bit, which `zero + (external - zero)` would not.
             self.output = if WHOLE || wanted == asked { whole } else { zero + wanted };
@@ -367,6 +384,7 @@ impl Controller {
             return;
         }
         self.limited = true;
+        self.quiet = Quiet::No;
         self.excess = wanted.bounded(self.config.command_limit);
         self.output = zero + self.excess;
     }

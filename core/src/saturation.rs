@@ -150,7 +150,7 @@ impl Detector {
     }
 
     /// One tick.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&self, state: &mut DetectorState, seen: Evidence) {
         let speed = seen.velocity.abs();
         let forward = seen.velocity >= 0.0;

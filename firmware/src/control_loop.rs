@@ -9,15 +9,16 @@ use shakedown_core::{Channels, Controller, Course, Refused, Relay, Request, Samp
 
 mod outcome;
 
-pub use outcome::{Codes, Events, News, Outcome};
+pub use outcome::{Codes, Events, News, Outcome, Rest};
 
 use crate::output::ZeroFlow;
 use crate::queues::{Entry, LoopEnd, Order, Standing};
 use crate::wires::Wires;
 
-/// Ticks after which the others are told where the loop stands even when that is no news: as many as a frame of telemetry has
-/// records.
+/// Most ticks after which the board is given something to do even when there is no news, to tell the others and to feed its
+/// watchdog: as many as a frame of telemetry has records. And the longest time, s, well within the watchdog's.
 const ROUND: u32 = MAX_BATCH as u32;
+const ROUND_TIME: f32 = 0.016;
 
 /// Everything that decides the output.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
@@ -39,6 +40,9 @@ pub struct Loop<'a> {
     /// The tick of the next record.
     record_at: u32,
     dropped: u32,
+    news: News,
+    /// Ticks of a round.
+    round: u32,
     probe: Option<u16>,
     /// A record of telemetry every so many ticks.
     every: u16,
@@ -46,6 +50,11 @@ pub struct Loop<'a> {
     /// Control rate, Hz.
     rate: f32,
     zero_flow: ZeroFlow,
+}
+
+/// Ticks of a round at `rate`, Hz.
+fn round(rate: f32) -> u32 {
+    ((rate * ROUND_TIME) as u32).clamp(1, ROUND)
 }
 
 impl<'a> Loop<'a> {
@@ -70,6 +79,8 @@ impl<'a> Loop<'a> {
             cause: None,
             record_at: 0,
             dropped: 0,
+            news: News::default(),
+            round: round(setup.control.rate),
             probe: None,
             every: setup.telemetry_every,
             rate: setup.control.rate,
@@ -104,6 +115,16 @@ impl<'a> Loop<'a> {
         (self.due.wrapping_sub(self.left), self.dropped)
     }
 
+    /// What the last tick left to do beside the output, where its outcome says that it did.
+    pub const fn news(&self) -> News {
+        self.news
+    }
+
+    /// Whether the relay of the hydraulic block is closed.
+    pub fn relay(&self) -> bool {
+        self.controller.relay() == Relay::Closed
+    }
+
     /// The control rate in force, Hz.
     pub const fn rate(&self) -> f32 {
         self.rate
@@ -114,29 +135,62 @@ impl<'a> Loop<'a> {
         self.zero_flow
     }
 
-    /// One tick. `inputs` are the codes of reference, displacement, acceleration and existing command, by reference, so that
-    /// they are not packed into words for a call that is not made.
-    #[inline]
-    pub fn tick(&mut self, inputs: &[u16; 4]) -> Outcome {
-        if self.queues.orders.ready() {
-            return self.tick_with(Codes::of(inputs), Events::default());
+    /// One tick. `input` gives the codes of reference, displacement, acceleration and existing command by number, each the
+    /// same however often it is asked, so that none is kept for a call that is not made.
+    pub fn tick(&mut self, input: impl Fn(usize) -> u16) -> Outcome {
+        match self.pass(&input) {
+            Ok(output) => Outcome { output, news: false },
+            Err(rest) => self.finish(Codes::of(input), rest),
         }
-        let sample = self.sample(inputs);
+    }
+
+    /// An ordinary tick of a guard, in which nothing else is due: the output's code, or what is left to do of a tick that is
+    /// none, for [`Self::finish`].
+    #[inline(always)]
+    pub fn pass(&mut self, input: impl Fn(usize) -> u16) -> Result<u16, Rest> {
+        let left = self.left.wrapping_sub(1);
+        if left == 0 || self.queues.orders.ready() {
+            return Err(Rest::All);
+        }
+        let Some(sample) = self.wires.guarded(input) else { return Err(Rest::All) };
+        if !self.controller.passes(&sample) {
+            return Err(Rest::All);
+        }
+        if self.wires.streamed {
+            let Some(point) = self.queues.points.dequeue() else { return Err(Rest::Dry) };
+            let Some(reference) = point.displacement() else { return Err(Rest::End) };
+            self.reference = reference;
+        }
+        self.left = left;
+        match self.controller.pass(&sample) {
+            Course::Whole => Ok(self.wires.output.code(self.controller.valve())),
+            Course::Other(_) => Err(Rest::Word),
+        }
+    }
+
+    /// The rest of a tick that was no ordinary one.
+    #[inline(never)]
+    pub fn finish(&mut self, inputs: Codes, rest: Rest) -> Outcome {
+        match rest {
+            Rest::All => return self.tick_with(inputs, Events::default()),
+            Rest::Word => return self.attend(inputs, Channels::NONE, false),
+            Rest::Dry => self.end_of_stream(Some(Cause::Underrun)),
+            Rest::End => self.end_of_stream(None),
+        };
+        let sample = self.sample(inputs.each());
         self.decide(inputs, sample, false)
     }
 
     /// The same when the board has noticed something.
-    #[cold]
     #[inline(never)]
     pub fn tick_with(&mut self, inputs: Codes, events: Events) -> Outcome {
-        let inputs = &inputs.each();
         let new_setup = self.queues.orders.ready() && self.obey();
         if events.emergency_stop {
             self.trip(Cause::EmergencyStop);
         } else if events.supply_low {
             self.trip(Cause::SupplyLow);
         }
-        let mut sample = self.sample(inputs);
+        let mut sample = self.sample(inputs.each());
         if events.no_sample {
             let reference = if self.wires.streamed { sample.reference } else { f32::NAN };
             sample = Sample { external: f32::NAN, ..Sample::new(reference, f32::NAN, f32::NAN) };
@@ -145,38 +199,36 @@ impl<'a> Loop<'a> {
     }
 
     #[inline(always)]
-    fn decide(&mut self, inputs: &[u16; 4], sample: Sample, new_setup: bool) -> Outcome {
+    fn decide(&mut self, inputs: Codes, sample: Sample, new_setup: bool) -> Outcome {
         self.reference = sample.reference;
         let course = self.controller.advance(&sample);
-        let output = self.wires.output.code(self.controller.valve());
         self.left = self.left.wrapping_sub(1);
         if course == Course::Whole && self.left != 0 {
-            return Outcome { output, news: None };
+            return Outcome { output: self.wires.output.code(self.controller.valve()), news: false };
         }
-        self.attend(Codes::of(inputs), course, output, new_setup)
+        self.attend(inputs, course.missing(), new_setup)
     }
 
     /// The rest of a tick in which something is due or may have changed.
     #[inline(never)]
-    fn attend(&mut self, inputs: Codes, course: Course, output: u16, new_setup: bool) -> Outcome {
+    fn attend(&mut self, inputs: Codes, missing: Channels, new_setup: bool) -> Outcome {
         let output = match self.probe {
             Some(code) if self.controller.state() == State::Off => self.wires.output.nearest(code),
-            _ => output,
+            _ => self.wires.output.code(self.controller.valve()),
         };
         let (ticks, _) = self.counts();
-        self.report(ticks.wrapping_sub(1), inputs.each(), course.missing(), output);
+        self.report(ticks.wrapping_sub(1), inputs.each(), missing, output);
         let changes = u16::from(self.controller.changes());
         let changed = changes != self.told;
         self.told = changes;
-        let relay = self.controller.relay() == Relay::Closed;
-        let news = News { relay, new_setup, tell: changed || ticks % ROUND == 0 };
+        self.news = News { new_setup, tell: changed || ticks % self.round == 0 };
         self.schedule(ticks);
-        Outcome { output, news: Some(news) }
+        Outcome { output, news: true }
     }
 
     /// Works out which tick is the next to attend to, after `ticks` of them.
     fn schedule(&mut self, ticks: u32) {
-        self.left = ROUND - ticks % ROUND;
+        self.left = self.round - ticks % self.round;
         if self.every > 0 {
             self.left = self.left.min(self.record_at.wrapping_sub(ticks).wrapping_add(1));
         }
@@ -185,8 +237,8 @@ impl<'a> Loop<'a> {
 
     /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.
     #[inline]
-    fn sample(&mut self, inputs: &[u16; 4]) -> Sample {
-        let &[reference, displacement, acceleration, external] = inputs;
+    fn sample(&mut self, inputs: [u16; 4]) -> Sample {
+        let [reference, displacement, acceleration, external] = inputs;
         let wires = &self.wires;
         let mut sample = Sample {
             displacement: wires.read(wires.displacement, displacement),
@@ -261,6 +313,7 @@ impl<'a> Loop<'a> {
             (self.every, self.rate) = (setup.telemetry_every, setup.control.rate);
             self.zero_flow = ZeroFlow::new(setup);
             self.record_at = self.counts().0;
+            self.round = round(self.rate);
         }
         self.queues.setups.dequeue();
         taken

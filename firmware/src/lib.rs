@@ -18,5 +18,5 @@ pub mod queues;
 pub mod store;
 mod wires;
 
-pub use control_loop::{Codes, Events, Loop, News, Outcome};
+pub use control_loop::{Codes, Events, Loop, News, Outcome, Rest};
 pub use desk::Desk;

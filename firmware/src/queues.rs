@@ -115,6 +115,7 @@ impl Point {
     }
 
     /// The displacement, m; none at the end of the record.
+    #[inline]
     pub fn displacement(self) -> Option<f32> {
         (!self.0.is_nan()).then_some(self.0)
     }

@@ -1,6 +1,6 @@
 //! The wiring worked out: what a tick needs to turn codes into SI, and nothing that it would have to look up.
 
-use shakedown_core::Mode;
+use shakedown_core::{Mode, Sample};
 use shakedown_core::link::{Scale, Setup, Source};
 
 use crate::output::Output;
@@ -42,9 +42,28 @@ impl Wires {
         }
     }
 
+    /// What a guard reads, where each of the three codes tells something.
+    #[inline(always)]
+    pub(crate) fn guarded(&self, input: impl Fn(usize) -> u16) -> Option<Sample> {
+        let (displacement, acceleration, external) = (input(1), input(2), input(3));
+        let all = self.tells(displacement) && self.tells(acceleration) && self.tells(external);
+        all.then(|| Sample {
+            displacement: self.displacement.to_si(displacement),
+            acceleration: self.acceleration.to_si(acceleration),
+            external: self.external.to_si(external),
+            ..Sample::default()
+        })
+    }
+
+    /// Whether `code` tells anything.
+    #[inline(always)]
+    fn tells(&self, code: u16) -> bool {
+        u32::from(code).wrapping_sub(self.low) <= self.span
+    }
+
     /// What `code` stands for; no number where it tells nothing.
     #[inline]
     pub(crate) fn read(&self, scale: Scale, code: u16) -> f32 {
-        if u32::from(code).wrapping_sub(self.low) > self.span { f32::NAN } else { scale.to_si(code) }
+        if self.tells(code) { scale.to_si(code) } else { f32::NAN }
     }
 }

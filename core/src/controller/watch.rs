@@ -4,7 +4,7 @@
 //! stopping distance, and velocity. The other monitors judge what lasts ten milliseconds and more; each has its turn at
 //! every third tick, which costs a third and adds two ticks to their latency.
 
-use super::config::Config;
+use super::config::{Config, Guard};
 use crate::block::Block;
 use crate::control::Blocked;
 use crate::filter::fusion::FusionState;
@@ -41,7 +41,6 @@ pub(super) struct Drive {
 pub(super) struct Watch {
     observer: FusionState,
     acceleration: LagState,
-    velocity: f32,
     velocity_limit: f32,
     detector: DetectorState,
     envelope: EnvelopeState,
@@ -58,7 +57,6 @@ impl Watch {
         Self {
             observer: FusionState::default(),
             acceleration: LagState::default(),
-            velocity: 0.0,
             velocity_limit: config.velocity_limit,
             detector: DetectorState::at(config.velocity_limit),
             envelope: EnvelopeState::default(),
@@ -88,8 +86,8 @@ impl Watch {
 
     /// Measured velocity, m/s.
     #[inline]
-    pub(super) fn velocity(&self) -> f32 {
-        self.velocity
+    pub(super) fn velocity(&self, config: &Config, readings: &Sample) -> f32 {
+        if config.parts.observer && !config.parts.velocity_sensor { self.observer.velocity } else { readings.velocity }
     }
 
     /// Whether the table is at its velocity limit.
@@ -133,22 +131,34 @@ impl Watch {
         drive: Drive,
     ) -> Option<Trip> {
         if !ALL && !config.parts.observer {
-            self.velocity = readings.velocity;
             return None;
         }
-        self.observe::<ALL>(config, readings);
+        self.observe(config, readings);
         let mode = if GUARD { Mode::Guard } else { config.mode };
-        let doubt = self.take_turn::<ALL>(mode, config, readings, drive);
+        let doubt = self.take_turn::<ALL, GUARD>(mode, config, readings, drive);
         if !ALL && !config.parts.guard {
             return None;
         }
-        let left = config.guard.envelope.left_by(readings.displacement, self.velocity);
-        let cause = if left.is_some() { left } else { doubt };
-        // A whole tick follows one that found nothing, or the test would not run.
-        if !ALL || cause.is_some() {
-            self.cause = cause;
+        // A whole tick follows one that found nothing, or the test would not run: there is nothing to forget.
+        match doubt {
+            None if ALL => {
+                let left = config.guard.envelope.left_by(readings.displacement, self.observer.velocity);
+                if left.is_some() {
+                    self.cause = left;
+                }
+                left
+            }
+            doubt => self.blame(config, readings, doubt.flatten()),
         }
-        cause
+    }
+
+    /// What the envelope says, which must not wait, or else the `doubt` of a monitor.
+    #[cold]
+    #[inline(never)]
+    fn blame(&mut self, config: &Config, readings: &Sample, doubt: Option<Trip>) -> Option<Trip> {
+        let left = config.guard.envelope.left_by(readings.displacement, self.velocity(config, readings));
+        self.cause = if left.is_some() { left } else { doubt };
+        self.cause
     }
 
     /// The same under any configuration.
@@ -191,53 +201,53 @@ impl Watch {
 
     /// Velocity and low-passed acceleration of the table. A reading that is not there stands at zero.
     #[inline]
-    fn observe<const ALL: bool>(&mut self, config: &Config, readings: &Sample) {
+    fn observe(&mut self, config: &Config, readings: &Sample) {
         config.observer.advance(&mut self.observer, readings.displacement, readings.acceleration);
-        let sensed = !ALL && config.parts.velocity_sensor;
-        self.velocity = if sensed { readings.velocity } else { self.observer.velocity };
         config.smoothing.advance(&mut self.acceleration, readings.acceleration + self.observer.offset);
     }
 
-    /// The monitor whose turn it is.
+    /// The monitor whose turn it is: none where it saw nothing, which is nearly always; else what it doubts, if anything.
     #[inline(always)]
-    fn take_turn<const ALL: bool>(
+    fn take_turn<const ALL: bool, const GUARD: bool>(
         &mut self,
         mode: Mode,
         config: &Config,
         readings: &Sample,
         drive: Drive,
-    ) -> Option<Trip> {
+    ) -> Option<Option<Trip>> {
         let parts = config.parts;
+        let velocity = if ALL { self.observer.velocity } else { self.velocity(config, readings) };
         // Each says whose turn is next, which spares counting.
         match self.turn {
             0 => {
                 self.turn = 2;
                 if ALL || parts.detector {
-                    self.detect(mode, config, readings, drive);
+                    self.detect(mode, velocity, config, readings, drive);
                 }
                 None
             }
             1 => {
                 self.turn = 0;
-                if ALL || parts.guard { self.judge(mode, config, readings, drive) } else { None }
+                if ALL || parts.guard { self.judge::<GUARD>(mode, velocity, config, readings, drive) } else { None }
             }
             _ => {
                 self.turn = 1;
                 if !ALL && !parts.plausibility {
                     return None;
                 }
-                let (x, a) = (readings.displacement, readings.acceleration);
-                config.guard.plausibility.advance(&mut self.plausibility, x, a, &self.observer)
+                let (monitor, x, a) = (&config.guard.plausibility, readings.displacement, readings.acceleration);
+                let nothing = monitor.look(&mut self.plausibility, x, a, &self.observer);
+                (!nothing).then(|| monitor.doubt(&self.plausibility, &self.observer))
             }
         }
     }
 
     /// Looks for velocity saturation.
     #[inline(always)]
-    fn detect(&mut self, mode: Mode, config: &Config, readings: &Sample, drive: Drive) {
+    fn detect(&mut self, mode: Mode, velocity: f32, config: &Config, readings: &Sample, drive: Drive) {
         let acceleration = config.smoothing.last(&self.acceleration);
         let seen = Evidence {
-            velocity: self.velocity,
+            velocity,
             acceleration,
             error: if mode == Mode::Guard { drive.excess } else { drive.reference - readings.displacement },
             demand: if mode == Mode::Modifier {
@@ -250,23 +260,38 @@ impl Watch {
         self.velocity_limit = self.detector.limit();
     }
 
-    /// What the guard has against the table's motion and against the valve.
+    /// What the guard has against the table's motion and against the valve. Where `GUARD`, the pressure has no limit and the
+    /// reference is an existing controller's.
     #[inline(always)]
-    fn judge(&mut self, mode: Mode, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
+    fn judge<const GUARD: bool>(
+        &mut self,
+        mode: Mode,
+        velocity: f32,
+        config: &Config,
+        readings: &Sample,
+        drive: Drive,
+    ) -> Option<Option<Trip>> {
         let guard = &config.guard;
-        let motion = Motion {
-            acceleration: config.smoothing.last(&self.acceleration),
-            pressure_difference: readings.pressure_difference,
-            error: drive.reference - readings.displacement,
-        };
-        let beyond = guard.envelope.advance(&mut self.envelope, &motion);
-        if mode != Mode::Modifier {
+        let stuck = mode != Mode::Modifier && {
             let asked = drive.excess * config.valve_gain;
-            let x = readings.displacement;
-            if guard.valve.advance(&mut self.valve, asked, self.velocity_limit, self.velocity, x) {
-                return Some(Trip::ValveStuck);
-            }
+            guard.valve.advance(&mut self.valve, asked, self.velocity_limit, velocity, readings.displacement)
+        };
+        let acceleration = config.smoothing.last(&self.acceleration);
+        let pressure_difference = if GUARD { 0.0 } else { readings.pressure_difference };
+        let error = if GUARD { 0.0 } else { drive.reference - readings.displacement };
+        if stuck {
+            return Some(self.stuck(guard, acceleration, pressure_difference, error));
         }
-        beyond
+        let motion = Motion { acceleration, pressure_difference, error };
+        let jerk_step = guard.envelope.look(&mut self.envelope, &motion)?;
+        Some(guard.envelope.beyond(&mut self.envelope, pressure_difference, jerk_step))
+    }
+
+    /// A valve that is not believed, whatever the envelope has to say.
+    #[cold]
+    #[inline(never)]
+    fn stuck(&mut self, guard: &Guard, acceleration: f32, pressure_difference: f32, error: f32) -> Option<Trip> {
+        let _ = guard.envelope.advance(&mut self.envelope, &Motion { acceleration, pressure_difference, error });
+        Some(Trip::ValveStuck)
     }
 }

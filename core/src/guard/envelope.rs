@@ -147,16 +147,20 @@ impl Envelope {
     #[inline]
     pub fn left_by(&self, displacement: f32, velocity: f32) -> Option<Trip> {
         let rest = displacement + self.stopping_distance(velocity);
-        if !self.room.holds(rest) {
-            Some(Trip::Displacement)
-        } else if !self.velocity.holds(velocity) {
-            // Between the two, so that they are not worked into one: each is a comparison and a branch not taken.
-            Some(if self.room.holds(displacement) { Trip::Velocity } else { Trip::Displacement })
-        } else if !self.room.holds(displacement) {
-            Some(Trip::Displacement)
-        } else {
+        // Velocity between the two, so that they are not worked into one: each is a comparison and a branch not taken.
+        if self.room.holds(rest) && self.velocity.holds(velocity) && self.room.holds(displacement) {
             None
+        } else {
+            Some(self.which(displacement, velocity))
         }
+    }
+
+    /// Which limit it is, where one is passed.
+    #[cold]
+    #[inline(never)]
+    fn which(&self, displacement: f32, velocity: f32) -> Trip {
+        let rest = displacement + self.stopping_distance(velocity);
+        if self.room.holds(rest) && self.room.holds(displacement) { Trip::Velocity } else { Trip::Displacement }
     }
 
     /// The same without a limit on the distance from the reference.
@@ -168,19 +172,42 @@ impl Envelope {
     /// One tick of what may last.
     #[inline]
     pub fn advance(&self, state: &mut EnvelopeState, motion: &Motion) -> Option<Trip> {
+        self.look(state, motion).and_then(|jerk_step| self.beyond(state, motion.pressure_difference, jerk_step))
+    }
+
+    /// The half of it that nearly every tick is: none where all is within. Else the change of the acceleration (m/s2), for
+    /// [`Self::beyond`].
+    #[inline(always)]
+    pub(crate) fn look(&self, state: &mut EnvelopeState, motion: &Motion) -> Option<f32> {
         let jerk_step = motion.acceleration - state.acceleration;
         state.acceleration = motion.acceleration;
-        let cause = if !self.acceleration.holds(motion.acceleration) {
+        let within = self.acceleration.holds(motion.acceleration)
+            && self.jerk_step.holds(jerk_step)
+            && self.pressure.holds(motion.pressure_difference)
+            && self.tracking.holds(motion.error);
+        if within {
+            state.lasted = 0;
+        }
+        (!within).then_some(jerk_step)
+    }
+
+    /// The other half: what is beyond its limit, once that has lasted.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn beyond(
+        &self,
+        state: &mut EnvelopeState,
+        pressure_difference: f32,
+        jerk_step: f32,
+    ) -> Option<Trip> {
+        let cause = if !self.acceleration.holds(state.acceleration) {
             Trip::Acceleration
         } else if !self.jerk_step.holds(jerk_step) {
             Trip::Jerk
-        } else if !self.pressure.holds(motion.pressure_difference) {
+        } else if !self.pressure.holds(pressure_difference) {
             Trip::Force
-        } else if !self.tracking.holds(motion.error) {
-            Trip::Tracking
         } else {
-            state.lasted = 0;
-            return None;
+            Trip::Tracking
         };
         state.lasted = state.lasted.saturating_add(1);
         (state.lasted > self.persistence).then_some(cause)

@@ -107,6 +107,18 @@ impl Plausibility {
         acceleration: f32,
         seen: &FusionState,
     ) -> Option<Trip> {
+        if self.look(state, displacement, acceleration, seen) { None } else { self.doubt(state, seen) }
+    }
+
+    /// The half of it that nearly every tick is: whether there is nothing to doubt.
+    #[inline(always)]
+    pub(crate) fn look(
+        &self,
+        state: &mut PlausibilityState,
+        displacement: f32,
+        acceleration: f32,
+        seen: &FusionState,
+    ) -> bool {
         let change = acceleration - state.acceleration;
         state.displacement_same = count(state.displacement_same, displacement == state.displacement);
         state.acceleration_same = count(state.acceleration_same, change == 0.0);
@@ -117,6 +129,14 @@ impl Plausibility {
         let innovation = self.mean.advance(&mut state.innovation_size, seen.innovation.abs());
         // A single spike, such as a valve that closes at speed makes, is not noise.
         let roughness = self.mean.advance(&mut state.roughness, min(self.spike, change.abs()));
+        innovation <= self.suspicious && roughness <= self.acceleration_noise && self.offset.holds(seen.offset)
+    }
+
+    /// The other half: what to doubt, if it is enough for that.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn doubt(&self, state: &PlausibilityState, seen: &FusionState) -> Option<Trip> {
+        let innovation = self.mean.last(&state.innovation_size);
         if innovation > self.suspicious
             && let Some(trip) = self.accuse(state, innovation)
         {
@@ -124,7 +144,7 @@ impl Plausibility {
         }
         if !self.offset.holds(seen.offset) {
             Some(Trip::SensorsDisagree)
-        } else if roughness > self.acceleration_noise {
+        } else if self.mean.last(&state.roughness) > self.acceleration_noise {
             Some(Trip::AccelerationNoisy)
         } else {
             None
@@ -132,7 +152,6 @@ impl Plausibility {
     }
 
     /// Which sensor it is, given a suspicious mean magnitude of the `innovation` (m).
-    #[inline(never)]
     fn accuse(&self, state: &PlausibilityState, innovation: f32) -> Option<Trip> {
         if state.displacement_same > self.stuck {
             Some(Trip::DisplacementStuck)

@@ -100,6 +100,6 @@ impl ValveMonitor {
             state.stood = displacement;
             state.told = 0.0;
         }
-        !self.mismatch.holds(state.unexplained) || !self.still_limit.holds(state.told)
+        !(self.mismatch.holds(state.unexplained) && self.still_limit.holds(state.told))
     }
 }

@@ -75,18 +75,11 @@ impl Walls {
         self.follows_external && self.accelerometer && self.rare.is_empty()
     }
 
-    /// Takes these three over into `readings`, all or none; whether all were believable.
+    /// Whether these three are all believable.
     #[inline(always)]
-    pub(crate) fn take_three(&self, sample: &Sample, readings: &mut Sample) -> bool {
+    pub(crate) fn admit_three(&self, sample: &Sample) -> bool {
         let (r, s) = (&self.ranges, sample);
-        let believable =
-            r.external.holds(s.external) && r.displacement.holds(s.displacement) && r.acceleration.holds(s.acceleration);
-        if believable {
-            readings.external = s.external;
-            readings.displacement = s.displacement;
-            readings.acceleration = s.acceleration;
-        }
-        believable
+        r.external.holds(s.external) && r.displacement.holds(s.displacement) && r.acceleration.holds(s.acceleration)
     }
 
     /// Takes what is believable of `sample` over into `readings`; gives the needed channels that were not.

@@ -57,7 +57,7 @@ impl OnChip {
     /// The DMA stream, then the converter on its trigger.
     #[cold]
     #[inline(never)]
-    fn arm(&self) {
+    pub(crate) fn arm(&self) {
         let stream = self.dma.st(0);
         stream.cr().modify(|_, w| w.en().disabled());
         while stream.cr().read().en().bit_is_set() {}
@@ -84,23 +84,12 @@ impl OnChip {
         });
     }
 
-    /// Acknowledges the sample; whether the converter failed, which starts it again.
+    /// Acknowledges the sample; whether the converter failed and needs [`Self::arm`].
     #[inline]
     pub(crate) fn failed(&mut self) -> bool {
         let flags = self.dma.lisr().read();
         self.dma.lifcr().write(|w| unsafe { w.bits(0x3D) });
-        let failed = flags.teif0().bit_is_set() || self.adc.sr().read().ovr().bit_is_set();
-        if failed {
-            self.arm();
-        }
-        failed
-    }
-
-    /// The codes sampled for this tick.
-    #[inline]
-    pub(crate) fn codes(&self) -> [u16; INPUTS] {
-        // SAFETY: the DMA has written the buffer and does not touch it again before the next update.
-        core::array::from_fn(|input| unsafe { SAMPLES.0.get().cast::<u16>().add(input).read_volatile() })
+        flags.teif0().bit_is_set() | self.adc.sr().read().ovr().bit_is_set()
     }
 
     /// Whether the next tick has come already; asked at the end of a tick.
@@ -122,7 +111,11 @@ impl Converters for OnChip {
 
     #[inline]
     fn read(&mut self) -> Result<[u16; INPUTS], Fault> {
-        if self.failed() { Err(Fault::Lost) } else { Ok(self.codes()) }
+        if self.failed() {
+            self.arm();
+            return Err(Fault::Lost);
+        }
+        Ok(core::array::from_fn(sampled))
     }
 
     #[inline]
@@ -132,11 +125,16 @@ impl Converters for OnChip {
     }
 }
 
+/// The code of an input, by its number, as sampled for this tick.
+#[inline(always)]
+pub(crate) fn sampled(input: usize) -> u16 {
+    // SAFETY: inside the buffer, and the DMA has written it and does not touch it again before the next update.
+    unsafe { SAMPLES.0.get().cast::<u16>().add(input % INPUTS).read_volatile() }
+}
+
 /// Code of the LVDT as the converter last saw it, whoever reads it otherwise.
 pub(crate) fn last_displacement() -> u16 {
-    // SAFETY: the buffer is never anything but codes.
-    let [_, displacement, ..] = unsafe { SAMPLES.0.get().read_volatile() };
-    displacement
+    sampled(1)
 }
 
 /// Writes `code` to the output, whoever owns it: for the end of a program that has failed.

@@ -7,9 +7,9 @@ pub struct Codes(u32, u32);
 impl Codes {
     /// These.
     #[inline(always)]
-    pub const fn of(inputs: &[u16; 4]) -> Self {
-        let &[a, b, c, d] = inputs;
-        Self(a as u32 | (b as u32) << 16, c as u32 | (d as u32) << 16)
+    pub fn of(input: impl Fn(usize) -> u16) -> Self {
+        let word = |low, high| u32::from(input(low)) | u32::from(input(high)) << 16;
+        Self(word(0, 1), word(2, 3))
     }
 
     /// Each by itself.
@@ -29,28 +29,32 @@ pub struct Events {
     pub no_sample: bool,
 }
 
+/// What is left to do of a tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rest {
+    /// All of it: nothing was done.
+    All,
+    /// The core has decided, and has something to say.
+    Word,
+    /// There was no point of the reference.
+    Dry,
+    /// There was the end of the reference.
+    End,
+}
+
 /// What a tick leaves for the board to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Outcome {
     /// Output code.
     pub output: u16,
-    /// What else there is to do. None in an ordinary tick of a test: the relay is closed, as it was, and everything else is as it
-    /// was told.
-    pub news: Option<News>,
+    /// Whether there is more, which the loop says: its news, and its relay. Not in an ordinary tick of a test, where the relay is
+    /// closed as it was.
+    pub news: bool,
 }
 
-impl Outcome {
-    /// Whether the relay of the hydraulic block is closed.
-    pub fn relay(self) -> bool {
-        self.news.is_none_or(|news| news.relay)
-    }
-}
-
-/// What there is to do beside the output.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What there is to do beside output and relay.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct News {
-    /// Whether the relay of the hydraulic block is closed.
-    pub relay: bool,
     /// There is a new setup.
     pub new_setup: bool,
     /// The others are to be told: the standing is another than in the last tick, or they have not heard for a while.

@@ -1,9 +1,9 @@
 //! The tick.
 
-use shakedown_firmware::converters::{Converters, INPUTS};
-use shakedown_firmware::{Codes, Events, Loop, News, Outcome};
+use shakedown_firmware::converters::Converters;
+use shakedown_firmware::{Codes, Events, Loop, Outcome, Rest};
 
-use crate::board::{converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog};
+use crate::board::{converters, converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog};
 
 /// What the tick owns.
 pub(crate) struct Control {
@@ -20,58 +20,76 @@ pub(crate) struct Control {
 }
 
 impl Control {
-    /// One tick: codes in, the loop's decision, a code out.
+    /// One tick: codes in, the loop's decision, a code out. What happens now and then is a call away.
     #[inline]
     pub(crate) fn tick(&mut self) {
-        if self.converters.failed() {
-            return self.tick_noticing(true);
+        let failed = self.converters.failed();
+        if failed | self.pins.emergency_stop() | self.pins.supply_low() {
+            return self.tick_noticing(failed);
         }
-        if self.pins.emergency_stop() | self.pins.supply_low() {
-            return self.tick_noticing(false);
+        match self.decide.pass(converters::sampled) {
+            Ok(output) => self.put(output),
+            Err(Rest::All) => self.tick_in_full(),
+            Err(rest) => self.finish(rest),
         }
-        let outcome = self.decide.tick(&self.converters.codes());
-        self.act(outcome);
+    }
+
+    /// A tick that is no ordinary one of a guard.
+    #[inline(never)]
+    fn tick_in_full(&mut self) {
+        let outcome = self.decide.tick_with(Codes::of(converters::sampled), Events::default());
+        self.attend(outcome);
+    }
+
+    /// The rest of a tick that was no ordinary one.
+    #[inline(never)]
+    fn finish(&mut self, rest: Rest) {
+        let outcome = self.decide.finish(Codes::of(converters::sampled), rest);
+        self.attend(outcome);
     }
 
     /// The same when the board has something to say.
     #[cold]
     #[inline(never)]
     fn tick_noticing(&mut self, no_sample: bool) {
-        let inputs = if no_sample { [0; INPUTS] } else { self.converters.codes() };
         let events = Events {
             emergency_stop: self.pins.emergency_stop(),
             supply_low: self.pins.supply_low(),
             no_sample,
         };
-        let outcome = self.decide.tick_with(Codes::of(&inputs), events);
-        self.act(outcome);
+        if no_sample {
+            self.converters.arm();
+        }
+        let inputs = Codes::of(|input| if no_sample { 0 } else { converters::sampled(input) });
+        let outcome = self.decide.tick_with(inputs, events);
+        self.attend(outcome);
     }
 
-    /// What follows from a tick on the board.
+    /// The code goes out.
     #[inline(always)]
-    fn act(&mut self, outcome: Outcome) {
-        let _ = self.converters.write(outcome.output);
-        self.watchdog.feed();
-        if let Some(news) = outcome.news {
-            self.attend(news);
-        }
+    fn put(&mut self, output: u16) {
+        let _ = self.converters.write(output);
         if self.converters.late() {
             self.decide.overrun();
         }
     }
 
-    /// What follows now and then. The first tick is news, so that the output is out from then on.
-    #[inline(never)]
-    fn attend(&mut self, news: News) {
-        self.pins.set_relay(news.relay);
-        if news.new_setup {
-            self.take_setup();
-        }
-        if news.tell {
-            let (ticks, dropped) = self.decide.counts();
-            standing::publish(self.decide.standing(), ticks, dropped);
-            self.converters.go_live();
-            line::wake();
+    /// The same, and what follows now and then. The first tick is news, so that the output is out from then on.
+    fn attend(&mut self, outcome: Outcome) {
+        self.put(outcome.output);
+        if outcome.news {
+            self.pins.set_relay(self.decide.relay());
+            self.watchdog.feed();
+            let news = self.decide.news();
+            if news.new_setup {
+                self.take_setup();
+            }
+            if news.tell {
+                let (ticks, dropped) = self.decide.counts();
+                standing::publish(self.decide.standing(), ticks, dropped);
+                self.converters.go_live();
+                line::wake();
+            }
         }
     }
 

@@ -55,13 +55,13 @@ pub(crate) fn run(
             desk.points.enqueue(point).unwrap();
         }
         let inputs = bench.codes();
-        let outcome = decide.tick(&inputs);
+        let outcome = decide.tick(|input| inputs[input]);
         let output = spoil(tick, outcome.output);
-        twin.codes.push(Codes { inputs, output, relay: outcome.relay() });
+        twin.codes.push(Codes { inputs, output, relay: decide.relay() });
         while let Some(entry) = desk.records.dequeue() {
             twin.entries.push(entry);
         }
-        let closed = outcome.relay();
+        let closed = decide.relay();
         bench.advance(output, closed);
         if closed && !relay && bench.played.is_none() {
             bench.played = Some(0);
