@@ -40,14 +40,14 @@ impl Output {
     /// they stand for: half the instructions of a conversion.
     #[inline]
     pub fn code(&self, value: f32) -> u16 {
-        let above = self.above(value);
-        if above.cast_unsigned() <= u32::from(self.full_scale) { above as u16 } else { self.end(value) }
+        let code = self.bits(value).wrapping_sub(WHOLE.to_bits());
+        if code <= u32::from(self.full_scale) { code as u16 } else { self.end(value) }
     }
 
-    /// How far the bits for `value` lie above those of 2^23, which is the code where the converter reaches that far.
+    /// Those of 2^23 plus the code for `value`, where the converter reaches that far.
     #[inline(always)]
-    fn above(&self, value: f32) -> i32 {
-        (value * self.per_unit + self.zero + WHOLE).to_bits().wrapping_sub(WHOLE.to_bits()).cast_signed()
+    fn bits(&self, value: f32) -> u32 {
+        (value * self.per_unit + self.zero + WHOLE).to_bits()
     }
 
     /// The code for a `value` beyond the ends.
@@ -55,7 +55,8 @@ impl Output {
     #[inline(never)]
     fn end(&self, value: f32) -> u16 {
         let value = if value.is_nan() { 0.0 } else { value };
-        self.above(value).clamp(0, i32::from(self.full_scale)) as u16
+        let above = self.bits(value).cast_signed().saturating_sub_unsigned(WHOLE.to_bits());
+        above.clamp(0, i32::from(self.full_scale)) as u16
     }
 }
 
