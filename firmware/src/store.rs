@@ -5,6 +5,10 @@
 //! ones the later sequence counts. A write goes to the other slot, so power that fails anywhere in it leaves the old
 //! setup in force.
 
+mod in_memory;
+
+pub use in_memory::{InMemory, OutOfRange};
+
 use shakedown_core::link::{Setup, VERSION, checksum};
 
 /// Longest slot content, byte.

@@ -4,27 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use shakedown_core::link::checksum;
-use shakedown_firmware::store::{SLOT, Slots, load, save};
-
-struct Flash([[u8; SLOT]; 2]);
-
-impl Slots for Flash {
-    type Error = ();
-
-    fn read(&self, slot: usize, bytes: &mut [u8; SLOT]) {
-        *bytes = self.0[slot];
-    }
-
-    fn erase(&mut self, slot: usize) -> Result<(), ()> {
-        self.0[slot] = [0xFF; SLOT];
-        Ok(())
-    }
-
-    fn program(&mut self, slot: usize, offset: usize, bytes: &[u8]) -> Result<(), ()> {
-        self.0[slot][offset..offset + bytes.len()].copy_from_slice(bytes);
-        Ok(())
-    }
-}
+use shakedown_firmware::store::{InMemory, SLOT, load, save};
 
 /// Mark, length and check sum as a whole write would have left them around `length` bytes of content.
 fn seal(slot: &mut [u8; SLOT], length: usize) {
@@ -38,7 +18,7 @@ fn seal(slot: &mut [u8; SLOT], length: usize) {
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((&choice, content)) = bytes.split_first() else { return };
-    let mut flash = Flash([[0xFF; SLOT]; 2]);
+    let mut flash = InMemory::erased();
     let half = content.len().div_ceil(2).min(SLOT);
     for (slot, part) in flash.0.iter_mut().zip(content.chunks(half.max(1))) {
         slot[..part.len()].copy_from_slice(part);

@@ -101,3 +101,14 @@ proptest! {
         prop_assert_eq!(load(&flash).unwrap().setup, setup(1));
     }
 }
+
+#[test]
+fn memory_keeps_what_is_saved_and_refuses_what_lies_outside() {
+    let mut memory = InMemory::erased();
+    save(&mut memory, &setup(3)).unwrap();
+    save(&mut memory, &setup(4)).unwrap();
+    assert_eq!(load(&memory).map(|found| found.setup.telemetry_every), Some(4));
+    assert_eq!(memory.erase(2), Err(OutOfRange { slot: 2, offset: 0, length: SLOT }));
+    assert_eq!(memory.program(0, SLOT - 1, &[0; 2]), Err(OutOfRange { slot: 0, offset: SLOT - 1, length: 2 }));
+    assert_eq!(memory.program(1, usize::MAX, &[0; 2]), Err(OutOfRange { slot: 1, offset: usize::MAX, length: 2 }));
+}

@@ -14,35 +14,13 @@ use shakedown::device::Talker;
 use shakedown_core::link::{RefusedBecause, Report, Request, Setup, Vitals};
 use shakedown_core::{Mode, State};
 use shakedown_firmware::defaults;
-use shakedown_firmware::store::{SLOT, Slots, save};
+use shakedown_firmware::store::{InMemory, save};
 use shakedown_replay::{Ran, Tick, World};
 
 /// Where the slots lie (`memory.x`).
 const SLOTS: [u64; 2] = [0x080C_0000, 0x080E_0000];
 /// Ticks between two questions.
 const PAUSE: usize = 50;
-
-/// A flash on the host.
-#[derive(Clone)]
-struct Memory([[u8; SLOT]; 2]);
-
-impl Slots for Memory {
-    type Error = ();
-
-    fn read(&self, slot: usize, bytes: &mut [u8; SLOT]) {
-        *bytes = self.0[slot];
-    }
-
-    fn erase(&mut self, slot: usize) -> Result<(), ()> {
-        self.0[slot] = [0xFF; SLOT];
-        Ok(())
-    }
-
-    fn program(&mut self, slot: usize, offset: usize, bytes: &[u8]) -> Result<(), ()> {
-        self.0[slot][offset..offset + bytes.len()].copy_from_slice(bytes);
-        Ok(())
-    }
-}
 
 /// Asks one question after the other, and keeps what it hears.
 struct Asking {
@@ -75,7 +53,7 @@ impl World for Asking {
     }
 }
 
-fn ask(memory: &Memory, questions: Vec<Request>) -> Ran<Asking> {
+fn ask(memory: &InMemory, questions: Vec<Request>) -> Ran<Asking> {
     let world = Asking {
         bench: Bench::new(setup(Mode::Controller), Vec::new()),
         talker: Talker::new(),
@@ -91,7 +69,7 @@ fn ask(memory: &Memory, questions: Vec<Request>) -> Ran<Asking> {
 }
 
 /// The setup in force after a reset with this in the flash, and how the device fares.
-fn at_power_on(memory: &Memory) -> (Setup, Vitals) {
+fn at_power_on(memory: &InMemory) -> (Setup, Vitals) {
     match ask(memory, vec![Request::ReadSetup, Request::ReadVitals]).world.heard[..] {
         [Report::Setup(setup), Report::Vitals(vitals)] => (setup, vitals),
         ref other => panic!("{other:?}"),
@@ -105,8 +83,8 @@ fn gain(proportional: f32) -> Setup {
 }
 
 /// A flash to which these were saved, one after the other.
-fn holding(setups: &[Setup]) -> Memory {
-    let mut memory = Memory([[0xFF; SLOT]; 2]);
+fn holding(setups: &[Setup]) -> InMemory {
+    let mut memory = InMemory::erased();
     for setup in setups {
         save(&mut memory, setup).unwrap();
     }
