@@ -3,9 +3,11 @@
 use std::fmt::Write as _;
 
 use shakedown_core::control::InnerLoop;
-use shakedown_core::link::Setup;
+use shakedown_core::State;
+use shakedown_core::link::{Scale, Setup};
 
 use super::Row;
+use crate::recording::signal::{detrend, deviation};
 
 /// Longest gap that is written row by row, records.
 const LONGEST: u32 = 10_000;
@@ -53,30 +55,85 @@ pub fn csv(rows: &[Row], setup: &Setup, every: u16) -> String {
     text
 }
 
+/// Fewest records at rest that a noise is stated from: its standard deviation is then known to a tenth.
+const FEWEST: usize = 64;
+
+/// Standard deviation of an input over `codes`, codes, about the straight line through them; none where there are too few.
+/// A converter's step over the root of twelve is the least that a channel can have.
+fn noise(codes: &[f64]) -> Option<f64> {
+    let mut codes = codes.to_vec();
+    detrend(&mut codes);
+    (codes.len() >= FEWEST).then(|| deviation(&codes).max(1.0 / 12f64.sqrt()))
+}
+
 /// An experiment of one run: the valve model of the setup, driven by the recorded command, so that nothing about the law
-/// has to be known. A converter's step over the root of twelve is the least noise that a channel can have.
-pub fn experiment(name: &str, file: &str, setup: &Setup) -> String {
+/// has to be known. The sensors' noise is what `rows`, all that the device sent, show before the test runs, the converters'
+/// steps included; where that is too little, none is stated, and it is estimated from the recording: a converter's step
+/// alone would be less than a sensor has, and what the sensor adds would then look like physics that the model leaves out.
+pub fn experiment(name: &str, file: &str, setup: &Setup, rows: &[Row]) -> String {
     let valve = &setup.control.valve;
     let a1 = 1.0 / valve.lag.max(1e-6);
-    let noise = |per_code: f32| per_code.abs() / 12f32.sqrt();
     let wiring = &setup.wiring;
+    let at_rest = |row: &&Row| matches!(row.state, State::Off | State::Ready);
+    let before = || rows.iter().take_while(|row| row.state != State::Running).filter(at_rest);
+    let stated = |input: usize, scale: &Scale| {
+        let codes: Vec<f64> = before().filter_map(|row| row.record.inputs.get(input)).map(|&c| f64::from(c)).collect();
+        noise(&codes).map_or_else(String::new, |codes| format!(", noise = {}", codes * f64::from(scale.per_code.abs())))
+    };
     format!(
         "name = {name:?}\n\n[model]\nkind = \"servo\"\nb1 = 0.0\nb0 = {b0}\na1 = {a1}\nvelocity_limit = {limit}\n\n\
          [channels]\ntime = {{ column = \"time\", unit = \"s\" }}\n\
          reference = {{ column = \"modified_reference\", unit = \"m\" }}\n\
-         displacement = {{ column = \"displacement\", unit = \"m\", noise = {dx} }}\n\
-         acceleration = {{ column = \"acceleration\", unit = \"m/s2\", noise = {da} }}\n\
+         displacement = {{ column = \"displacement\", unit = \"m\"{dx} }}\n\
+         acceleration = {{ column = \"acceleration\", unit = \"m/s2\"{da} }}\n\
          command = {{ column = \"command\", unit = \"1\" }}\n\n[[runs]]\nfile = {file:?}\n",
         b0 = valve.gain * a1,
         limit = setup.control.velocity_limit,
-        dx = noise(wiring.displacement.per_code),
-        da = noise(wiring.acceleration.per_code),
+        dx = stated(1, &wiring.displacement),
+        da = stated(2, &wiring.acceleration),
     )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shakedown_core::Settings;
+    use shakedown_core::link::{Record, Source, Wiring};
+
+    fn row(tick: u32, state: State, displacement: u16) -> Row {
+        let inputs = [2048, displacement, 2048, 2048];
+        Row { tick, state, record: Record { inputs, ..Record::default() } }
+    }
+
+    #[test]
+    fn the_noise_stated_is_what_was_seen_at_rest() {
+        let scale = Scale { zero: 2048.0, per_code: 7.4e-5 };
+        let wiring = Wiring {
+            source: Source::Streamed,
+            reference: scale,
+            displacement: scale,
+            acceleration: scale,
+            external: scale,
+            output: scale,
+            full_scale: 4095,
+            rails_are_faults: true,
+        };
+        let setup = Setup { telemetry_every: 1, wiring, control: Settings::default() };
+        // Two codes up, two down, while the table rests; what it does in the test is no noise.
+        let mut rows: Vec<Row> = (0..200).map(|k| row(k, State::Off, 2046 + 4 * (k % 2) as u16)).collect();
+        rows.extend((200..400).map(|k| row(k, State::Running, 10 * k as u16)));
+        let step = f64::from(setup.wiring.displacement.per_code);
+        let stated = |rows: &[Row]| {
+            let text = experiment("device", "recording.csv", &setup, rows);
+            let line = text.lines().find(|line| line.starts_with("displacement")).unwrap().to_owned();
+            line.split_once("noise = ").map(|(_, rest)| rest.trim_end_matches(" }").parse::<f64>().unwrap())
+        };
+        assert!(stated(&rows).is_some_and(|noise| (noise / (2.0 * step) - 1.0).abs() < 0.02), "{:?}", stated(&rows));
+        let still: Vec<Row> = (0..200).map(|k| row(k, State::Ready, 2048)).collect();
+        assert!(stated(&still).is_some_and(|noise| (noise * 12f64.sqrt() / step - 1.0).abs() < 1e-6));
+        assert_eq!(stated(&rows[200..]), None, "nothing is stated where nothing rested");
+        assert_eq!(stated(&rows[..10]), None, "nor where too little did");
+    }
 
     #[test]
     fn a_gap_is_written_out_unless_it_is_absurd() {

@@ -41,7 +41,7 @@ impl Run {
         bar.finish_and_clear();
         let telemetry = drive.telemetry();
         let rows: Vec<Row> = telemetry.run().copied().collect();
-        save(&self.out, &rows, &setup)?;
+        save(&self.out, &rows, telemetry.rows(), &setup)?;
         let missing: u32 = telemetry.gaps().iter().map(|gap| gap.records).sum();
         let value = json!({ "points": points, "records": rows.len(), "missing": missing,
                             "dropped": telemetry.dropped(), "ended": ended.as_ref().err().map(ToString::to_string) });
@@ -73,15 +73,16 @@ impl Listen {
         let time = Duration::try_from_secs_f64(self.seconds).map_err(|e| Failure::Input(format!("--seconds: {e}")))?;
         let setup = session.setup().map_err(failed)?;
         let telemetry: Telemetry = session.listen(time).map_err(failed)?;
-        save(&self.out, telemetry.rows(), &setup)
+        save(&self.out, telemetry.rows(), telemetry.rows(), &setup)
     }
 }
 
-fn save(folder: &Path, rows: &[Row], setup: &Setup) -> Result<(), Failure> {
+/// Saves `rows` as a recording, with the noise that `all` that was sent shows.
+fn save(folder: &Path, rows: &[Row], all: &[Row], setup: &Setup) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| Failure::Work(format!("{}: {e}", folder.display())))?;
     write_whole(&folder.join("recording.csv"), csv(rows, setup, setup.telemetry_every).as_bytes())?;
     let name = folder.file_name().map_or_else(|| "device".into(), |name| name.to_string_lossy().into_owned());
-    write_whole(&folder.join("experiment.toml"), experiment(&name, "recording.csv", setup).as_bytes())
+    write_whole(&folder.join("experiment.toml"), experiment(&name, "recording.csv", setup, all).as_bytes())
 }
 
 /// The reference at the device's rate, m, by straight lines between its samples.
