@@ -74,8 +74,8 @@ pub(super) const FIGURES: &[Figure] = &[
     ),
     figure(
         DEVICE,
-        "retired instructions a tick, board included; flash; RAM; stack",
-        "96 KiB; 24 KiB",
+        "retired instructions a tick, board included: controller, guard; flash; RAM",
+        "at most 600, 250; 96 KiB; 24 KiB",
         "cargo xtask replay cost",
     ),
     figure(DEVICE, "the core's laws beside the same in C, in instructions", "ratio at most 1.1", "cargo xtask beside"),
