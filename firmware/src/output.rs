@@ -19,11 +19,7 @@ pub struct Output {
 impl Output {
     /// The output of `wiring`.
     pub fn new(wiring: &Wiring) -> Self {
-        Self {
-            per_unit: 1.0 / wiring.output.per_code,
-            zero: wiring.output.zero,
-            full_scale: wiring.full_scale,
-        }
+        Self { per_unit: 1.0 / wiring.output.per_code, zero: wiring.output.zero, full_scale: wiring.full_scale }
     }
 
     /// The code nearest to `code` that the converter has.

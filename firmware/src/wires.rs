@@ -1,7 +1,7 @@
 //! The wiring worked out: what a tick needs to turn codes into SI, and nothing that it would have to look up.
 
-use shakedown_core::{Mode, Sample};
 use shakedown_core::link::{Scale, Setup, Source};
+use shakedown_core::{Mode, Sample};
 
 use crate::output::Output;
 

@@ -32,8 +32,7 @@ pub(crate) struct Parts {
 
 impl Parts {
     /// Everything that looks on, and the velocity is the observer's.
-    const ALL: Self =
-        Self { observer: true, velocity_sensor: false, detector: true, guard: true, plausibility: true };
+    const ALL: Self = Self { observer: true, velocity_sensor: false, detector: true, guard: true, plausibility: true };
     const NONE: Self =
         Self { observer: false, velocity_sensor: false, detector: false, guard: false, plausibility: false };
 

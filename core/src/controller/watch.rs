@@ -250,11 +250,7 @@ impl Watch {
             velocity,
             acceleration,
             error: if mode == Mode::Guard { drive.excess } else { drive.reference - readings.displacement },
-            demand: if mode == Mode::Modifier {
-                drive.reference_velocity
-            } else {
-                drive.excess * config.valve_gain
-            },
+            demand: if mode == Mode::Modifier { drive.reference_velocity } else { drive.excess * config.valve_gain },
         };
         config.detector.advance(&mut self.detector, seen);
         self.velocity_limit = self.detector.limit();

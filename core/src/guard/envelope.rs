@@ -194,12 +194,7 @@ impl Envelope {
     /// The other half: what is beyond its limit, once that has lasted.
     #[cold]
     #[inline(never)]
-    pub(crate) fn beyond(
-        &self,
-        state: &mut EnvelopeState,
-        pressure_difference: f32,
-        jerk_step: f32,
-    ) -> Option<Trip> {
+    pub(crate) fn beyond(&self, state: &mut EnvelopeState, pressure_difference: f32, jerk_step: f32) -> Option<Trip> {
         let cause = if !self.acceleration.holds(state.acceleration) {
             Trip::Acceleration
         } else if !self.jerk_step.holds(jerk_step) {

@@ -3,7 +3,9 @@
 use shakedown_firmware::converters::Converters;
 use shakedown_firmware::{Codes, Events, Loop, Outcome, Rest};
 
-use crate::board::{converters, converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog};
+use crate::board::{
+    converters, converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog,
+};
 
 /// What the tick owns.
 pub(crate) struct Control {
@@ -52,11 +54,8 @@ impl Control {
     #[cold]
     #[inline(never)]
     fn tick_noticing(&mut self, no_sample: bool) {
-        let events = Events {
-            emergency_stop: self.pins.emergency_stop(),
-            supply_low: self.pins.supply_low(),
-            no_sample,
-        };
+        let events =
+            Events { emergency_stop: self.pins.emergency_stop(), supply_low: self.pins.supply_low(), no_sample };
         if no_sample {
             self.converters.arm();
         }

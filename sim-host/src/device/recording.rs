@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use shakedown_core::control::InnerLoop;
 use shakedown_core::State;
+use shakedown_core::control::InnerLoop;
 use shakedown_core::link::{Scale, Setup};
 
 use super::Row;
