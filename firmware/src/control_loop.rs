@@ -4,15 +4,17 @@
 //! relay. This file turns codes into the core's units and back, feeds it the reference, and passes on what only the
 //! board can see.
 
-use shakedown_core::link::{Cause, MAX_BATCH, Record, Setup};
-use shakedown_core::{Channels, Controller, Course, Refused, Relay, Request, Sample, SettingsError, State, Trip};
+use shakedown_core::link::{Cause, MAX_BATCH, Setup};
+use shakedown_core::{Controller, Course, Refused, Relay, Request, Sample, SettingsError, State, Trip};
 
+mod attend;
 mod outcome;
+mod pass;
 
 pub use outcome::{Codes, Events, News, Outcome, Rest};
 
 use crate::output::ZeroFlow;
-use crate::queues::{Entry, LoopEnd, Order, Standing};
+use crate::queues::{LoopEnd, Order, Standing};
 use crate::wires::Wires;
 
 /// Most ticks after which the board is given something to do even when there is no news, to tell the others and to feed its
@@ -135,53 +137,7 @@ impl<'a> Loop<'a> {
         self.zero_flow
     }
 
-    /// One tick. `input` gives the codes of reference, displacement, acceleration and existing command by number, each the
-    /// same however often it is asked, so that none is kept for a call that is not made.
-    pub fn tick(&mut self, input: impl Fn(usize) -> u16) -> Outcome {
-        match self.pass(&input) {
-            Ok(output) => Outcome { output, news: false },
-            Err(rest) => self.finish(Codes::of(input), rest),
-        }
-    }
-
-    /// An ordinary tick of a guard, in which nothing else is due: the output's code, or what is left to do of a tick that is
-    /// none, for [`Self::finish`].
-    #[inline(always)]
-    pub fn pass(&mut self, input: impl Fn(usize) -> u16) -> Result<u16, Rest> {
-        let left = self.left.wrapping_sub(1);
-        if left == 0 || self.queues.orders.ready() {
-            return Err(Rest::All);
-        }
-        let Some(sample) = self.wires.guarded(input) else { return Err(Rest::All) };
-        if !self.controller.passes(&sample) {
-            return Err(Rest::All);
-        }
-        if self.wires.streamed {
-            let Some(point) = self.queues.points.dequeue() else { return Err(Rest::Dry) };
-            let Some(reference) = point.displacement() else { return Err(Rest::End) };
-            self.reference = reference;
-        }
-        self.left = left;
-        match self.controller.pass(&sample) {
-            Course::Whole => Ok(self.wires.output.code(self.controller.valve())),
-            Course::Other(_) => Err(Rest::Word),
-        }
-    }
-
-    /// The rest of a tick that was no ordinary one.
-    #[inline(never)]
-    pub fn finish(&mut self, inputs: Codes, rest: Rest) -> Outcome {
-        match rest {
-            Rest::All => return self.tick_with(inputs, Events::default()),
-            Rest::Word => return self.attend(inputs, Channels::NONE, false),
-            Rest::Dry => self.end_of_stream(Some(Cause::Underrun)),
-            Rest::End => self.end_of_stream(None),
-        };
-        let sample = self.sample(inputs.each());
-        self.decide(inputs, sample, false)
-    }
-
-    /// The same when the board has noticed something.
+    /// One tick of any kind, and whatever the board has noticed.
     #[inline(never)]
     pub fn tick_with(&mut self, inputs: Codes, events: Events) -> Outcome {
         let new_setup = self.queues.orders.ready() && self.obey();
@@ -207,32 +163,6 @@ impl<'a> Loop<'a> {
             return Outcome { output: self.wires.output.code(self.controller.valve()), news: false };
         }
         self.attend(inputs, course.missing(), new_setup)
-    }
-
-    /// The rest of a tick in which something is due or may have changed.
-    #[inline(never)]
-    fn attend(&mut self, inputs: Codes, missing: Channels, new_setup: bool) -> Outcome {
-        let output = match self.probe {
-            Some(code) if self.controller.state() == State::Off => self.wires.output.nearest(code),
-            _ => self.wires.output.code(self.controller.valve()),
-        };
-        let (ticks, _) = self.counts();
-        self.report(ticks.wrapping_sub(1), inputs.each(), missing, output);
-        let changes = u16::from(self.controller.changes());
-        let changed = changes != self.told;
-        self.told = changes;
-        self.news = News { new_setup, tell: changed || ticks % self.round == 0 };
-        self.schedule(ticks);
-        Outcome { output, news: true }
-    }
-
-    /// Works out which tick is the next to attend to, after `ticks` of them.
-    fn schedule(&mut self, ticks: u32) {
-        self.left = self.round - ticks % self.round;
-        if self.every > 0 {
-            self.left = self.left.min(self.record_at.wrapping_sub(ticks).wrapping_add(1));
-        }
-        self.due = ticks.wrapping_add(self.left);
     }
 
     /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.
@@ -331,26 +261,6 @@ impl<'a> Loop<'a> {
             // A trip that stands has its cause already.
             Err(Refused::Cause(trip)) if self.controller.state() == State::Off => self.blame(Some(Cause::Guard(trip))),
             Err(_) => {}
-        }
-    }
-
-    /// Telemetry, every so many ticks.
-    fn report(&mut self, tick: u32, inputs: [u16; 4], missing: Channels, output: u16) {
-        if self.every == 0 || tick != self.record_at {
-            return;
-        }
-        self.record_at = tick.wrapping_add(u32::from(self.every));
-        let command = self.controller.command(missing);
-        let record = Record {
-            reference: self.reference,
-            fitted: command.reference,
-            inputs,
-            output,
-            flags: command.status.bits(),
-        };
-        let entry = Entry { tick, state: command.status.state, record };
-        if self.queues.records.enqueue(entry).is_err() {
-            self.dropped = self.dropped.wrapping_add(1);
         }
     }
 }
