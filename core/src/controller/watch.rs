@@ -4,6 +4,8 @@
 //! stopping distance, and velocity. The other monitors judge what lasts ten milliseconds and more; each has its turn at
 //! every third tick, which costs a third and adds two ticks to their latency.
 
+mod words;
+
 use super::config::{Config, Guard};
 use crate::block::Block;
 use crate::control::Blocked;
@@ -15,6 +17,8 @@ use crate::guard::{Trip, ValveMonitorState};
 use crate::sample::{Channels, Sample};
 use crate::saturation::{DetectorState, Evidence};
 use crate::settings::Mode;
+pub(super) use words::Drive;
+use words::Word;
 
 /// Ticks from one turn of a monitor to its next.
 pub(crate) const TURNS: u8 = 3;
@@ -24,17 +28,6 @@ const COAST: u32 = 20;
 
 /// The channels without which nothing can be said of the table.
 const SENSORS: Channels = Channels::DISPLACEMENT.and(Channels::ACCELERATION).and(Channels::VELOCITY);
-
-/// What pushes the table, as the monitors see it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Drive {
-    /// Reference after modification, m.
-    pub(super) reference: f32,
-    /// Its velocity, m/s.
-    pub(super) reference_velocity: f32,
-    /// Command beyond zero flow, m.
-    pub(super) excess: f32,
-}
 
 /// What the monitors remember.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,20 +128,21 @@ impl Watch {
         }
         self.observe(config, readings);
         let mode = if GUARD { Mode::Guard } else { config.mode };
-        let doubt = self.take_turn::<ALL, GUARD>(mode, config, readings, drive);
+        let word = self.take_turn::<ALL, GUARD>(mode, config, readings, drive);
         if !ALL && !config.parts.guard {
             return None;
         }
         // A whole tick follows one that found nothing, or the test would not run: there is nothing to forget.
-        match doubt {
-            None if ALL => {
+        match word {
+            Word::Nothing if ALL => {
                 let left = config.guard.envelope.left_by(readings.displacement, self.observer.velocity);
                 if left.is_some() {
                     self.cause = left;
                 }
                 left
             }
-            doubt => self.blame(config, readings, doubt.flatten()),
+            Word::Nothing => self.blame(config, readings, None),
+            Word::Unusual(doubt) => self.blame(config, readings, doubt),
         }
     }
 
@@ -206,7 +200,7 @@ impl Watch {
         config.smoothing.advance(&mut self.acceleration, readings.acceleration + self.observer.offset);
     }
 
-    /// The monitor whose turn it is: none where it saw nothing, which is nearly always; else what it doubts, if anything.
+    /// The monitor whose turn it is.
     #[inline(always)]
     fn take_turn<const ALL: bool, const GUARD: bool>(
         &mut self,
@@ -214,7 +208,7 @@ impl Watch {
         config: &Config,
         readings: &Sample,
         drive: Drive,
-    ) -> Option<Option<Trip>> {
+    ) -> Word {
         let parts = config.parts;
         let velocity = if ALL { self.observer.velocity } else { self.velocity(config, readings) };
         // Each says whose turn is next, which spares counting.
@@ -224,20 +218,27 @@ impl Watch {
                 if ALL || parts.detector {
                     self.detect(mode, velocity, config, readings, drive);
                 }
-                None
+                Word::Nothing
             }
             1 => {
                 self.turn = 0;
-                if ALL || parts.guard { self.judge::<GUARD>(mode, velocity, config, readings, drive) } else { None }
+                if ALL || parts.guard {
+                    self.judge::<GUARD>(mode, velocity, config, readings, drive)
+                } else {
+                    Word::Nothing
+                }
             }
             _ => {
                 self.turn = 1;
                 if !ALL && !parts.plausibility {
-                    return None;
+                    return Word::Nothing;
                 }
                 let (monitor, x, a) = (&config.guard.plausibility, readings.displacement, readings.acceleration);
-                let nothing = monitor.look(&mut self.plausibility, x, a, &self.observer);
-                (!nothing).then(|| monitor.doubt(&self.plausibility, &self.observer))
+                if monitor.look(&mut self.plausibility, x, a, &self.observer) {
+                    Word::Nothing
+                } else {
+                    Word::Unusual(monitor.doubt(&self.plausibility, &self.observer))
+                }
             }
         }
     }
@@ -266,7 +267,7 @@ impl Watch {
         config: &Config,
         readings: &Sample,
         drive: Drive,
-    ) -> Option<Option<Trip>> {
+    ) -> Word {
         let guard = &config.guard;
         let stuck = mode != Mode::Modifier && {
             let asked = drive.excess * config.valve_gain;
@@ -276,18 +277,20 @@ impl Watch {
         let pressure_difference = if GUARD { 0.0 } else { readings.pressure_difference };
         let error = if GUARD { 0.0 } else { drive.reference - readings.displacement };
         if stuck {
-            return Some(self.stuck(guard, acceleration, pressure_difference, error));
+            return Word::Unusual(Some(self.stuck(guard, acceleration, pressure_difference, error)));
         }
         let motion = Motion { acceleration, pressure_difference, error };
-        let jerk_step = guard.envelope.look(&mut self.envelope, &motion)?;
-        Some(guard.envelope.beyond(&mut self.envelope, pressure_difference, jerk_step))
+        match guard.envelope.look(&mut self.envelope, &motion) {
+            None => Word::Nothing,
+            Some(jerk) => Word::Unusual(guard.envelope.beyond(&mut self.envelope, pressure_difference, jerk)),
+        }
     }
 
     /// A valve that is not believed, whatever the envelope has to say.
     #[cold]
     #[inline(never)]
-    fn stuck(&mut self, guard: &Guard, acceleration: f32, pressure_difference: f32, error: f32) -> Option<Trip> {
+    fn stuck(&mut self, guard: &Guard, acceleration: f32, pressure_difference: f32, error: f32) -> Trip {
         let _ = guard.envelope.advance(&mut self.envelope, &Motion { acceleration, pressure_difference, error });
-        Some(Trip::ValveStuck)
+        Trip::ValveStuck
     }
 }
