@@ -15,7 +15,7 @@ use shakedown::identify::evaluate::{Local, predict};
 use shakedown::identify::fit::{Effort, Fit};
 use shakedown::identify::judge::score;
 use shakedown::identify::model::{Model, Placed};
-use shakedown::identify::prepare::{candidates, prepare};
+use shakedown::identify::prepare::prepare;
 use shakedown::plant::effects::entry;
 use shakedown::recording::Experiment;
 use std::path::Path;
@@ -40,7 +40,7 @@ fn main() {
     let runs = &prepared.fit;
     let mut sets: Vec<String> = arguments.collect();
     if sets.is_empty() {
-        sets = candidates(&prepared.model).iter().map(|e| e.id.to_owned()).collect();
+        sets = prepared.model.candidates().iter().map(|e| e.id.to_owned()).collect();
         sets.insert(0, String::new());
     }
     println!(

@@ -78,7 +78,7 @@ proptest! {
         let mut table = Table::new(1000.0).noisy();
         let mut whole = 0;
         for tick in 0..1500 {
-            let wave = 0.03 * (tick as f32 * (0.004 + 1e-8 * seed as f32)).sin();
+            let wave = (0.03 * (tick as f64 * (0.004 + 1e-8 * seed as f64)).sin()) as f32;
             let mut sample = table.sample(0.0);
             sample.external = 3.7 * (wave - sample.displacement);
             for &(_, channel, by) in spoilt.iter().filter(|(at, ..)| (*at..*at + 8).contains(&tick)) {

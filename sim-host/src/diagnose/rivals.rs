@@ -5,7 +5,7 @@ use super::search::Search;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::{Model, Placed};
-use crate::identify::prepare::{Prepared, candidates};
+use crate::identify::prepare::Prepared;
 use crate::plant::effects::Entry;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ pub(super) fn rivals(prepared: &Prepared, accepted: &Fit, search: &Search) -> Re
     let mut tasks = Vec::new();
     for placed in ours {
         let rest = accepted.model.without(placed.entry.id);
-        for double in candidates(&accepted.model).into_iter().filter(|double| alike(placed.entry, double)) {
+        for double in accepted.model.candidates().into_iter().filter(|double| alike(placed.entry, double)) {
             tasks.push((rest.clone(), double));
         }
     }

@@ -6,7 +6,7 @@ use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::score;
 use crate::identify::model::{Model, Placed, Yardsticks};
-use crate::identify::prepare::{Prepared, candidates};
+use crate::identify::prepare::Prepared;
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -188,7 +188,7 @@ fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks)
     let blurred = |parent: &Fit| parent.blurred(runs, Effort { steps: 3, tolerance: 1e-4 });
     let parents = parents.par_iter().map(blurred).collect::<Result<Vec<_>, _>>()?;
     for parent in &parents {
-        for entry in candidates(&parent.model) {
+        for entry in parent.model.candidates() {
             let mut set = parent.model.ids();
             set.push(entry.id);
             set.sort_unstable();

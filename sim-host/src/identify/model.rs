@@ -248,6 +248,13 @@ impl Model {
         self.ids().into_iter().filter(|id| !stated.contains(id)).collect()
     }
 
+    /// The library's effects that a model of this kind may be missing.
+    pub fn candidates(&self) -> Vec<&'static Entry> {
+        let present = self.ids();
+        let fits = |e: &&Entry| e.kinds.contains(&self.kind) && !present.contains(&e.id);
+        crate::plant::effects::ENTRIES.iter().copied().filter(fits).collect()
+    }
+
     /// Every shared value, in a fixed order: own, scale, effects.
     pub fn values(&self) -> impl Iterator<Item = &Value> {
         self.own.iter().chain(&self.scale).chain(self.effects.iter().flat_map(|p| &p.values))

@@ -4,7 +4,7 @@ use super::data::{Channel, Measured, Run};
 use super::floor::{floors, least};
 use super::model::{Model, Placed, Value, Yardsticks};
 use crate::motion::filter::{Butterworth, Edge};
-use crate::plant::effects::{Entry, Role, entry};
+use crate::plant::effects::{Role, entry};
 use crate::plant::model::Kind;
 use crate::plant::simulate::{Law, MeasuredMotion};
 use crate::recording::check::Skew;
@@ -297,11 +297,4 @@ fn filled(values: &[f64]) -> Option<Vec<f64>> {
         }
     }
     Some(full)
-}
-
-/// The library's effects that a model of this kind may be missing.
-pub fn candidates(model: &Model) -> Vec<&'static Entry> {
-    let present = model.ids();
-    let fits = |e: &&Entry| e.kinds.contains(&model.kind) && !present.contains(&e.id);
-    crate::plant::effects::ENTRIES.iter().copied().filter(fits).collect()
 }
