@@ -17,7 +17,7 @@ pub(crate) struct Control {
     pub(crate) pins: Pins,
     /// The timer.
     pub(crate) ticker: Ticker,
-    /// Fed once a tick.
+    /// Fed where something follows a tick, which is at least every sixteenth.
     pub(crate) watchdog: Watchdog,
 }
 

@@ -84,9 +84,9 @@ fn tick(decide: &mut Loop<'_>, desk: &mut DeskEnd<'_>, given: &Given) -> Done {
     if let Some(point) = given.point {
         desk.points.enqueue(Point::new(point).unwrap_or(Point::END)).unwrap();
     }
-    let outcome = decide.tick(given.inputs);
+    let outcome = decide.tick(|input| given.inputs.get(input).copied().unwrap_or_default());
     while desk.records.dequeue().is_some() {}
-    Done { output: outcome.output, relay: outcome.relay }
+    Done { output: outcome.output, relay: decide.relay() }
 }
 
 /// Runs `mode` on both; the first tick at which they differ, and how many different codes went out.
