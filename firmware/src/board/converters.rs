@@ -14,7 +14,7 @@ use stm32f4xx_hal::{
 /// Memory that the DMA writes.
 struct Buffer(UnsafeCell<[u16; INPUTS]>);
 
-// SAFETY: read only by `OnChip::read`, of which there is one, with volatile reads.
+// SAFETY: read only by `sampled`, code by code and with volatile reads.
 unsafe impl Sync for Buffer {}
 
 static SAMPLES: Buffer = Buffer(UnsafeCell::new([0; INPUTS]));

@@ -61,7 +61,7 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
         let _ = writeln!(text, "\n  {}  (probability {:.2})\n  {}", effect.id, effect.probability, effect.equation);
         for (key, q) in &effect.parameters {
             let spread = q.std.map_or(String::new(), |s| format!(" +/- {s:.2e}"));
-            let _ = writeln!(text, "    {key} = {:.5}{spread} {}", q.value, q.unit);
+            let _ = writeln!(text, "    {key} = {}{spread} {}", page::digits(q.value), q.unit);
         }
     }
     for finding in &diagnosis.findings {

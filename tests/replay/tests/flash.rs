@@ -97,7 +97,7 @@ fn the_setup_saved_last_is_in_force() {
     assert_eq!((setup, vitals.stored, vitals.state), (gain(3.0), true, State::Off));
 }
 
-/// One wrong bit anywhere in the slot: the setup before it is in force.
+/// One wrong bit anywhere in what the slot holds: the setup before it is in force.
 #[test]
 fn a_corrupted_slot_leaves_the_setup_before_it_in_force() {
     for (byte, bit) in [(0, 0), (5, 3), (9, 7), (20, 1), (200, 5)] {

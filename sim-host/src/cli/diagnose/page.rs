@@ -2,7 +2,7 @@
 
 use super::super::traces::{self, left, over_time};
 use shakedown::diagnose::remainder::Remainder;
-use shakedown::diagnose::result::{NextTest, Verdict};
+use shakedown::diagnose::result::{NamedEffect, NextTest, Verdict};
 use shakedown::diagnose::{Diagnosis, Examined};
 use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
@@ -76,27 +76,30 @@ fn verdict(diagnosis: &Diagnosis) -> Section {
     ])];
     for effect in &diagnosis.effects {
         items.push(Item::Text(format!("{}: {}", effect.id, effect.equation)));
-        let rows = effect.parameters.iter().map(|(key, q)| {
-            let number = |x: Option<f64>| x.map_or("not determined".into(), |x| format!("{x:.5}"));
-            vec![
-                key.clone(),
-                format!("{:.5}", q.value),
-                number(q.std),
-                number(q.low),
-                number(q.high),
-                q.unit.to_owned(),
-            ]
-        });
-        items.push(Item::Table(Table {
-            columns: ["parameter", "value", "std", "90 % from", "90 % to", "unit"].map(String::from).into(),
-            rows: rows.collect(),
-            caption: format!("{}, probability {:.2}", effect.id, effect.probability),
-        }));
+        items.push(Item::Table(parameters(effect)));
     }
     for tie in &diagnosis.indistinguishable {
         items.push(Item::Note(format!("These runs cannot tell apart: {}.", tie.join(", "))));
     }
     Section { heading: "What is missing".into(), items }
+}
+
+/// An effect's parameters with their intervals.
+pub(in super::super) fn parameters(effect: &NamedEffect) -> Table {
+    let number = |x: Option<f64>| x.map_or("not determined".into(), digits);
+    let rows = effect.parameters.iter().map(|(key, q)| {
+        vec![key.clone(), digits(q.value), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
+    });
+    Table {
+        columns: ["parameter", "value", "std", "90 % from", "90 % to", "unit"].map(String::from).into(),
+        rows: rows.collect(),
+        caption: format!("{}, probability {:.2}", effect.id, effect.probability),
+    }
+}
+
+/// A number with five decimals, or as a power of ten where they would show nothing of it.
+pub(super) fn digits(x: f64) -> String {
+    if x != 0.0 && x.abs() < 1e-3 { format!("{x:.3e}") } else { format!("{x:.5}") }
 }
 
 fn findings(diagnosis: &Diagnosis) -> Section {

@@ -1,8 +1,9 @@
 //! Real recordings as a second page: what the stated model holds, what was found missing, how much better it foresees.
 
 use super::super::diagnose::failure;
-use super::super::diagnose::page::lead;
+use super::super::diagnose::page::{lead, parameters};
 use super::super::output::{Outputs, print_table};
+use super::super::traces;
 use super::super::{Failure, progress};
 use serde_json::json;
 use shakedown::diagnose::{Diagnosis, Options, diagnose};
@@ -40,9 +41,13 @@ pub(super) fn run(files: &[PathBuf], outputs: &Outputs) -> Result<(), Failure> {
 }
 
 fn page(all: &[Examined]) -> Page {
-    let said = |one: &Examined| Section {
-        heading: one.experiment.name.clone(),
-        items: vec![Item::Text(lead(&one.diagnosis)), Item::Table(parameters(one)), Item::Table(findings(one))],
+    let said = |one: &Examined| {
+        let mut items = vec![Item::Text(lead(&one.diagnosis))];
+        items.extend(one.diagnosis.effects.iter().map(|effect| Item::Table(parameters(effect))));
+        if !one.diagnosis.findings.is_empty() {
+            items.push(Item::Table(traces::findings(&one.diagnosis.findings)));
+        }
+        Section { heading: one.experiment.name.clone(), items }
     };
     let mut sections =
         vec![Section { heading: "Side by side".into(), items: vec![Item::Table(found(all)), Item::Table(fits(all))] }];
@@ -106,31 +111,6 @@ fn fits(all: &[Examined]) -> Table {
         .map(Into::into)
         .to_vec(),
         rows: rows.collect(),
-        ..Table::default()
-    }
-}
-
-fn parameters(one: &Examined) -> Table {
-    let rows = one.diagnosis.effects.iter().flat_map(|effect| {
-        effect.parameters.iter().map(|(key, q)| {
-            let spread = q.std.map_or("not determined".into(), |s| format!("{s:.2e}"));
-            vec![format!("{}.{key}", effect.id), format!("{:.5}", q.value), spread, q.unit.to_owned()]
-        })
-    });
-    Table {
-        columns: ["Parameter", "Value", "Standard error", "Unit"].map(Into::into).to_vec(),
-        rows: rows.collect(),
-        ..Table::default()
-    }
-}
-
-fn findings(one: &Examined) -> Table {
-    let row = |f: &shakedown::recording::check::Finding| {
-        vec![f.run.clone(), f.channel.to_owned(), f.problem.clone(), f.remedy.clone()]
-    };
-    Table {
-        columns: ["Run", "Channel", "Finding", "Remedy"].map(Into::into).to_vec(),
-        rows: one.diagnosis.findings.iter().map(row).collect(),
         ..Table::default()
     }
 }
