@@ -8,6 +8,7 @@ pub mod decide;
 mod finish;
 pub mod locate;
 mod next_test;
+mod ranking;
 pub mod remainder;
 pub mod result;
 mod rivals;
@@ -121,6 +122,12 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
         decision.after = modelled.judged;
         modelled.remainder
     });
+    // Without a curve the nearest that the library has foresees better than the stated model, whatever its name is worth.
+    if remainder.is_none()
+        && let Some(partial) = decision.partial.clone().filter(|p| p.hold.chi2 < decision.before.hold.chi2)
+    {
+        decision.after = partial;
+    }
     let seconds = begun.elapsed().as_secs_f64();
     let open = result::Open { remainder, next_test, held_out_shared, seconds };
     let diagnosis = result::assemble(&prepared, &decision, location, open, &findings);

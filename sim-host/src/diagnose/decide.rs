@@ -2,12 +2,14 @@
 //! excess explained. What falls short is said to be outside the library.
 
 use super::finish::{best_of, needed, polished};
+use super::ranking::{Ranking, parameters};
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, gains, score};
 use crate::identify::model::Value;
 use crate::identify::prepare::Prepared;
+use crate::plant::effects::{Parameter, Yardstick};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -23,18 +25,16 @@ const LOST: f64 = 0.5;
 const WORTH: f64 = 0.65;
 /// Share of the baseline's excess that one more effect must take away: simple forms leave about as much of a real one.
 const NOTICEABLE: f64 = 0.018;
+/// Excess of chi2 on the runs fitted that speaks for itself where those held back are silent.
+const SHOWN: f64 = 1.0;
 /// Share of the excess that must be explained for names to be given.
 const EXPLAINED: f64 = 0.9;
 /// The same where an effect fits only at the end of what makes sense for it, which a stranger to the mismatch may do.
 const EXPLAINED_AT_BOUND: f64 = 0.97;
 /// Excess of chi2 that is never called physics: noise is not known better.
 const NEGLIGIBLE: f64 = 0.06;
-/// Share of the misfit that the best model leaves which each parameter of a model has to earn.
-const PARAMETER: f64 = 0.12;
 /// Least gain of chi2 for a further effect: less than this is not told from noise that is not quite white.
 const LEAST_GAIN: f64 = 0.015;
-/// Samples over which a misfit's error is alike.
-const ALIKE: f64 = 20.0;
 /// Log odds below which two models are not told apart.
 const TIE: f64 = 3.0;
 
@@ -63,9 +63,10 @@ impl Judged {
         self.fit.squares + self.hold.squares()
     }
 
-    /// Residuals behind that sum.
-    fn rows(&self) -> usize {
-        self.fit.rows + self.hold.rows
+    /// Mean square and number of residuals on the runs fitted and on those that judge.
+    pub(super) fn kinds(&self) -> [(f64, f64); 2] {
+        let kind = |squares: f64, rows: usize| ((squares / (rows as f64).max(1.0)).max(f64::MIN_POSITIVE), rows as f64);
+        [kind(self.fit.squares, self.fit.rows), kind(self.hold.squares(), self.hold.rows)]
     }
 }
 
@@ -74,7 +75,8 @@ impl Judged {
 pub struct Decision {
     /// The stated model on the runs held back.
     pub before: Judged,
-    /// The accepted model; the stated one where nothing was added.
+    /// The model that is handed on: the accepted one, the stated one where nothing was added, the one that foresees best where
+    /// the mismatch is unlisted.
     pub after: Judged,
     /// Every model judged, best first.
     pub candidates: Vec<Judged>,
@@ -113,28 +115,15 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
     let rivals = rivals(prepared, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
     let (after, rivals) = best_of(after, rivals);
     sizes.push(rivals);
-    let after = needed(&before, after, prepared)?;
+    let less = needed(&before, after.clone(), prepared)?;
+    let after = if less.added.len() < after.added.len() { best_of_its_size(less, &sizes) } else { after };
     Ok(weigh(before, after, sizes))
 }
 
-/// What parameters cost, and by how much squares overstate the evidence.
-pub(super) struct Ranking {
-    parameter: f64,
-}
-
-impl Ranking {
-    /// Among these models.
-    pub(super) fn new<'a>(models: impl IntoIterator<Item = &'a Judged>) -> Self {
-        let misfit = |judged: &Judged| judged.total() - judged.rows() as f64;
-        let least = models.into_iter().map(misfit).fold(f64::INFINITY, f64::min);
-        Self { parameter: 10.0 + PARAMETER * if least.is_finite() { least.max(0.0) } else { 0.0 } }
-    }
-
-    /// Squares with the price of parameters.
-    pub(super) fn cost(&self, judged: &Judged) -> f64 {
-        let parameters: usize = judged.fit.model.values().filter(|v| v.free).count();
-        judged.total() + self.parameter * parameters as f64
-    }
+/// What is left of a model after an effect was taken out was found beside that effect: another of its size may do better.
+fn best_of_its_size(less: Judged, sizes: &[Vec<Judged>]) -> Judged {
+    let size = less.added.len();
+    best_of(less, sizes.iter().flatten().filter(|other| other.added.len() == size).cloned().collect()).0
 }
 
 /// The largest model that stands, each against the one before it.
@@ -190,8 +179,7 @@ fn weigh(before: Judged, mut after: Judged, sizes: Vec<Vec<Judged>>) -> Decision
 
 /// Whether a larger model stands against the present one.
 pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
-    let added = larger.fit.model.values().filter(|v| v.free).count() as f64
-        - present.fit.model.values().filter(|v| v.free).count() as f64;
+    let added = parameters(larger) - parameters(present);
     let gained = present.fit.squares - larger.fit.squares;
     let held_gain = present.hold.chi2 - larger.hold.chi2;
     let left = (present.hold.chi2 - 1.0).max(0.0);
@@ -201,6 +189,9 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool
     let colour = if larger.hold.chi2 < 1.3 { larger.hold.colour } else { 1.0 };
     // What values far from those stated hide on the runs fitted shows on those held back.
     let shown_there = gained > -CHANCE && better - worse > OVERWHELMING * colour;
+    if silent(present, larger) {
+        return gained > OVERWHELMING && worse - better < SURE * colour;
+    }
     (gained > (CHANCE + 4.0 * added) * colour || shown_there)
         && better - worse > SURE * colour
         && worse < LOST * better
@@ -208,12 +199,24 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool
         && held_gain > NOTICEABLE * excess
 }
 
-/// True where an added effect fits only with as much of it as makes sense. The other ends mean something: little of an
-/// effect is none of it, a short travel before sliding a rigid contact, a large exponent a hard corner.
+/// True where the runs held back cannot say: they lack nothing without an effect that explains nearly all that the runs
+/// fitted lack.
+fn silent(present: &Judged, larger: &Judged) -> bool {
+    let lacks = |judged: &Judged| (judged.fit.chi2() - 1.0).max(0.0);
+    present.hold.chi2 < 1.0 + NEGLIGIBLE && lacks(present) > SHOWN && lacks(larger) < (1.0 - EXPLAINED) * lacks(present)
+}
+
+/// True where an added effect fits only with as much of it as makes sense, or in a place where it makes none. The other ends
+/// mean something: little of an effect is none of it, a short travel before sliding a rigid contact, a large exponent a hard
+/// corner.
 fn strained(judged: &Judged) -> bool {
     let added = judged.fit.model.effects.iter().filter(|p| judged.added.contains(&p.entry.id));
     let exponent = |v: &Value| v.low >= 1.0 && v.high <= 1e3;
-    added.flat_map(|p| &p.values).any(|v| v.free && v.positive && !exponent(v) && v.value >= v.high * 0.999)
+    let at_end = |(parameter, v): (&Parameter, &Value)| {
+        let place = parameter.yardstick == Yardstick::Displacement;
+        v.positive && !exponent(v) && (v.value >= v.high * 0.999 || (place && v.value <= v.low * 1.001))
+    };
+    added.flat_map(|p| p.entry.parameters.iter().zip(&p.values)).filter(|(_, v)| v.free).any(at_end)
 }
 
 /// Whether what is left lies outside the library, and how probable that is.
@@ -229,11 +232,10 @@ fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
 
 /// Spreads belief over the candidates of the accepted size and finds what is not told apart.
 fn believe(ranking: &Ranking, after: &Judged, candidates: &mut [Judged], unlisted: f64) -> Vec<Vec<&'static str>> {
-    // A misfit is no white noise: its squares count once for every stretch over which it is alike.
-    let misfit = (after.total() / after.rows() as f64 - 1.0).max(0.0);
-    let temper = 1.0 + misfit * ALIKE;
     let best = ranking.cost(after);
-    let odds = |judged: &Judged| -0.5 * (ranking.cost(judged) - best) / temper;
+    let odds = |judged: &Judged| -0.5 * (ranking.cost(judged) - best);
+    // A price on parameters chooses between what the data leave open; it does not close it.
+    let open = |judged: &Judged| -0.5 * (ranking.bare_cost(judged) - ranking.bare_cost(after));
     let same_size = |judged: &Judged| judged.added.len() == after.added.len();
     let sum: f64 = candidates.iter().filter(|c| same_size(c)).map(|c| odds(c).min(50.0).exp()).sum();
     let mut ties = Vec::new();
@@ -243,7 +245,7 @@ fn believe(ranking: &Ranking, after: &Judged, candidates: &mut [Judged], unliste
             continue;
         }
         judged.probability = (1.0 - unlisted) * odds(judged).min(50.0).exp() / sum;
-        if judged.added != after.added && !after.added.is_empty() && odds(judged) > -TIE {
+        if judged.added != after.added && !after.added.is_empty() && odds(judged).max(open(judged)) > -TIE {
             let differ = |a: &[&'static str], b: &[&'static str]| -> Vec<&'static str> {
                 a.iter().copied().filter(|id| !b.contains(id)).collect()
             };

@@ -1,7 +1,8 @@
 //! Brings what was accepted to its end: fitted thoroughly, with the details of its forms, held against what it is mistaken for,
 //! less what it does without.
 
-use super::decide::{Judged, Ranking, SURE, stands};
+use super::decide::{Judged, SURE, stands};
+use super::ranking::Ranking;
 use super::search::CHANCE;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::prepare::Prepared;

@@ -1,6 +1,8 @@
 //! Grows the stated model by effects of the library: one look at every effect from all its starting values, a few steps
 //! for those that promise most, the best to the end; then pairs around the best singles, then triples around the best pairs.
 
+mod seedlings;
+
 use super::Options;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
@@ -10,6 +12,7 @@ use crate::identify::prepare::Prepared;
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
+use seedlings::{Seedling, promising, seedlings, worthwhile};
 
 /// Everything the search found.
 #[derive(Debug, Clone)]
@@ -32,8 +35,6 @@ const FINALISTS: usize = 7;
 const HOPEFUL: usize = 4;
 /// Effects that may be the double of another: those that alone explain most.
 const DOUBLES: usize = 8;
-/// Starts that are taken further than one look.
-const PROMISING: usize = 18;
 /// A gain of squares no larger than this is nothing: chance over the whole library.
 pub(super) const CHANCE: f64 = 30.0;
 /// chi2 above which a refitted model may be bent.
@@ -175,38 +176,13 @@ impl<'a> Foresight<'a> {
     }
 }
 
-/// A start: which parent, with which effect where.
-struct Seedling<'a> {
-    parent: &'a Fit,
-    placed: Placed,
-}
-
 /// Models with one effect more than their parents, best first; each set of effects once.
 fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks) -> Result<Vec<Fit>, SimulateError> {
-    let mut seedlings = Vec::new();
-    let mut sets: Vec<Vec<&'static str>> = Vec::new();
     let blurred = |parent: &Fit| parent.blurred(runs, Effort { steps: 3, tolerance: 1e-4 });
     let parents = parents.par_iter().map(blurred).collect::<Result<Vec<_>, _>>()?;
-    for parent in &parents {
-        for entry in parent.model.candidates() {
-            let mut set = parent.model.ids();
-            set.push(entry.id);
-            set.sort_unstable();
-            if sets.contains(&set) && !parent.model.effects.is_empty() {
-                continue;
-            }
-            sets.push(set);
-            // Alone the effect was fitted already: its values there are one start, the library's the others.
-            let alone = singles.iter().find_map(|fit| fit.model.effects.iter().find(|p| p.entry.id == entry.id));
-            let library = (0..).map_while(|i| Placed::start(entry, i, yardsticks));
-            // A resonance is found from near its frequency only.
-            let resonates = entry.parameters.iter().any(|p| p.unit == "Hz");
-            let most = if alone.is_some() && !resonates { 1 } else { usize::MAX };
-            let starts = alone.cloned().into_iter().chain(library.take(most));
-            seedlings.extend(starts.map(|placed| Seedling { parent, placed }));
-        }
-    }
-    let begun = |s: &Seedling| Fit::resume(s.parent.model.with(s.placed.clone()), s.parent.locals.clone(), runs);
+    let seedlings = seedlings(&parents, singles, yardsticks);
+    let seedlings = worthwhile(seedlings, &parents, runs, singles.is_empty())?;
+    let begun = |s: &Seedling| Fit::resume(s.model(), s.parent.locals.clone(), runs);
     let fits = seedlings.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
     let mut fits = promising(fits, &seedlings, singles.is_empty());
     fits.par_iter_mut().try_for_each(|fit| fit.improve(runs, Effort { steps: 2, tolerance: 1e-4 }))?;
@@ -223,24 +199,6 @@ fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks)
     fits[..best].par_iter_mut().try_for_each(|fit| fit.sharpen(runs, last))?;
     fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
     Ok(fits)
-}
-
-/// The starts that promise most; of a single effect, on each fit of the stated model, at least its best start, for what
-/// a linear step promises from far away is little.
-fn promising(fits: Vec<Fit>, seedlings: &[Seedling], single: bool) -> Vec<Fit> {
-    let finite = |fit: &Fit| Some(fit.promised()).filter(|x| x.is_finite()).unwrap_or(f64::INFINITY);
-    let mut ranked: Vec<(&Seedling, Fit)> = seedlings.iter().zip(fits).collect();
-    ranked.sort_by(|(_, a), (_, b)| finite(a).total_cmp(&finite(b)));
-    let mut seen: Vec<(*const Fit, &str)> = Vec::new();
-    let mut rank = 0;
-    ranked.retain(|(seedling, _)| {
-        rank += 1;
-        let key = (std::ptr::from_ref(seedling.parent), seedling.placed.entry.id);
-        let best = single && !seen.contains(&key);
-        seen.push(key);
-        best || rank <= PROMISING
-    });
-    ranked.into_iter().map(|(_, fit)| fit).collect()
 }
 
 /// Puts those first that deserve more steps: the best so far, and those that promise most; says how many.

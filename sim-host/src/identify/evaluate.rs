@@ -1,5 +1,7 @@
 //! Residuals of a model on a run, and their sensitivities to every free parameter.
 
+mod sums;
+
 use super::data::{Channel, Measured, Run};
 use super::model::{Model, Value};
 use super::normal::Normal;
@@ -8,7 +10,8 @@ use crate::plant::effects::Role;
 use crate::plant::model::Baseline;
 use crate::plant::simulate::{Drive, Placed, SimulateError, Start, Trace, Wanted, balance, effect_states, simulate};
 use crate::scalar::{Dual, Scalar};
-use nalgebra::{DMatrix, DVector};
+pub(super) use sums::Rows;
+use sums::Sums;
 
 /// Length of the blocks over which residuals count as alike, s.
 pub const BLOCK: f64 = 1.0;
@@ -191,20 +194,46 @@ fn shown<S: Scalar>(trace: &Trace<S>, channel: Channel, k: usize, scale: S, offs
     }
 }
 
-/// The normal equations of one run, its free shared parameters first, then its free local ones.
-pub(super) fn normal(model: &Model, run: &Run, local: &Local) -> Result<Normal, SimulateError> {
+/// Residuals of a run in units of noise, measured less simulated, channel by channel; what was not measured is left out.
+pub(super) fn residuals(model: &Model, run: &Run, local: &Local) -> Result<Vec<f64>, SimulateError> {
+    let (trace, scale, offset) = trace::<f64>(model, run, local, wanted(run, |m| m.judged), |value| value.value)?;
+    let mut residuals = Vec::new();
+    for measured in run.measured.iter().filter(|m| m.judged) {
+        for k in usize::from(run.moving_start)..run.len() {
+            let Some(model) = shown(&trace, measured.channel, k, scale, offset) else { continue };
+            let value = measured.values[k];
+            residuals.extend((!value.is_nan()).then(|| (value - model) / measured.noise));
+        }
+    }
+    Ok(residuals)
+}
+
+/// The normal equations of one run, its free shared parameters first, then its free local ones; the rows themselves where
+/// they are asked for.
+pub(super) fn normal(
+    model: &Model,
+    run: &Run,
+    local: &Local,
+    keep: Option<&mut Rows>,
+) -> Result<Normal, SimulateError> {
     let count = model.values().chain(local.values()).filter(|v| v.free).count();
     match count {
-        0..=4 => normal_of::<4>(model, run, local, count),
-        5..=6 => normal_of::<6>(model, run, local, count),
-        7..=8 => normal_of::<8>(model, run, local, count),
-        9..=12 => normal_of::<12>(model, run, local, count),
-        13..=16 => normal_of::<16>(model, run, local, count),
-        _ => normal_of::<24>(model, run, local, count.min(24)),
+        0..=4 => normal_of::<4>(model, run, local, count, keep),
+        5..=6 => normal_of::<6>(model, run, local, count, keep),
+        7..=8 => normal_of::<8>(model, run, local, count, keep),
+        9..=12 => normal_of::<12>(model, run, local, count, keep),
+        13..=16 => normal_of::<16>(model, run, local, count, keep),
+        _ => normal_of::<24>(model, run, local, count.min(24), keep),
     }
 }
 
-fn normal_of<const N: usize>(model: &Model, run: &Run, local: &Local, count: usize) -> Result<Normal, SimulateError> {
+fn normal_of<const N: usize>(
+    model: &Model,
+    run: &Run,
+    local: &Local,
+    count: usize,
+    mut keep: Option<&mut Rows>,
+) -> Result<Normal, SimulateError> {
     let mut next = 0;
     let lift = |value: &Value| {
         let mut dual = Dual::<N>::from(value.value);
@@ -222,60 +251,8 @@ fn normal_of<const N: usize>(model: &Model, run: &Run, local: &Local, count: usi
     for measured in run.measured.iter().filter(|m| m.judged) {
         for k in skip..run.len() {
             let Some(model) = shown(&trace, measured.channel, k, scale, offset) else { continue };
-            sum.row(k, measured, &model);
+            sum.row(k, measured, &model, keep.as_deref_mut());
         }
     }
     Ok(sum.finish())
-}
-
-/// Sums rows into normal equations on the stack.
-struct Sums<const N: usize> {
-    matrix: [[f64; N]; N],
-    blocks: Vec<[f64; N]>,
-    squares: f64,
-    rows: usize,
-    count: usize,
-    block: usize,
-}
-
-impl<const N: usize> Sums<N> {
-    fn new(count: usize, block: usize, samples: usize) -> Self {
-        Self { matrix: [[0.0; N]; N], blocks: vec![[0.0; N]; samples / block + 1], squares: 0.0, rows: 0, count, block }
-    }
-
-    #[inline]
-    fn row(&mut self, k: usize, measured: &Measured, model: &Dual<N>) {
-        // A dropped sample says nothing; a model that ran away must not pass for one that leaves nothing.
-        if measured.values[k].is_nan() {
-            return;
-        }
-        let residual = (measured.values[k] - model.value) / measured.noise;
-        self.squares += residual * residual;
-        self.rows += 1;
-        let inverse = 1.0 / measured.noise;
-        let mut jacobian = model.tangent;
-        for t in &mut jacobian {
-            *t *= inverse;
-        }
-        let block = &mut self.blocks[k / self.block];
-        for i in 0..N {
-            block[i] += jacobian[i] * residual;
-            // The upper triangle, from an even column on so that lanes stay whole.
-            for j in (i & !1)..N {
-                self.matrix[i][j] += jacobian[i] * jacobian[j];
-            }
-        }
-    }
-
-    fn finish(self) -> Normal {
-        let blocks: Vec<_> = self.blocks.iter().map(|b| DVector::from_fn(self.count, |i, _| b[i])).collect();
-        let gradient = blocks.iter().fold(DVector::zeros(self.count), |sum, block| sum + block);
-        Normal {
-            matrix: DMatrix::from_fn(self.count, self.count, |i, j| self.matrix[i.min(j)][i.max(j)]),
-            gradient,
-            squares: self.squares,
-            rows: self.rows,
-            blocks,
-        }
-    }
 }

@@ -44,8 +44,12 @@ impl Normal {
 
     /// The step that lowers the squares, damped by `damping` times each parameter's own curvature.
     pub(super) fn step(&self, damping: f64, held: &[bool]) -> Option<DVector<f64>> {
+        self.solve(self.gradient.clone(), damping, held)
+    }
+
+    /// `J'J` damped by `damping` times its own diagonal, solved for any right side; nothing moves that is held.
+    pub(super) fn solve(&self, mut gradient: DVector<f64>, damping: f64, held: &[bool]) -> Option<DVector<f64>> {
         let mut matrix = self.matrix.clone();
-        let mut gradient = self.gradient.clone();
         for (i, &held) in held.iter().enumerate() {
             if held || matrix[(i, i)] <= 0.0 {
                 matrix.row_mut(i).fill(0.0);

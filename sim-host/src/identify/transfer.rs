@@ -141,7 +141,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "to be run: its bounds were set before it was seen to pass"]
     fn order_and_delay_of_the_papers_valve_are_found() {
         for delay in [2e-4, 0.012] {
             let found = transfer(&[run(1, delay)], &[run(2, delay)]).unwrap();

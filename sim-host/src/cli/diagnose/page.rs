@@ -76,7 +76,7 @@ fn verdict(diagnosis: &Diagnosis) -> Section {
     ])];
     for effect in &diagnosis.effects {
         items.push(Item::Text(format!("{}: {}", effect.id, effect.equation)));
-        items.push(Item::Table(parameters(effect)));
+        items.extend(parameters(effect).map(Item::Table));
     }
     for tie in &diagnosis.indistinguishable {
         items.push(Item::Note(format!("These runs cannot tell apart: {}.", tie.join(", "))));
@@ -84,17 +84,17 @@ fn verdict(diagnosis: &Diagnosis) -> Section {
     Section { heading: "What is missing".into(), items }
 }
 
-/// An effect's parameters with their intervals.
-pub(in super::super) fn parameters(effect: &NamedEffect) -> Table {
+/// An effect's parameters with their intervals; none where it has none.
+pub(in super::super) fn parameters(effect: &NamedEffect) -> Option<Table> {
     let number = |x: Option<f64>| x.map_or("not determined".into(), digits);
     let rows = effect.parameters.iter().map(|(key, q)| {
         vec![key.clone(), digits(q.value), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
     });
-    Table {
+    (!effect.parameters.is_empty()).then(|| Table {
         columns: ["parameter", "value", "std", "90 % from", "90 % to", "unit"].map(String::from).into(),
         rows: rows.collect(),
         caption: format!("{}, probability {:.2}", effect.id, effect.probability),
-    }
+    })
 }
 
 /// A number with five decimals, or as a power of ten where they would show nothing of it.

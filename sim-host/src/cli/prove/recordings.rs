@@ -43,7 +43,7 @@ pub(super) fn run(files: &[PathBuf], outputs: &Outputs) -> Result<(), Failure> {
 fn page(all: &[Examined]) -> Page {
     let said = |one: &Examined| {
         let mut items = vec![Item::Text(lead(&one.diagnosis))];
-        items.extend(one.diagnosis.effects.iter().map(|effect| Item::Table(parameters(effect))));
+        items.extend(one.diagnosis.effects.iter().filter_map(parameters).map(Item::Table));
         if !one.diagnosis.findings.is_empty() {
             items.push(Item::Table(traces::findings(&one.diagnosis.findings)));
         }

@@ -12,7 +12,7 @@ impl Fit {
     /// run's measurements this is the squared distance at which the run would hold the two models: the criterion of
     /// T-optimal design (Atkinson and Fedorov, 1975), linear in the values.
     pub fn parted_by(&self, run: &Run) -> Result<f64, SimulateError> {
-        let mut new = normal(&self.model, run, &Local::start(&self.model, run))?;
+        let mut new = normal(&self.model, run, &Local::start(&self.model, run), None)?;
         if let Some(known) = self.information() {
             let shared = known.nrows();
             let mut corner = new.matrix.view_mut((0, 0), (shared, shared));

@@ -86,3 +86,34 @@ fn friction_is_found_in_one_model_and_missed_by_the_other() {
     let force = with.model.effects[0].values[0].value;
     assert!((force - 0.3).abs() < 0.01 && with.chi2() < 1.05, "force {force}, chi2 {}", with.chi2());
 }
+
+/// A chord at half the friction that is there promises what a fit reaches; one of too much bias promises it only where less
+/// than none makes sense; the tangent at no bias at all does as well.
+#[test]
+fn a_chord_promises_what_a_fit_reaches() {
+    let placed = |id: &str, value: f64| {
+        let mut placed = Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+        placed.values[0].value = value;
+        placed
+    };
+    let looked = |there: Placed| {
+        let runs = [recorded(&model(TRUTH).with(there), 3)];
+        let mut without = Fit::begin(model(TRUTH), &runs).unwrap();
+        without.improve(&runs, Effort::FULL).unwrap();
+        (runs, without)
+    };
+    let promised = |runs: &[Run], fit: &Fit, tried: Placed, signed: bool| {
+        let base = secant::Base::of(fit, runs).unwrap().unwrap();
+        base.promised(&fit.model.with(tried), signed, runs).unwrap().unwrap() / fit.rows as f64
+    };
+    let (runs, without) = looked(placed("coulomb_friction", 0.3));
+    let chi2 = promised(&runs, &without, placed("coulomb_friction", 0.15), false);
+    // Dry friction is not linear in its force: nine tenths of what is missing will do.
+    assert!(without.chi2() > 2.0 && chi2 - 1.0 < 0.1 * (without.chi2() - 1.0), "{} -> {chi2}", without.chi2());
+    let (runs, without) = looked(placed("null_bias", -1e-3));
+    let bias = |start, signed| promised(&runs, &without, placed("null_bias", start), signed);
+    assert!(bias(1e-3, false) > 0.99 * without.chi2(), "{} -> {}", without.chi2(), bias(1e-3, false));
+    for chi2 in [bias(1e-3, true), bias(0.0, true)] {
+        assert!((chi2 - 1.0).abs() < 0.05 && without.chi2() > 1.5, "{} -> {chi2}", without.chi2());
+    }
+}

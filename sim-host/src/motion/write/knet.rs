@@ -15,7 +15,9 @@ pub(super) fn render(record: &Record) -> String {
     let range = (largest * 1.05).ceil().max(1.0);
     let counts: Vec<f64> = record.acceleration.iter().map(|a| (a * 100.0 / range * FULL_SCALE).round()).collect();
     let rate = 1.0 / record.dt;
-    let duration = (record.acceleration.len() as f64 * record.dt).round();
+    let exact = record.acceleration.len() as f64 * record.dt;
+    // The network writes whole seconds; a reader takes none for a broken file.
+    let duration = if exact < 1.0 { exact } else { exact.round() };
     let mut text = String::new();
     let mut line = |key: &str, value: &str| {
         let _ = writeln!(text, "{key:<18}{value}");

@@ -16,7 +16,7 @@ pub const ENTRY: Entry = Entry {
             rigid_unit: "m",
             meaning: "displacement where the cushion begins",
             yardstick: Yardstick::Displacement,
-            low: 0.1,
+            low: 0.33,
             high: 2.0,
             starts: &[0.5, 0.75, 0.92, 0.985],
             positive: true,

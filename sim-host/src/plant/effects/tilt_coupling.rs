@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "tilt_coupling",
-    equation: "a + g k x",
+    equation: "a cos(k x) + g sin(k x)",
     stage: Stage::Sensor,
     parameters: &[Parameter {
         key: "angle_per_displacement",
@@ -15,8 +15,8 @@ pub const ENTRY: Entry = Entry {
         rigid_unit: "rad/m",
         meaning: "tilt per displacement",
         yardstick: Yardstick::One,
-        low: -2.0,
-        high: 2.0,
+        low: -25.0,
+        high: 25.0,
         starts: &[0.0],
         positive: false,
         role: Role::Shared,
@@ -47,6 +47,7 @@ impl<S: Scalar> Effect<S> for TiltCoupling<S> {
         Hooks { acceleration: true, linear: true, ..Hooks::default() }
     }
     fn sense_acceleration(&self, acceleration: S, at: &Instant<S>) -> S {
-        acceleration + self.angle * at.displacement * GRAVITY
+        let tilt = self.angle * at.displacement;
+        acceleration * tilt.cos() + tilt.sin() * GRAVITY
     }
 }

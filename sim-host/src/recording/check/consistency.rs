@@ -19,8 +19,9 @@ mod agreement;
 
 pub(super) use agreement::{Bin, coherent_bins, delay_over};
 
-/// A link is sound while one channel is between these multiples of what the other says it should be.
-const SOUND_GAIN: std::ops::Range<f64> = 0.4..2.5;
+/// A link is sound while one channel is between these multiples of what the other says it should be: what a wrong
+/// sensitivity may do, and less than what separates any two units.
+const SOUND_GAIN: std::ops::Range<f64> = 0.2..5.0;
 
 /// How well one sign and one delay must explain the phases before a sign is called turned.
 const IN_STEP: f64 = 0.85;

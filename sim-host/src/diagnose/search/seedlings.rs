@@ -1,0 +1,110 @@
+//! Where fits of one more effect start, and which of them deserve the work.
+
+use crate::identify::data::Run;
+use crate::identify::fit::Fit;
+use crate::identify::fit::secant::Base;
+use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+
+/// Starts of each effect alone that are looked at with all their derivatives.
+const STARTS: usize = 2;
+/// Starts of a further effect, of all effects, that are.
+const LOOKS: usize = 36;
+/// Starts that are taken further than one look.
+const PROMISING: usize = 18;
+
+/// Every effect that a parent has not, at each of its starting values; no set of effects from two parents.
+pub(super) fn seedlings<'a>(parents: &'a [Fit], singles: &[Fit], yardsticks: &Yardsticks) -> Vec<Seedling<'a>> {
+    let mut seedlings = Vec::new();
+    let mut sets: Vec<Vec<&'static str>> = Vec::new();
+    for parent in parents {
+        for entry in parent.model.candidates() {
+            let mut set = parent.model.ids();
+            set.push(entry.id);
+            set.sort_unstable();
+            if sets.contains(&set) && !parent.model.effects.is_empty() {
+                continue;
+            }
+            sets.push(set);
+            // Alone the effect was fitted already: its values there are one start, the library's the others.
+            let alone = singles.iter().find_map(|fit| fit.model.effects.iter().find(|p| p.entry.id == entry.id));
+            let library = (0..).map_while(|i| Placed::start(entry, i, yardsticks));
+            // A resonance is found from near its frequency only.
+            let resonates = entry.parameters.iter().any(|p| p.unit == "Hz");
+            let most = if alone.is_some() && !resonates { 1 } else { usize::MAX };
+            let starts = alone.cloned().into_iter().chain(library.take(most));
+            seedlings.extend(starts.map(|placed| Seedling { parent, placed }));
+        }
+    }
+    seedlings
+}
+
+/// A start: which parent, with which effect where.
+pub(super) struct Seedling<'a> {
+    pub(super) parent: &'a Fit,
+    placed: Placed,
+}
+
+impl Seedling<'_> {
+    /// The model to start from.
+    pub(super) fn model(&self) -> Model {
+        self.parent.model.with(self.placed.clone())
+    }
+
+    /// True where less than none of the effect makes sense.
+    fn signed(&self) -> bool {
+        self.placed.values.iter().any(|v| v.free && !v.positive)
+    }
+}
+
+/// The starts that deserve a look with all their derivatives: of a single effect the best of each, of further ones the best
+/// of all; and those of which a chord says nothing.
+pub(super) fn worthwhile<'a>(
+    seedlings: Vec<Seedling<'a>>,
+    parents: &'a [Fit],
+    runs: &[Run],
+    single: bool,
+) -> Result<Vec<Seedling<'a>>, SimulateError> {
+    let bases = parents.par_iter().map(|parent| Base::of(parent, runs)).collect::<Result<Vec<_>, _>>()?;
+    let look = |seedling: &Seedling| -> Result<Option<f64>, SimulateError> {
+        let base =
+            parents.iter().position(|parent| std::ptr::eq(parent, seedling.parent)).and_then(|i| bases[i].as_ref());
+        let Some(base) = base.filter(|_| seedling.placed.entry.frees.is_empty()) else { return Ok(None) };
+        base.promised(&seedling.model(), seedling.signed(), runs)
+    };
+    let looks = seedlings.par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
+    let mut ranked: Vec<_> = seedlings.into_iter().zip(looks).collect();
+    ranked.sort_by(|(_, a), (_, b)| a.unwrap_or(f64::NEG_INFINITY).total_cmp(&b.unwrap_or(f64::NEG_INFINITY)));
+    let mut seen: Vec<(*const Fit, &str)> = Vec::new();
+    let mut rank = 0;
+    ranked.retain(|(seedling, look)| {
+        if look.is_none() {
+            return true;
+        }
+        rank += 1;
+        let key = (std::ptr::from_ref(seedling.parent), seedling.placed.entry.id);
+        let tried = seen.iter().filter(|&&other| other == key).count();
+        seen.push(key);
+        if single { tried < STARTS } else { rank <= LOOKS }
+    });
+    Ok(ranked.into_iter().map(|(seedling, _)| seedling).collect())
+}
+
+/// The starts that promise most; of a single effect, on each fit of the stated model, at least its best start, for what
+/// a linear step promises from far away is little.
+pub(super) fn promising(fits: Vec<Fit>, seedlings: &[Seedling], single: bool) -> Vec<Fit> {
+    let finite = |fit: &Fit| Some(fit.promised()).filter(|x| x.is_finite()).unwrap_or(f64::INFINITY);
+    let mut ranked: Vec<(&Seedling, Fit)> = seedlings.iter().zip(fits).collect();
+    ranked.sort_by(|(_, a), (_, b)| finite(a).total_cmp(&finite(b)));
+    let mut seen: Vec<(*const Fit, &str)> = Vec::new();
+    let mut rank = 0;
+    ranked.retain(|(seedling, _)| {
+        rank += 1;
+        let key = (std::ptr::from_ref(seedling.parent), seedling.placed.entry.id);
+        let best = single && !seen.contains(&key);
+        seen.push(key);
+        best || rank <= PROMISING
+    });
+    ranked.into_iter().map(|(_, fit)| fit).collect()
+}

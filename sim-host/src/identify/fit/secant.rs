@@ -1,0 +1,128 @@
+//! What a change of a fitted model would explain, told from one simulation without sensitivities.
+//!
+//! A look at an effect with all its derivatives costs ten times a plain simulation. The change that an effect at a starting
+//! value makes to every channel is a direction too: the chord instead of the tangent. What it explains beside the fit's own
+//! parameters, whose sensitivities are kept, ranks the starts; those that rank high deserve the full look. An effect that
+//! starts from none changes nothing: there the tangent of its own parameter alone stands for the chord.
+
+use super::{Fit, matching};
+use crate::identify::data::Run;
+use crate::identify::evaluate::{Rows, normal, residuals};
+use crate::identify::model::Model;
+use crate::plant::simulate::SimulateError;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Damping of the fit's own parameters, as in [`Fit::promised`].
+const DAMPING: f64 = 1e-3;
+/// Squares of a change, and share of one, below which nothing of it is left beside the fit's own parameters.
+const NOTHING: f64 = 1e-6;
+
+/// A fit with the rows behind its normal equations.
+#[derive(Debug)]
+pub struct Base<'a> {
+    fit: &'a Fit,
+    rows: Vec<Rows>,
+    /// The step that the fit's own parameters would take.
+    step: DVector<f64>,
+}
+
+impl<'a> Base<'a> {
+    /// Simulates the fit once more to keep its rows; none where its normal equations cannot be solved.
+    pub fn of(fit: &'a Fit, runs: &[Run]) -> Result<Option<Self>, SimulateError> {
+        let kept = |(run, local)| -> Result<Rows, SimulateError> {
+            let mut rows = Rows::default();
+            normal(&fit.model, run, local, Some(&mut rows))?;
+            Ok(rows)
+        };
+        let rows = runs.par_iter().zip(&fit.locals).map(kept).collect::<Result<Vec<_>, _>>()?;
+        let step = fit.normal.step(DAMPING, &fit.held());
+        Ok(step.map(|step| Self { fit, rows, step }))
+    }
+
+    /// Squares that `model` promises, some strength of what it changes and a step of the fit's own parameters being taken;
+    /// none where that cannot be told. A change that is not `signed` counts in its own direction only.
+    pub fn promised(&self, model: &Model, signed: bool, runs: &[Run]) -> Result<Option<f64>, SimulateError> {
+        let locals = matching(self.fit.locals.clone(), model, runs);
+        let chord = |i: usize| -> Result<Vec<f64>, SimulateError> {
+            let new = residuals(model, &runs[i], &locals[i])?;
+            Ok(self.rows[i].residuals.iter().zip(new).map(|(old, new)| old - new).collect())
+        };
+        let change = self.change(chord)?;
+        if change.squares > NOTHING {
+            return Ok(self.explained(&change, signed));
+        }
+        let Some(narrow) = self.narrow(model) else { return Ok(None) };
+        let tangent = |i: usize| -> Result<Vec<f64>, SimulateError> {
+            let (mut rows, mut local) = (Rows::default(), locals[i].clone());
+            local.values_mut().for_each(|value| value.free = false);
+            normal(&narrow, &runs[i], &local, Some(&mut rows))?;
+            Ok(rows.jacobian.iter().map(|&slope| f64::from(slope)).collect())
+        };
+        Ok(self.explained(&self.change(tangent)?, true))
+    }
+
+    /// The model with nothing free but the one parameter of the effect it has beyond the fit; none where that has
+    /// several.
+    fn narrow(&self, model: &Model) -> Option<Model> {
+        let known = self.fit.model.ids();
+        let mut narrow = model.clone();
+        narrow.values_mut().for_each(|value| value.free = false);
+        let new = narrow.effects.iter_mut().find(|placed| !known.contains(&placed.entry.id))?;
+        let [value] = new.values.as_mut_slice() else { return None };
+        value.free = true;
+        Some(narrow)
+    }
+
+    /// Sums up what changes each run's rows.
+    fn change(&self, of: impl Fn(usize) -> Result<Vec<f64>, SimulateError>) -> Result<Change, SimulateError> {
+        let mut change = Change { squares: 0.0, towards: 0.0, along: DVector::zeros(self.step.len()) };
+        let shared = self.fit.model.values().filter(|v| v.free).count();
+        let mut first = shared;
+        for (i, rows) in self.rows.iter().enumerate() {
+            let width = rows.jacobian.len() / rows.residuals.len().max(1);
+            change.add(rows, &of(i)?, width, |i| if i < shared { i } else { first + i - shared });
+            first += width.saturating_sub(shared);
+        }
+        Ok(change)
+    }
+
+    fn explained(&self, change: &Change, signed: bool) -> Option<f64> {
+        let gradient = &self.fit.normal.gradient;
+        let without = self.fit.squares - gradient.dot(&self.step);
+        if !change.squares.is_finite() {
+            return Some(f64::INFINITY);
+        }
+        let taken = self.fit.normal.solve(change.along.clone(), DAMPING, &self.fit.held())?;
+        let left = change.squares - change.along.dot(&taken);
+        let gain = change.towards - change.along.dot(&self.step);
+        if left <= NOTHING * change.squares || (gain <= 0.0 && !signed) {
+            return Some(without);
+        }
+        Some(without - gain * gain / left)
+    }
+}
+
+/// A change of every row, against the residuals and against the fit's own parameters.
+struct Change {
+    squares: f64,
+    towards: f64,
+    along: DVector<f64>,
+}
+
+impl Change {
+    fn add(&mut self, rows: &Rows, changes: &[f64], width: usize, place: impl Fn(usize) -> usize) {
+        let mut along = vec![0.0; width];
+        let sensitivities = rows.jacobian.chunks_exact(width.max(1));
+        for ((residual, sensitivities), change) in rows.residuals.iter().zip(sensitivities).zip(changes) {
+            self.squares += change * change;
+            self.towards += change * residual;
+            for (sum, &sensitivity) in along.iter_mut().zip(sensitivities) {
+                *sum += change * f64::from(sensitivity);
+            }
+        }
+        for (i, sum) in along.into_iter().enumerate() {
+            self.along[place(i)] += sum;
+        }
+    }
+}
