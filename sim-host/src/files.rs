@@ -30,8 +30,14 @@ pub fn clean_up_when_interrupted() {
 
 /// Writes a file whole or not at all: beside its place first, then renamed over it.
 ///
-/// A reader, a crash or Ctrl-C at any moment sees the old file or the new one.
+/// A reader, a crash or Ctrl-C at any moment sees the old file or the new one. A link keeps pointing where it did. A device or
+/// a pipe (`/dev/null`, `/dev/stdout`) is written to and never replaced.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    // Where it does not exist yet, it is made where it was asked for.
+    let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return std::fs::OpenOptions::new().write(true).open(path)?.write_all(bytes);
+    }
     let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     // A report is for others to read: the user's mask decides, not the privacy of temporary files.
@@ -77,6 +83,36 @@ mod tests {
         assert!(write_whole(&taken, b"new").is_err());
         assert_eq!(std::fs::read(taken.join("inside")).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let [file, link] = ["file", "link"].map(|name| folder.path().join(name));
+        std::fs::write(&file, b"old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        write_whole(&link, b"new").unwrap();
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+    }
+
+    /// A device that were renamed over would be a file from then on, for the whole machine where root asked for it.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_written_to_and_stays_a_pipe() {
+        use std::os::unix::fs::FileTypeExt as _;
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || std::fs::read(pipe).unwrap()
+        });
+        write_whole(&pipe, b"through").unwrap();
+        // A pipe that were replaced has no writer: a reader would wait for ever.
+        assert!(std::fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+        assert_eq!(reader.join().unwrap(), b"through");
     }
 
     #[cfg(unix)]
