@@ -2,6 +2,9 @@
 //!
 //! A [`Dual<N>`] holds a value and its derivatives with respect to N parameters. Comparisons look at the value alone,
 //! so that branches (limits, deadbands) are taken as the value takes them and the derivative is that of the branch.
+//!
+//! Values have double precision, derivatives single: seven digits tell a fit where to step and how sure it is, and take half
+//! the room.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -37,6 +40,12 @@ pub trait Scalar:
     fn value(self) -> f64;
     /// Applies a function known by its value and derivative at this point.
     fn chain(self, value: f64, derivative: f64) -> Self;
+    /// The same number, derivatives that have died away being nothing: a processor takes a hundred times as long over
+    /// numbers at the end of its range.
+    #[inline]
+    fn settled(self) -> Self {
+        self
+    }
 
     /// `self + a b`.
     #[inline]
@@ -122,13 +131,16 @@ impl Scalar for f64 {
     }
 }
 
+/// Derivatives smaller than this are nothing.
+const DIED_AWAY: f32 = 1e-30;
+
 /// A value and its derivatives with respect to `N` parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Dual<const N: usize> {
     /// The value.
     pub value: f64,
     /// Its derivatives.
-    pub tangent: [f64; N],
+    pub tangent: [f32; N],
 }
 
 impl<const N: usize> Dual<N> {
@@ -139,6 +151,16 @@ impl<const N: usize> Dual<N> {
             *t = 1.0;
         }
         Self { value, tangent }
+    }
+
+    /// This value, and these derivatives times a factor.
+    #[inline(always)]
+    fn scaled(mut self, value: f64, factor: f32) -> Self {
+        self.value = value;
+        for i in 0..N {
+            self.tangent[i] *= factor;
+        }
+        self
     }
 }
 
@@ -163,10 +185,10 @@ impl<const N: usize> PartialOrd for Dual<N> {
 impl<const N: usize> Scalar for Dual<N> {
     const PARTS: usize = N + 1;
     fn part(&self, i: usize) -> f64 {
-        if i == 0 { self.value } else { self.tangent[i - 1] }
+        if i == 0 { self.value } else { f64::from(self.tangent[i - 1]) }
     }
     fn from_parts(part: impl Fn(usize) -> f64) -> Self {
-        Self { value: part(0), tangent: std::array::from_fn(|i| part(i + 1)) }
+        Self { value: part(0), tangent: std::array::from_fn(|i| part(i + 1) as f32) }
     }
     #[inline(always)]
     fn value(self) -> f64 {
@@ -174,25 +196,31 @@ impl<const N: usize> Scalar for Dual<N> {
     }
     #[inline(always)]
     fn plus_product(mut self, a: Self, b: Self) -> Self {
+        let (by_a, by_b) = (b.value as f32, a.value as f32);
         self.value += a.value * b.value;
         for i in 0..N {
-            self.tangent[i] += a.tangent[i] * b.value + b.tangent[i] * a.value;
+            self.tangent[i] += a.tangent[i] * by_a + b.tangent[i] * by_b;
         }
         self
     }
     #[inline(always)]
     fn plus_scaled(mut self, a: Self, factor: f64) -> Self {
         self.value += a.value * factor;
+        let factor = factor as f32;
         for i in 0..N {
             self.tangent[i] += a.tangent[i] * factor;
         }
         self
     }
     #[inline(always)]
-    fn chain(mut self, value: f64, derivative: f64) -> Self {
-        self.value = value;
+    fn chain(self, value: f64, derivative: f64) -> Self {
+        // Steeper than single precision holds is as steep as it can be: nothing times infinity is no number.
+        self.scaled(value, (derivative as f32).clamp(f32::MIN, f32::MAX))
+    }
+    #[inline(always)]
+    fn settled(mut self) -> Self {
         for i in 0..N {
-            self.tangent[i] *= derivative;
+            self.tangent[i] = if self.tangent[i].abs() < DIED_AWAY { 0.0 } else { self.tangent[i] };
         }
         self
     }
@@ -201,7 +229,7 @@ impl<const N: usize> Scalar for Dual<N> {
 /// Combines two tangents entry by entry. A plain loop: iterators are not always inlined, and this is where a fit spends
 /// its time.
 #[inline(always)]
-fn zip<const N: usize>(a: &[f64; N], b: &[f64; N], f: impl Fn(f64, f64) -> f64) -> [f64; N] {
+fn zip<const N: usize>(a: &[f32; N], b: &[f32; N], f: impl Fn(f32, f32) -> f32) -> [f32; N] {
     let mut out = *a;
     for i in 0..N {
         out[i] = f(a[i], b[i]);
@@ -229,7 +257,8 @@ impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
-        let tangent = zip(&self.tangent, &o.tangent, |a, b| a * o.value + b * self.value);
+        let (by_own, by_other) = (o.value as f32, self.value as f32);
+        let tangent = zip(&self.tangent, &o.tangent, |a, b| a * by_own + b * by_other);
         Self { value: self.value * o.value, tangent }
     }
 }
@@ -238,8 +267,9 @@ impl<const N: usize> Div for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, o: Self) -> Self {
-        let (inverse, value) = (1.0 / o.value, self.value / o.value);
-        Self { value, tangent: zip(&self.tangent, &o.tangent, |a, b| (a - value * b) * inverse) }
+        let value = self.value / o.value;
+        let (inverse, ratio) = ((1.0 / o.value) as f32, value as f32);
+        Self { value, tangent: zip(&self.tangent, &o.tangent, |a, b| (a - ratio * b) * inverse) }
     }
 }
 
@@ -247,7 +277,7 @@ impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.chain(-self.value, -1.0)
+        self.scaled(-self.value, -1.0)
     }
 }
 
@@ -285,7 +315,7 @@ impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, o: f64) -> Self {
-        self.chain(self.value * o, o)
+        self.scaled(self.value * o, o as f32)
     }
 }
 
@@ -293,7 +323,7 @@ impl<const N: usize> Div<f64> for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, o: f64) -> Self {
-        self.chain(self.value / o, 1.0 / o)
+        self.scaled(self.value / o, (1.0 / o) as f32)
     }
 }
 

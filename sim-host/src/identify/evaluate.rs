@@ -239,7 +239,7 @@ fn normal_of<const N: usize>(
         let mut dual = Dual::<N>::from(value.value);
         if value.free {
             if let Some(slot) = dual.tangent.get_mut(next) {
-                *slot = value.slope();
+                *slot = value.slope() as f32;
             }
             next += 1;
         }

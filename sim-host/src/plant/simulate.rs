@@ -173,6 +173,7 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, ma
             trace.command.push(command);
         }
         sample.push(&dynamics, wanted, drive.dt, &mut trace);
+        state.settle_derivatives();
         if let Some(pressure) = dynamics.supply_pressure(&state) {
             trace.supply.push(pressure);
         }

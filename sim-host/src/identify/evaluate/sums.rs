@@ -39,9 +39,9 @@ impl<const N: usize> Sums<N> {
         self.squares += residual * residual;
         self.rows += 1;
         let inverse = 1.0 / measured.noise;
-        let mut jacobian = model.tangent;
-        for t in &mut jacobian {
-            *t *= inverse;
+        let mut jacobian = [0.0; N];
+        for i in 0..N {
+            jacobian[i] = f64::from(model.tangent[i]) * inverse;
         }
         if let Some(rows) = keep {
             rows.residuals.push(residual);

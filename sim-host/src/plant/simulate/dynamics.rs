@@ -35,6 +35,15 @@ pub(in crate::plant) struct State<S> {
     pub(super) work: Work<S>,
 }
 
+impl<S: Scalar> State<S> {
+    /// Lets go of derivatives that have died away.
+    pub(super) fn settle_derivatives(&mut self) {
+        for y in &mut self.y {
+            *y = y.settled();
+        }
+    }
+}
+
 /// Where an integration step does its sums, and what it passed through last.
 #[derive(Debug, Clone)]
 pub(super) struct Work<S> {
