@@ -1,6 +1,6 @@
 //! The table as a design takes it: an identified model in the core's own terms, and the corners of its uncertainty.
 
-use crate::plant::effects::Effect;
+use crate::plant::effects::{Effect, entry};
 use crate::plant::model::Baseline;
 use crate::plant::simulate::{Placed, SimulateError};
 use crate::plant::stepped::Stepped;
@@ -236,7 +236,7 @@ impl Table {
     ) -> Result<Stepped, TableError> {
         let mut effects = self.linear_effects(corner);
         let mut place = |here: bool, id: &'static str, parameters: &[f64]| {
-            effects.extend(here.then(|| Placed { id, parameters: parameters.to_vec() }));
+            effects.extend(here.then(|| Placed { id, parameters: with_details(id, parameters) }));
         };
         let root = corner.supply.sqrt();
         let (positive, (depth, recovery)) = (self.velocity_limit * root, self.droop);
@@ -274,6 +274,12 @@ impl Table {
         }
         effects
     }
+}
+
+/// An effect's parameters, the details of its form that a table does not state being what the library starts from.
+fn with_details(id: &str, stated: &[f64]) -> Vec<f64> {
+    let details = entry(id).into_iter().flat_map(|entry| entry.parameters).skip(stated.len());
+    stated.iter().copied().chain(details.map(|detail| detail.starts.first().copied().unwrap_or(0.0))).collect()
 }
 
 #[cfg(test)]
