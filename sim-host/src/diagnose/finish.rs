@@ -49,14 +49,12 @@ pub(super) fn needed(before: &Judged, after: Judged, prepared: &Prepared) -> Res
     if after.added.len() < 2 {
         return Ok(after);
     }
-    // An effect that freed one of the model's own parameters leaves more behind than it brought.
-    let bare = |id: &&&str| crate::plant::effects::entry(id).is_some_and(|entry| entry.frees.is_empty());
     let without = |id: &&'static str| -> Result<Judged, SimulateError> {
         let mut fit = Fit::resume(after.fit.model.without(id), after.fit.locals.clone(), &prepared.fit)?;
         fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-5 })?;
         Judged::of(fit, prepared)
     };
-    let smaller = after.added.iter().filter(bare).map(without).collect::<Result<Vec<_>, _>>()?;
+    let smaller = after.added.iter().map(without).collect::<Result<Vec<_>, _>>()?;
     let enough = smaller.into_iter().filter(|less| !stands(before, less, &after));
     Ok(enough.min_by(|a, b| a.total().total_cmp(&b.total())).unwrap_or(after))
 }

@@ -95,11 +95,7 @@ fn eliminate(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> R
         return Ok(());
     };
     let Some(least) = smaller.first().map(|best| best.squares) else { return Ok(()) };
-    // An effect that freed one of the model's own parameters leaves more behind than it brought.
-    let bare = |id: &&str| crate::plant::effects::entry(id).is_some_and(|entry| entry.frees.is_empty());
-    let out = |fit: &Fit| {
-        fit.model.ids_beside(stated).into_iter().filter(bare).map(|id| (fit.clone(), id)).collect::<Vec<_>>()
-    };
+    let out = |fit: &Fit| fit.model.ids_beside(stated).into_iter().map(|id| (fit.clone(), id)).collect::<Vec<_>>();
     let pairs: Vec<_> = larger.iter().take(BEAM).flat_map(out).collect();
     let refit = |(fit, id): (Fit, &str)| -> Result<Fit, SimulateError> {
         let mut fit = Fit::resume(fit.model.without(id), fit.locals, runs)?;

@@ -5,7 +5,7 @@ pub mod secant;
 
 use super::data::Run;
 use super::evaluate::{Local, normal, residuals};
-use super::model::Model;
+use super::model::{Model, Value};
 use super::normal::Normal;
 use crate::plant::simulate::{SimulateError, has_corners};
 use nalgebra::DMatrix;
@@ -28,6 +28,11 @@ pub struct Fit {
     normal: Normal,
     converged: bool,
 }
+
+/// Shares of a limit that nothing reaches at which it is tried.
+const LOWERED: [f64; 3] = [0.98, 0.94, 0.88];
+/// Squares that a lower limit must save.
+const LEAST: f64 = 10.0;
 
 /// How far a fit goes.
 #[derive(Debug, Clone, Copy)]
@@ -85,6 +90,9 @@ impl Fit {
                 continue;
             }
             self.converged = before - self.squares <= effort.tolerance * before.min(self.rows as f64);
+            if self.converged {
+                self.converged = !self.lowered(runs)?;
+            }
         }
         Ok(())
     }
@@ -112,6 +120,28 @@ impl Fit {
         fit.evaluations += self.evaluations;
         fit.improve(runs, effort)?;
         Ok(fit)
+    }
+
+    /// Puts limits lower that nothing reaches: they have no slope to follow. False where that is no better.
+    fn lowered(&mut self, runs: &[Run]) -> Result<bool, SimulateError> {
+        let idle = |(i, value): &(usize, &Value)| value.positive && self.normal.matrix[(*i, *i)] == 0.0;
+        let places: Vec<usize> =
+            self.model.values().filter(|v| v.free).enumerate().filter(idle).map(|(i, _)| i).collect();
+        let mut best: Option<(Model, f64)> = None;
+        for (place, share) in places.into_iter().flat_map(|place| LOWERED.map(|share| (place, share))) {
+            let mut model = self.model.clone();
+            if let Some(value) = model.values_mut().filter(|v| v.free).nth(place) {
+                value.value = (value.value * share).max(value.low);
+            }
+            let squares = squares(&model, &self.locals, runs)?;
+            if squares < best.as_ref().map_or(self.squares - LEAST, |(_, least)| *least) {
+                best = Some((model, squares));
+            }
+        }
+        let Some((model, _)) = best else { return Ok(false) };
+        let lower = Self::resume(model, self.locals.clone(), runs)?;
+        *self = Self { evaluations: self.evaluations + 1, ..lower };
+        Ok(true)
     }
 
     /// One step; false where it led nowhere and only the damping grew.
@@ -169,7 +199,7 @@ impl Fit {
     pub fn deviations(&self) -> Vec<f64> {
         let covariance = self.covariance();
         let mut next = 0;
-        let deviation = |value: &super::model::Value| {
+        let deviation = |value: &Value| {
             if !value.free {
                 return f64::NAN;
             }

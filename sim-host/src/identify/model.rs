@@ -209,10 +209,17 @@ impl Model {
         model
     }
 
-    /// This model without one effect.
+    /// This model without one effect; what only that effect freed is what was known of it again.
     pub fn without(&self, id: &str) -> Self {
         let mut model = self.clone();
         model.effects.retain(|p| p.entry.id != id);
+        let freed = |key| model.effects.iter().any(|p| p.entry.frees.contains(&key));
+        for (own, parameter) in model.own.iter_mut().zip(self.kind.parameters()) {
+            if let Some(known) = own.prior.filter(|_| !freed(parameter.key)) {
+                own.set_coordinate(known.mean);
+                (own.free, own.prior) = (false, None);
+            }
+        }
         model
     }
 
@@ -273,5 +280,27 @@ impl Model {
             placed.entry.parameters.iter().map(|parameter| format!("{}.{}", placed.entry.id, parameter.key))
         });
         own.chain(scale).chain(effects).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::effects::entry;
+
+    #[test]
+    fn what_an_effect_freed_is_known_again_without_it() {
+        let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
+        let own = own.map(|v| Value { low: 0.1 * v.value, high: 10.0 * v.value, positive: true, ..v }).to_vec();
+        let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), sharp: false };
+        let placed = |id: &str| Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+        let mut soft = stated.with(placed("flow_softening")).with(placed("null_bias"));
+        let limit = soft.own_mut("velocity_limit").unwrap();
+        assert!(limit.free, "softening frees the limit");
+        limit.value = 0.25;
+        assert_eq!(soft.without("null_bias").own, soft.own);
+        let hard = soft.without("flow_softening").own;
+        assert!((hard[3].value - 0.242).abs() < 1e-12 && !hard[3].free && hard[3].prior.is_none(), "{:?}", hard[3]);
+        assert_eq!(hard[..3], stated.own[..3]);
     }
 }

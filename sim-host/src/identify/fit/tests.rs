@@ -72,6 +72,30 @@ fn a_model_is_recovered_from_ten_per_cent_off() {
     }
 }
 
+/// A limit a sixth above what anything asks of it has no slope to follow.
+#[test]
+fn a_limit_that_nothing_reaches_is_brought_down_to_where_it_binds() {
+    let limits = |positive: f64, negative: f64| {
+        let mut placed = Placed::start(entry("asymmetric_limit").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+        for (value, limit) in placed.values.iter_mut().zip([positive, negative]) {
+            (value.value, value.low, value.high) = (limit, 0.1 * limit, 10.0 * limit);
+        }
+        placed
+    };
+    let runs = [recorded(&model(TRUTH).with(limits(1.0, 1.0)), 1)];
+    let fastest = |sign: f64| {
+        let x = &runs[0].measured[0].values;
+        x.windows(21).map(|w| sign * (w[20] - w[0]) / (20.0 * DT)).fold(0.0, f64::max)
+    };
+    let truth = [0.97 * fastest(1.0), 0.97 * fastest(-1.0)];
+    let runs = [recorded(&model(TRUTH).with(limits(truth[0], truth[1])), 1)];
+    let mut fit = Fit::begin(model(TRUTH).with(limits(truth[0], 1.16 * truth[1])), &runs).unwrap();
+    assert!(fit.chi2() > 1.5, "the limit shows: chi2 {}", fit.chi2());
+    fit.improve(&runs, Effort::FULL).unwrap();
+    let found = fit.model.effects[0].values[1].value;
+    assert!((found / truth[1] - 1.0).abs() < 5e-3, "{found} for {}, chi2 {}", truth[1], fit.chi2());
+}
+
 #[test]
 fn friction_is_found_in_one_model_and_missed_by_the_other() {
     let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 1, &Yardsticks::TYPICAL).unwrap();
