@@ -25,7 +25,7 @@ pub const ENTRY: Entry = Entry {
             yardstick: Yardstick::One,
             low: 1e-6,
             high: 0.01,
-            starts: &[4e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3],
+            starts: &[1.2e-5, 4e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3],
             positive: true,
             role: Role::Shared,
         },

@@ -18,7 +18,7 @@ pub const ENTRY: Entry = Entry {
             yardstick: Yardstick::One,
             low: 3.0,
             high: 150.0,
-            starts: &[12.0, 30.0],
+            starts: &[8.0, 15.0, 28.0, 50.0, 90.0],
             positive: true,
             role: Role::Shared,
         },

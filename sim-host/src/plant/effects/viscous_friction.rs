@@ -1,4 +1,7 @@
-//! Friction in proportion to velocity.
+//! Friction that grows with velocity.
+//!
+//! A film of oil is sheared in proportion to the speed until the shear itself warms and thins it: the coefficient falls as
+//! speed rises.
 
 use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
@@ -7,20 +10,34 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "viscous_friction",
-    equation: "f = c v",
+    equation: "f = c v / (1 + k abs(v))",
     stage: Stage::Table,
-    parameters: &[Parameter {
-        key: "coefficient",
-        unit: "1/s",
-        rigid_unit: "N s/m",
-        meaning: "friction per velocity and table mass",
-        yardstick: Yardstick::Force,
-        low: 1e-4,
-        high: 100.0,
-        starts: &[0.05, 1.0],
-        positive: true,
-        role: Role::Shared,
-    }],
+    parameters: &[
+        Parameter {
+            key: "coefficient",
+            unit: "1/s",
+            rigid_unit: "N s/m",
+            meaning: "friction per velocity and table mass, at low speed",
+            yardstick: Yardstick::Force,
+            low: 1e-4,
+            high: 100.0,
+            starts: &[0.05, 1.0],
+            positive: true,
+            role: Role::Shared,
+        },
+        Parameter {
+            key: "thinning",
+            unit: "s/m",
+            rigid_unit: "s/m",
+            meaning: "what speed takes of the coefficient: k",
+            yardstick: Yardstick::One,
+            low: 0.0,
+            high: 2.0,
+            starts: &[0.0],
+            positive: false,
+            role: Role::Refined,
+        },
+    ],
     kinds: &[Kind::Servo, Kind::RigidMass, Kind::ForceBalance],
     frees: &[],
     signature: "a force that grows with speed",
@@ -28,25 +45,46 @@ pub const ENTRY: Entry = Entry {
     test: "pressure at several constant velocities",
 };
 
-/// Friction in proportion to velocity.
+/// Friction that grows with velocity.
 #[derive(Debug, Clone)]
 pub struct ViscousFriction<S> {
     coefficient: S,
+    thinning: S,
+    /// Nothing thins the film, and no derivative asks what if.
+    plain: bool,
 }
 
 impl<S: Scalar> ViscousFriction<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[coefficient] = parameters else { return None };
-        Some(Self { coefficient })
+        let &[coefficient, thinning] = parameters else { return None };
+        let plain = (0..S::PARTS).all(|i| thinning.part(i) == 0.0);
+        Some(Self { coefficient, thinning, plain })
     }
 }
 
 impl<S: Scalar> Effect<S> for ViscousFriction<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { force: true, linear: true, ..Hooks::default() }
+        Hooks { force: true, linear: self.plain, ..Hooks::default() }
     }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
-        self.coefficient * at.velocity
+        let newtonian = self.coefficient * at.velocity;
+        if self.plain { newtonian } else { newtonian / (self.thinning * at.velocity.abs() + 1.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speed_takes_its_share_on_both_sides() {
+        let force = |thinning: f64, velocity: f64| {
+            let at = Instant { time: 0.0, displacement: 0.0, velocity, sensed_velocity: 0.0, velocity_limit: 1.0 };
+            ViscousFriction::new(&[10.0, thinning]).unwrap().force(&at, &[], &mut [])
+        };
+        assert!((force(0.0, 0.2) - 2.0).abs() < 1e-12);
+        assert!((force(0.5, 0.2) - 2.0 / 1.1).abs() < 1e-12);
+        assert!((force(0.5, -0.2) + 2.0 / 1.1).abs() < 1e-12);
     }
 }
