@@ -55,7 +55,7 @@ fn sensitivities_are_those_of_the_simulation() {
             let (mut error, mut size) = (0.0, 1e-12);
             for k in 0..dual.displacement.len() {
                 let difference = (up.displacement[k] - down.displacement[k]) / (2.0 * h);
-                error += (dual.displacement[k].tangent[0] - difference).powi(2);
+                error += (dual.displacement[k].part(1) - difference).powi(2);
                 size += difference.powi(2);
             }
             let key = entry.parameters[i].key;
@@ -110,11 +110,13 @@ fn matrices_give_what_the_rule_gives() {
         for (short, long) in series(&short).iter().zip(&series(&long)) {
             assert_eq!(short.len(), input.len());
             for part in 0..=8 {
+                // Values have double precision, derivatives single.
+                let rounding = if part == 0 { 1e-9 } else { 2e-5 };
                 let largest = long.iter().fold(0.0_f64, |m, x| m.max(x.part(part).abs()));
                 for (k, (a, b)) in short.iter().zip(long).enumerate() {
                     let apart = (a.part(part) - b.part(part)).abs();
                     let ids: Vec<_> = set.iter().map(|e| e.id).collect();
-                    assert!(apart <= 1e-9 * largest, "{ids:?}, part {part} at {k}: {a:?} {b:?}");
+                    assert!(apart <= rounding * largest, "{ids:?}, part {part} at {k}: {a:?} {b:?}");
                 }
             }
         }
