@@ -39,10 +39,7 @@ impl<const N: usize> Sums<N> {
         self.squares += residual * residual;
         self.rows += 1;
         let inverse = 1.0 / measured.noise;
-        let mut jacobian = [0.0; N];
-        for i in 0..N {
-            jacobian[i] = f64::from(model.tangent[i]) * inverse;
-        }
+        let jacobian = model.tangent.map(|slope| f64::from(slope) * inverse);
         if let Some(rows) = keep {
             rows.residuals.push(residual);
             rows.jacobian.extend(jacobian.iter().take(self.count).map(|&t| t as f32));
