@@ -72,7 +72,7 @@ fn a_model_is_recovered_from_ten_per_cent_off() {
     }
 }
 
-/// A limit a sixth above what anything asks of it has no slope to follow.
+/// A limit above what anything asks of it has no slope to follow.
 #[test]
 fn a_limit_that_nothing_reaches_is_brought_down_to_where_it_binds() {
     let limits = |positive: f64, negative: f64| {
@@ -85,12 +85,12 @@ fn a_limit_that_nothing_reaches_is_brought_down_to_where_it_binds() {
     let runs = [recorded(&model(TRUTH).with(limits(1.0, 1.0)), 1)];
     let fastest = |sign: f64| {
         let x = &runs[0].measured[0].values;
-        x.windows(21).map(|w| sign * (w[20] - w[0]) / (20.0 * DT)).fold(0.0, f64::max)
+        x.windows(5).map(|w| sign * (w[4] - w[0]) / (4.0 * DT)).fold(0.0, f64::max)
     };
-    let truth = [0.97 * fastest(1.0), 0.97 * fastest(-1.0)];
+    let truth = [0.93 * fastest(1.0), 0.93 * fastest(-1.0)];
     let runs = [recorded(&model(TRUTH).with(limits(truth[0], truth[1])), 1)];
-    let mut fit = Fit::begin(model(TRUTH).with(limits(truth[0], 1.16 * truth[1])), &runs).unwrap();
-    assert!(fit.chi2() > 1.5, "the limit shows: chi2 {}", fit.chi2());
+    let mut fit = Fit::begin(model(TRUTH).with(limits(truth[0], 1.12 * truth[1])), &runs).unwrap();
+    assert!(fit.chi2() > 1.3, "the limit shows: chi2 {}", fit.chi2());
     fit.improve(&runs, Effort::FULL).unwrap();
     let found = fit.model.effects[0].values[1].value;
     assert!((found / truth[1] - 1.0).abs() < 5e-3, "{found} for {}, chi2 {}", truth[1], fit.chi2());
