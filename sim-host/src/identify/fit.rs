@@ -34,6 +34,9 @@ const LOWERED: [f64; 3] = [0.98, 0.94, 0.88];
 /// Squares that a lower limit must save.
 const LEAST: f64 = 10.0;
 
+/// Damping with which a fit's promise is reckoned.
+const PROMISED: f64 = 1e-3;
+
 /// How far a fit goes.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
@@ -70,7 +73,7 @@ impl Fit {
 
     /// Squares that the next step promises, were the residual linear in the parameters.
     pub fn promised(&self) -> f64 {
-        let step = self.normal.step(1e-3, &self.held());
+        let step = self.normal.step(PROMISED, &self.held());
         self.squares - step.map_or(0.0, |step| step.dot(&self.normal.gradient))
     }
 

@@ -307,4 +307,17 @@ mod tests {
         assert_eq!(unused, ["mains_hum"]);
         assert_eq!(table.settings(1000.0).validate(), Ok(()));
     }
+
+    #[test]
+    fn a_table_with_every_loss_makes_a_plant() {
+        let table = Table {
+            friction: (0.2, 1.0),
+            deadband: 1e-3,
+            stall: 20.0,
+            droop: (0.05, 1.0),
+            sharpness: 8.0,
+            ..Table::default()
+        };
+        table.plant(&Corner::default(), 5e-4).unwrap();
+    }
 }

@@ -5,7 +5,7 @@
 //! parameters, whose sensitivities are kept, ranks the starts; those that rank high deserve the full look. An effect that
 //! starts from none changes nothing: there the tangent of its own parameter alone stands for the chord.
 
-use super::{Fit, matching};
+use super::{Fit, PROMISED, matching};
 use crate::identify::data::Run;
 use crate::identify::evaluate::{Rows, normal, residuals};
 use crate::identify::model::Model;
@@ -13,8 +13,6 @@ use crate::plant::simulate::SimulateError;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Damping of the fit's own parameters, as in [`Fit::promised`].
-const DAMPING: f64 = 1e-3;
 /// Squares of a change, and share of one, below which nothing of it is left beside the fit's own parameters.
 const NOTHING: f64 = 1e-6;
 
@@ -36,7 +34,7 @@ impl<'a> Base<'a> {
             Ok(rows)
         };
         let rows = runs.par_iter().zip(&fit.locals).map(kept).collect::<Result<Vec<_>, _>>()?;
-        let step = fit.normal.step(DAMPING, &fit.held());
+        let step = fit.normal.step(PROMISED, &fit.held());
         Ok(step.map(|step| Self { fit, rows, step }))
     }
 
@@ -93,7 +91,7 @@ impl<'a> Base<'a> {
         if !change.squares.is_finite() {
             return Some(f64::INFINITY);
         }
-        let taken = self.fit.normal.solve(change.along.clone(), DAMPING, &self.fit.held())?;
+        let taken = self.fit.normal.solve(change.along.clone(), PROMISED, &self.fit.held())?;
         let left = change.squares - change.along.dot(&taken);
         let gain = change.towards - change.along.dot(&self.step);
         if left <= NOTHING * change.squares || (gain <= 0.0 && !signed) {

@@ -213,6 +213,35 @@ fn no_physics_is_taken_for_bad_data() {
     }
 }
 
+/// A valve so slow that the table moves against its reference is physics where the stated controller makes the recorded
+/// command of it, and bad data where it does not.
+#[test]
+fn a_controller_that_is_reproduced_vouches_for_its_channels() {
+    let dt = 0.005;
+    let tones = [(0.4, 0.03), (0.9, 0.02), (1.7, 0.01)];
+    let sum = |order: i32, k: usize| {
+        let tone = |(hz, size): &(f64, f64)| {
+            let w = 2.0 * PI * hz;
+            size * w.powi(order) * (w * k as f64 * dt + f64::from(order) * PI / 2.0).sin()
+        };
+        tones.iter().map(tone).sum::<f64>()
+    };
+    let series = |order: i32, factor: f64| (0..6000).map(|k| factor * sum(order, k)).collect::<Vec<_>>();
+    let (reference, displacement) = (series(0, 1.0), series(0, -0.5));
+    let mut integral = 0.0;
+    let errors = reference.iter().zip(&displacement).map(|(r, x)| r - x);
+    let command = errors.map(|e| {
+        integral += e * dt;
+        3.7 * e + 0.6 * integral
+    });
+    let command = command.collect();
+    let law = Law::ProportionalIntegral { kp: 3.7, ki: 0.6 };
+    let run = run_of([reference, displacement, series(2, -0.5), command], dt, law);
+    assert_eq!(bad(&run), [], "{:#?}", findings(&run));
+    let other = changed(&run, Channel::Command, |k, u| u + 0.2 * (0.37 * (k * k % 1009) as f64).sin());
+    assert!(!bad(&other).is_empty(), "{:#?}", findings(&other));
+}
+
 #[test]
 fn a_clean_table_leaves_nothing_to_remark() {
     assert_eq!(findings(&CLEAN.run()), []);
