@@ -147,12 +147,13 @@ fn answer(prepared: Prepared, options: &Options) -> Result<Answer, SimulateError
     let search = search::search(&prepared, options)?;
     options.say("judging on the runs held back", 0.9);
     let decision = decide::decide(&prepared, &search)?;
-    if decision.unlisted && !prepared.holdout.is_empty() && shared::unseen(&decision) {
+    if !prepared.holdout.is_empty() && shared::unseen(&decision) {
         options.say("the runs fitted do not show it: trying with half of those held back", 0.9);
         let prepared = shared::shared(&prepared);
         let search = search::search(&prepared, options)?;
-        let decision = decide::decide(&prepared, &search)?;
-        if !decision.unlisted && !decision.consistent() {
+        let other = decide::decide(&prepared, &search)?;
+        if shared::better(&other, &decision) {
+            let decision = other;
             return Ok(Answer { prepared, search, decision, held_out_shared: true });
         }
     }

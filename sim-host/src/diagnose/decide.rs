@@ -1,15 +1,13 @@
 //! Names what stands: significance on the runs fitted, gain on the runs held back, and at least nine tenths of the
 //! excess explained. What falls short is said to be outside the library.
 
-use super::finish::{best_of, needed, polished};
+use super::finish::{best_of, needed, polished, refined};
 use super::ranking::{Ranking, parameters};
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, gains, score};
-use crate::identify::model::Value;
 use crate::identify::prepare::Prepared;
-use crate::plant::effects::{Parameter, Yardstick};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -27,10 +25,9 @@ const WORTH: f64 = 0.65;
 const NOTICEABLE: f64 = 0.018;
 /// Excess of chi2 on the runs fitted that speaks for itself where those held back are silent.
 const SHOWN: f64 = 1.0;
-/// Share of the excess that must be explained for names to be given.
+/// Share of the excess that must be explained for names to be given; all but noise where an effect fits only at the end of
+/// what makes sense for it, which a stranger to the mismatch may do.
 const EXPLAINED: f64 = 0.9;
-/// The same where an effect fits only at the end of what makes sense for it, which a stranger to the mismatch may do.
-const EXPLAINED_AT_BOUND: f64 = 0.97;
 /// Excess of chi2 that is never called physics: noise is not known better.
 const NEGLIGIBLE: f64 = 0.06;
 /// Least gain of chi2 for a further effect: less than this is not told from noise that is not quite white.
@@ -95,6 +92,11 @@ impl Decision {
     pub fn consistent(&self) -> bool {
         !self.unlisted && self.after.added.is_empty()
     }
+
+    /// Share of the stated model's excess on the runs held back that the model handed on leaves.
+    pub fn left(&self) -> f64 {
+        (self.after.hold.chi2 - 1.0).max(0.0) / (self.before.hold.chi2 - 1.0).max(1e-9)
+    }
 }
 
 /// Judges everything the search found.
@@ -106,6 +108,9 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
         let mut size = grown.par_iter().take(JUDGED).map(judged).collect::<Result<Vec<_>, _>>()?;
         let rank = Ranking::new(&size);
         size.sort_by(|a, b| rank.cost(a).total_cmp(&rank.cost(b)));
+        if let Some(best) = size.first_mut() {
+            *best = refined(best.clone(), prepared)?;
+        }
         sizes.push(size);
     }
     let after = polished(choose(&before, &sizes), prepared)?;
@@ -113,17 +118,17 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
         return Ok(weigh(before, after, sizes));
     }
     let rivals = rivals(prepared, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
-    let (after, rivals) = best_of(after, rivals);
+    let (after, rivals) = best_of(&before, after, rivals);
     sizes.push(rivals);
     let less = needed(&before, after.clone(), prepared)?;
-    let after = if less.added.len() < after.added.len() { best_of_its_size(less, &sizes) } else { after };
+    let after = if less.added.len() < after.added.len() { best_of_its_size(&before, less, &sizes) } else { after };
     Ok(weigh(before, after, sizes))
 }
 
 /// What is left of a model after an effect was taken out was found beside that effect: another of its size may do better.
-fn best_of_its_size(less: Judged, sizes: &[Vec<Judged>]) -> Judged {
+fn best_of_its_size(before: &Judged, less: Judged, sizes: &[Vec<Judged>]) -> Judged {
     let size = less.added.len();
-    best_of(less, sizes.iter().flatten().filter(|other| other.added.len() == size).cloned().collect()).0
+    best_of(before, less, sizes.iter().flatten().filter(|other| other.added.len() == size).cloned().collect()).0
 }
 
 /// The largest model that stands, each against the one before it.
@@ -206,17 +211,16 @@ fn silent(present: &Judged, larger: &Judged) -> bool {
     present.hold.chi2 < 1.0 + NEGLIGIBLE && lacks(present) > SHOWN && lacks(larger) < (1.0 - EXPLAINED) * lacks(present)
 }
 
-/// True where an added effect fits only with as much of it as makes sense, or in a place where it makes none. The other ends
-/// mean something: little of an effect is none of it, a short travel before sliding a rigid contact, a large exponent a hard
-/// corner.
-fn strained(judged: &Judged) -> bool {
-    let added = judged.fit.model.effects.iter().filter(|p| judged.added.contains(&p.entry.id));
-    let exponent = |v: &Value| v.low >= 1.0 && v.high <= 1e3;
-    let at_end = |(parameter, v): (&Parameter, &Value)| {
-        let place = parameter.yardstick == Yardstick::Displacement;
-        v.positive && !exponent(v) && (v.value >= v.high * 0.999 || (place && v.value <= v.low * 1.001))
-    };
-    added.flat_map(|p| p.entry.parameters.iter().zip(&p.values)).filter(|(_, v)| v.free).any(at_end)
+/// True where an added effect fits only at an end of what makes sense, one that stands for no simpler form of it.
+pub(super) fn strained(judged: &Judged) -> bool {
+    let names = judged.fit.model.effects.iter().flat_map(|p| p.entry.parameters.iter().map(|q| (p.entry.id, q)));
+    let own = judged.fit.model.values().count() - names.clone().count();
+    let pushed = judged.fit.pushed().into_iter().skip(own);
+    let values = judged.fit.model.values().skip(own);
+    names.zip(values).zip(pushed).any(|(((id, parameter), value), cost)| {
+        let at_low = value.value - value.low < value.high - value.value;
+        judged.added.contains(&id) && cost > CHANCE && parameter.simple.strained(at_low)
+    })
 }
 
 /// Whether what is left lies outside the library, and how probable that is.
@@ -224,10 +228,15 @@ fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
     let excess = before.hold.chi2 - 1.0;
     let left = after.hold.chi2 - 1.0;
     let blur = 3.0 * (2.0 / after.hold.samples.max(1) as f64).sqrt();
-    let explained = if strained(after) { EXPLAINED_AT_BOUND } else { EXPLAINED };
-    let allowed = (NEGLIGIBLE + blur).max((1.0 - explained) * excess);
+    let noise = NEGLIGIBLE + blur;
+    let allowed = if strained(after) { noise } else { noise.max((1.0 - EXPLAINED) * excess) };
     let ratio = (left / allowed).max(1e-3);
     (left > allowed, 1.0 / (1.0 + (-3.0 * ratio.ln()).exp()) * if ratio < 0.3 { 0.5 } else { 1.0 })
+}
+
+/// True where a model explains the mismatch with values that make sense.
+pub(super) fn sound(before: &Judged, judged: &Judged) -> bool {
+    !strained(judged) && !outside(before, judged).0
 }
 
 /// Spreads belief over the candidates of the accepted size and finds what is not told apart.

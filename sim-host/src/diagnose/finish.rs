@@ -1,7 +1,7 @@
 //! Brings what was accepted to its end: fitted thoroughly, with the details of its forms, held against what it is mistaken for,
 //! less what it does without.
 
-use super::decide::{Judged, SURE, stands};
+use super::decide::{Judged, SURE, sound, stands, strained};
 use super::ranking::Ranking;
 use super::search::CHANCE;
 use crate::identify::fit::{Effort, Fit};
@@ -21,7 +21,7 @@ pub(super) fn polished(after: Judged, prepared: &Prepared) -> Result<Judged, Sim
 }
 
 /// The accepted model with the details of its effects' forms fitted too, where both kinds of runs bear them out.
-fn refined(after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> {
+pub(super) fn refined(after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> {
     let model = after.fit.model.refined();
     if model.values().filter(|v| v.free).count() == after.fit.model.values().filter(|v| v.free).count() {
         return Ok(after);
@@ -34,12 +34,15 @@ fn refined(after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> 
     Ok(if better { refined } else { after })
 }
 
-/// The accepted model, or a rival that does better with no more parameters' worth; and the rest.
-pub(super) fn best_of(accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
+/// The accepted model, or a rival that does better with no more parameters' worth; and the rest. One whose values make sense
+/// goes before those whose do not.
+pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
     let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
     let ranking = Ranking::new(&all);
     all.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
-    let best = all.remove(0);
+    let strange = all.first().is_some_and(strained);
+    let first = all.iter().position(|judged| !strange || sound(before, judged)).unwrap_or(0);
+    let best = all.remove(first);
     (best, all)
 }
 

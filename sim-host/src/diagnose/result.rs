@@ -170,7 +170,7 @@ pub(super) fn assemble(
         next_test: open.next_test,
         holdout: BeforeAfter { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) },
         model,
-        share_left: (decision.after.hold.chi2 - 1.0).max(0.0) / (decision.before.hold.chi2 - 1.0).max(1e-9),
+        share_left: decision.left(),
         part_explained: decision.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
         remainder: open.remainder,
         held_out_shared: open.held_out_shared,

@@ -13,11 +13,24 @@ const STRETCHES: usize = 12;
 
 /// Share of what a model leaves on the runs held back, below which it leaves nothing to speak of on those fitted.
 const NOTHING: f64 = 0.02;
+/// Share of the excess that is much to leave.
+const MUCH: f64 = 0.04;
+/// Share of what was left below which another answer is the better one.
+const FAR_LESS: f64 = 0.3;
 
-/// True where some model leaves next to nothing on the runs that were fitted, and much on those held back.
+/// True where some model leaves next to nothing on the runs that were fitted, and much on those held back, and what came out
+/// does too.
 pub(super) fn unseen(decision: &Decision) -> bool {
     let explained = |c: &Judged| c.fit.chi2() - 1.0 < NOTHING * (c.hold.chi2 - 1.0);
-    decision.candidates.iter().any(explained)
+    let much = !decision.consistent() && decision.left() > MUCH;
+    (decision.unlisted || much) && decision.candidates.iter().any(explained)
+}
+
+/// True where what came out with stretches of the runs held back names what is missing, and leaves far less than what came out
+/// without where that named something too.
+pub(super) fn better(shared: &Decision, decision: &Decision) -> bool {
+    let names = !shared.unlisted && !shared.consistent();
+    names && (decision.unlisted || shared.left() < FAR_LESS * decision.left())
 }
 
 /// The same experiment with every other stretch of the runs held back among those fitted.

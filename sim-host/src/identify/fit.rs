@@ -1,6 +1,7 @@
 //! Bounded Levenberg-Marquardt on whole-loop simulation error.
 
 mod foresight;
+mod idle;
 pub mod secant;
 
 use super::data::Run;
@@ -29,13 +30,11 @@ pub struct Fit {
     converged: bool,
 }
 
-/// Shares of a limit that nothing reaches at which it is tried.
-const LOWERED: [f64; 3] = [0.98, 0.94, 0.88];
-/// Squares that a lower limit must save.
-const LEAST: f64 = 10.0;
-
 /// Damping with which a fit's promise is reckoned.
 const PROMISED: f64 = 1e-3;
+
+/// Share of a bound within which a value is at it.
+const AT_END: f64 = 1e-3;
 
 /// How far a fit goes.
 #[derive(Debug, Clone, Copy)]
@@ -125,28 +124,6 @@ impl Fit {
         Ok(fit)
     }
 
-    /// Puts limits lower that nothing reaches: they have no slope to follow. False where that is no better.
-    fn lowered(&mut self, runs: &[Run]) -> Result<bool, SimulateError> {
-        let idle = |(i, value): &(usize, &Value)| value.positive && self.normal.matrix[(*i, *i)] == 0.0;
-        let places: Vec<usize> =
-            self.model.values().filter(|v| v.free).enumerate().filter(idle).map(|(i, _)| i).collect();
-        let mut best: Option<(Model, f64)> = None;
-        for (place, share) in places.into_iter().flat_map(|place| LOWERED.map(|share| (place, share))) {
-            let mut model = self.model.clone();
-            if let Some(value) = model.values_mut().filter(|v| v.free).nth(place) {
-                value.value = (value.value * share).max(value.low);
-            }
-            let squares = squares(&model, &self.locals, runs)?;
-            if squares < best.as_ref().map_or(self.squares - LEAST, |(_, least)| *least) {
-                best = Some((model, squares));
-            }
-        }
-        let Some((model, _)) = best else { return Ok(false) };
-        let lower = Self::resume(model, self.locals.clone(), runs)?;
-        *self = Self { evaluations: self.evaluations + 1, ..lower };
-        Ok(true)
-    }
-
     /// One step; false where it led nowhere and only the damping grew.
     fn step(&mut self, runs: &[Run]) -> Result<bool, SimulateError> {
         let held = self.held();
@@ -183,6 +160,23 @@ impl Fit {
         free.zip(self.normal.gradient.iter())
             .map(|(v, &g)| (v.value <= v.low && g < 0.0) || (v.value >= v.high && g > 0.0))
             .collect()
+    }
+
+    /// Squares that a tenth less of each shared value would cost at least, where it wants to go beyond the end of what makes
+    /// sense, in the order of [`Model::values`]; 0 where it is at none.
+    pub fn pushed(&self) -> Vec<f64> {
+        let mut gradient = self.normal.gradient.iter();
+        let cost = |value: &Value| -> f64 {
+            if !value.free {
+                return 0.0;
+            }
+            let slope = gradient.next().copied().unwrap_or(0.0);
+            let near = |end: f64| (value.value - end).abs() <= AT_END * end.abs();
+            let beyond = (near(value.high) && slope > 0.0) || (near(value.low) && slope < 0.0);
+            let tenth = if value.positive { 0.1 } else { 0.1 * value.value.abs() };
+            if beyond { 2.0 * slope.abs() * tenth } else { 0.0 }
+        };
+        self.model.values().map(cost).collect()
     }
 
     /// Covariance of the free shared parameters' coordinates; none where the data do not determine them.

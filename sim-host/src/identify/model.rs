@@ -120,6 +120,7 @@ impl Yardsticks {
             Yardstick::Speed => self.speed,
             Yardstick::Displacement => self.displacement,
             Yardstick::Force => self.force,
+            Yardstick::Curvature => self.displacement.powi(-2),
             Yardstick::Duration => self.duration,
             Yardstick::Line => self.line,
         }

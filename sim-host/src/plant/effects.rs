@@ -71,6 +71,8 @@ pub enum Yardstick {
     Displacement,
     /// Force per table mass, m/s2: 1, or the mass in kilograms for a rigid mass, whose forces are in newtons.
     Force,
+    /// One over the square of the largest displacement from the start, 1/m2.
+    Curvature,
     /// The longest run, s.
     Duration,
     /// The strongest line in the spectrum of what the accelerometer shows beyond the model, Hz.
@@ -98,8 +100,35 @@ pub struct Parameter {
     pub starts: &'static [f64],
     /// Positive and fitted by its logarithm.
     pub positive: bool,
+    /// Ends of its range that mean something: a fit that wants to go beyond another strains the equation.
+    pub simple: Ends,
     /// Whether all runs share it.
     pub role: Role,
+}
+
+/// Ends of a parameter's range at which its effect is none or a simpler one: little of it, a rigid contact, a hard corner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ends {
+    /// The smallest value.
+    Low,
+    /// The largest value.
+    High,
+    /// Both.
+    Both,
+    /// None: either end is as much of it as makes sense.
+    Neither,
+}
+
+impl Ends {
+    /// True where a value at its lower, or else upper, end strains the equation.
+    pub fn strained(self, at_low: bool) -> bool {
+        match self {
+            Self::Low => !at_low,
+            Self::High => at_low,
+            Self::Both => false,
+            Self::Neither => true,
+        }
+    }
 }
 
 /// Whether all runs share a parameter.

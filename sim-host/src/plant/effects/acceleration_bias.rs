@@ -1,6 +1,6 @@
 //! The accelerometer's zero is off.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,6 +19,7 @@ pub const ENTRY: Entry = Entry {
         high: 20.0,
         starts: &[0.0],
         positive: false,
+        simple: Ends::Neither,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo, Kind::RigidMass],

@@ -1,6 +1,6 @@
 //! The accelerometer's sensitivity is not what is declared.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,6 +19,7 @@ pub const ENTRY: Entry = Entry {
         high: 5.0,
         starts: &[1.0],
         positive: false,
+        simple: Ends::Neither,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo, Kind::RigidMass],

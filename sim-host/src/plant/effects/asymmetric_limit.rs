@@ -1,6 +1,6 @@
 //! The two directions saturate at different speeds, for piston areas or valve lands differ.
 
-use super::{Effect, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -20,6 +20,7 @@ pub const ENTRY: Entry = Entry {
             high: 3.0,
             starts: &[0.9],
             positive: true,
+            simple: Ends::High,
             role: Role::Shared,
         },
         Parameter {
@@ -32,6 +33,7 @@ pub const ENTRY: Entry = Entry {
             high: 3.0,
             starts: &[0.9],
             positive: true,
+            simple: Ends::High,
             role: Role::Shared,
         },
     ],

@@ -7,7 +7,7 @@
 //!
 //! Source: A. Visintin, "Differential Models of Hysteresis", Springer (1994), chapter V.
 
-use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,7 @@ pub const ENTRY: Entry = Entry {
             high: 0.01,
             starts: &[1.2e-5, 4e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3],
             positive: true,
+            simple: Ends::Low,
             role: Role::Shared,
         },
         Parameter {
@@ -39,6 +40,7 @@ pub const ENTRY: Entry = Entry {
             high: 200.0,
             starts: &[30.0],
             positive: true,
+            simple: Ends::High,
             role: Role::Shared,
         },
     ],

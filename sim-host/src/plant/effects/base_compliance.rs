@@ -1,6 +1,6 @@
 //! The reaction mass moves on its springs: the accelerometer shows absolute motion, the LVDT motion relative to it.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -20,6 +20,7 @@ pub const ENTRY: Entry = Entry {
             high: 60.0,
             starts: &[3.0, 6.0, 12.0, 20.0],
             positive: true,
+            simple: Ends::Neither,
             role: Role::Shared,
         },
         Parameter {
@@ -32,6 +33,7 @@ pub const ENTRY: Entry = Entry {
             high: 1.0,
             starts: &[0.2],
             positive: true,
+            simple: Ends::Neither,
             role: Role::Shared,
         },
         Parameter {
@@ -44,6 +46,7 @@ pub const ENTRY: Entry = Entry {
             high: 2.0,
             starts: &[0.02],
             positive: true,
+            simple: Ends::Low,
             role: Role::Shared,
         },
     ],

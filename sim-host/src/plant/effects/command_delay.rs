@@ -3,7 +3,7 @@
 //! The command is constant over a step; delayed, it switches inside one. Its mean over the step is linear in the delay,
 //! so the delay has an exact derivative.
 
-use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 use std::collections::VecDeque;
@@ -23,6 +23,7 @@ pub const ENTRY: Entry = Entry {
         high: 0.1,
         starts: &[0.001, 0.008],
         positive: true,
+        simple: Ends::Low,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo, Kind::RigidMass],

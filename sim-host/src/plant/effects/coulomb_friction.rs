@@ -1,7 +1,7 @@
 //! Dry friction of the bearings: one size, against the motion, reached after the contact's bristles have bent.
 
 use super::bristle::Bristles;
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -32,6 +32,7 @@ pub(super) const FORCE: Parameter = Parameter {
     high: 4.0,
     starts: &[0.005, 0.1, 0.6],
     positive: true,
+    simple: Ends::Low,
     role: Role::Shared,
 };
 
@@ -46,6 +47,7 @@ pub const PRESLIDING: Parameter = Parameter {
     high: 2e-3,
     starts: &[2e-5],
     positive: true,
+    simple: Ends::Low,
     role: Role::Shared,
 };
 

@@ -1,6 +1,6 @@
 //! The displacement sensor's filter lags.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -28,6 +28,7 @@ pub(super) const TIME_CONSTANT: Parameter = Parameter {
     high: 0.1,
     starts: &[0.001, 0.008],
     positive: true,
+    simple: Ends::Low,
     role: Role::Shared,
 };
 

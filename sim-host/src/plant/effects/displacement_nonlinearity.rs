@@ -1,6 +1,6 @@
 //! The displacement sensor is not linear over its stroke.
 
-use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -14,11 +14,12 @@ pub const ENTRY: Entry = Entry {
         unit: "1/m2",
         rigid_unit: "1/m2",
         meaning: "relative change of sensitivity per square of displacement",
-        yardstick: Yardstick::One,
-        low: -60.0,
-        high: 60.0,
+        yardstick: Yardstick::Curvature,
+        low: -0.3,
+        high: 1.0,
         starts: &[0.0],
         positive: false,
+        simple: Ends::Neither,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo, Kind::RigidMass],

@@ -1,6 +1,6 @@
 //! A cushion near the end of the stroke.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -20,6 +20,7 @@ pub const ENTRY: Entry = Entry {
             high: 2.0,
             starts: &[0.5, 0.75, 0.92, 0.985],
             positive: true,
+            simple: Ends::High,
             role: Role::Shared,
         },
         Parameter {
@@ -32,6 +33,7 @@ pub const ENTRY: Entry = Entry {
             high: 1e5,
             starts: &[30.0, 1000.0],
             positive: true,
+            simple: Ends::Both,
             role: Role::Shared,
         },
     ],

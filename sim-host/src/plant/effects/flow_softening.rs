@@ -1,6 +1,6 @@
 //! The orifice softens the velocity limit: flow bends over before it reaches it.
 
-use super::{Effect, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,6 +19,7 @@ pub const ENTRY: Entry = Entry {
         high: 40.0,
         starts: &[3.0, 8.0],
         positive: true,
+        simple: Ends::High,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo],

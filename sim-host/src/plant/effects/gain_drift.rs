@@ -1,6 +1,6 @@
 //! The gain changes as the oil warms.
 
-use super::{Effect, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,6 +19,7 @@ pub const ENTRY: Entry = Entry {
         high: 0.05,
         starts: &[0.0],
         positive: false,
+        simple: Ends::Neither,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo],

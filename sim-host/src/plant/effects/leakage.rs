@@ -1,6 +1,6 @@
 //! Oil leaks past the piston in proportion to load pressure.
 
-use super::{Compliance, Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,6 +19,7 @@ pub const ENTRY: Entry = Entry {
         high: 0.2,
         starts: &[3e-4, 0.005],
         positive: true,
+        simple: Ends::Low,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo],

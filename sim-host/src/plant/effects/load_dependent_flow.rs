@@ -1,6 +1,6 @@
 //! Load pressure takes its share of the supply: less is left to drive flow through the valve.
 
-use super::{Compliance, Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,6 +19,7 @@ pub const ENTRY: Entry = Entry {
         high: 500.0,
         starts: &[10.0, 60.0],
         positive: true,
+        simple: Ends::High,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo],

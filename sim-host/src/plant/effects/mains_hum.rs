@@ -2,7 +2,7 @@
 //!
 //! The phase differs from run to run: two amplitudes are fitted for each run, and the size over all runs is reported.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -22,6 +22,7 @@ pub const ENTRY: Entry = Entry {
             high: 1.02,
             starts: &[1.0],
             positive: true,
+            simple: Ends::Both,
             role: Role::Shared,
         },
         Parameter {
@@ -34,6 +35,7 @@ pub const ENTRY: Entry = Entry {
             high: 50.0,
             starts: &[0.0],
             positive: false,
+            simple: Ends::Both,
             role: Role::Size,
         },
         Parameter {
@@ -46,6 +48,7 @@ pub const ENTRY: Entry = Entry {
             high: 50.0,
             starts: &[0.0],
             positive: false,
+            simple: Ends::Neither,
             role: Role::PerRun,
         },
         Parameter {
@@ -58,6 +61,7 @@ pub const ENTRY: Entry = Entry {
             high: 50.0,
             starts: &[0.0],
             positive: false,
+            simple: Ends::Neither,
             role: Role::PerRun,
         },
     ],

@@ -2,7 +2,7 @@
 //!
 //! For a rigid mass the offset is a force in newtons beside the command's.
 
-use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -21,6 +21,7 @@ pub const ENTRY: Entry = Entry {
         high: 1e4,
         starts: &[0.0],
         positive: false,
+        simple: Ends::Neither,
         role: Role::Shared,
     }],
     kinds: &[Kind::Servo, Kind::RigidMass],

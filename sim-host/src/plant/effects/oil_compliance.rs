@@ -1,6 +1,6 @@
 //! The oil column is a spring between piston flow and table mass.
 
-use super::{Compliance, Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -20,6 +20,7 @@ pub const ENTRY: Entry = Entry {
             high: 150.0,
             starts: &[8.0, 15.0, 28.0, 50.0, 90.0],
             positive: true,
+            simple: Ends::High,
             role: Role::Shared,
         },
         Parameter {
@@ -32,6 +33,7 @@ pub const ENTRY: Entry = Entry {
             high: 0.4,
             starts: &[0.2],
             positive: true,
+            simple: Ends::Neither,
             role: Role::Shared,
         },
     ],

@@ -1,7 +1,7 @@
 //! A one-storey structure on the table, reacting on it, whose stiffness may change with its drift: joints that crack and
 //! open soften, columns that go into tension stiffen, and its frequency moves with the size of the motion.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -21,6 +21,7 @@ pub const ENTRY: Entry = Entry {
             high: 5.0,
             starts: &[0.15],
             positive: true,
+            simple: Ends::Low,
             role: Role::Shared,
         },
         Parameter {
@@ -33,6 +34,7 @@ pub const ENTRY: Entry = Entry {
             high: 40.0,
             starts: &[0.8, 1.5, 2.5, 4.0, 6.0, 7.8, 10.0, 14.0],
             positive: true,
+            simple: Ends::Neither,
             role: Role::Shared,
         },
         Parameter {
@@ -45,6 +47,7 @@ pub const ENTRY: Entry = Entry {
             high: 0.7,
             starts: &[0.3],
             positive: true,
+            simple: Ends::Neither,
             role: Role::Shared,
         },
         Parameter {
@@ -57,6 +60,7 @@ pub const ENTRY: Entry = Entry {
             high: 1e6,
             starts: &[0.0],
             positive: false,
+            simple: Ends::Neither,
             role: Role::Refined,
         },
     ],

@@ -3,7 +3,7 @@
 //! These are not physics and no search tries them: a diagnosis that has to call a mismatch unlisted fits them to what is
 //! left, so that the model foresees better and the curve's shape says what to look for.
 
-use super::{Effect, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -110,6 +110,7 @@ const fn knots(along: Yardstick, unit: &'static str, height: Height) -> [Paramet
         high: 1.0,
         starts: &[1.0],
         positive: false,
+        simple: Ends::Both,
         role: Role::Given,
     }; KNOTS + 1];
     let mut i = 0;
@@ -124,6 +125,7 @@ const fn knots(along: Yardstick, unit: &'static str, height: Height) -> [Paramet
             high: height.most,
             starts: &[0.0],
             positive: false,
+            simple: Ends::Both,
             role: Role::Shared,
         };
         i += 1;

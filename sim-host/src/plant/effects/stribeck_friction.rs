@@ -2,7 +2,7 @@
 
 use super::bristle::Bristles;
 use super::coulomb_friction::{FORCE, PRESLIDING};
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -23,6 +23,7 @@ pub const ENTRY: Entry = Entry {
             high: 8.0,
             starts: &[0.04, 0.4],
             positive: true,
+            simple: Ends::Low,
             role: Role::Shared,
         },
         Parameter {
@@ -35,6 +36,7 @@ pub const ENTRY: Entry = Entry {
             high: 0.5,
             starts: &[0.01],
             positive: true,
+            simple: Ends::Both,
             role: Role::Shared,
         },
         PRESLIDING,

@@ -3,7 +3,7 @@
 //!
 //! The pressure is relative to its start; running at the limit for long it falls by `depth`.
 
-use super::{Effect, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -23,6 +23,7 @@ pub const ENTRY: Entry = Entry {
             high: 0.95,
             starts: &[0.02, 0.3],
             positive: true,
+            simple: Ends::Low,
             role: Role::Shared,
         },
         Parameter {
@@ -35,6 +36,7 @@ pub const ENTRY: Entry = Entry {
             high: 60.0,
             starts: &[0.4, 3.0],
             positive: true,
+            simple: Ends::High,
             role: Role::Shared,
         },
     ],

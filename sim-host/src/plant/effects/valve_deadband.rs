@@ -4,7 +4,7 @@
 //! dither does; what passes on average is the deadband's mean over that noise. The noise is taken as logistic, whose mean
 //! has a closed form: `s ln(1 + exp((u - d)/s)) - s ln(1 + exp((-u - d)/s))`, with `s` the noise times sqrt(3)/pi.
 
-use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -23,9 +23,10 @@ pub const ENTRY: Entry = Entry {
         high: 5.0,
         starts: &[0.01, 0.2, 1.0],
         positive: true,
+        simple: Ends::Low,
         role: Role::Shared,
     }],
-    kinds: &[Kind::Servo],
+    kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "small commands do nothing: flats at each reversal, growing with smaller motion",
     mistaken_for: &["coulomb_friction", "backlash"],

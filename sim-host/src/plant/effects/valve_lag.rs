@@ -1,6 +1,6 @@
 //! The spool follows its command as a second-order system.
 
-use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -20,6 +20,7 @@ pub const ENTRY: Entry = Entry {
             high: 300.0,
             starts: &[12.0, 35.0, 90.0],
             positive: true,
+            simple: Ends::High,
             role: Role::Shared,
         },
         Parameter {
@@ -32,6 +33,7 @@ pub const ENTRY: Entry = Entry {
             high: 2.0,
             starts: &[0.7],
             positive: true,
+            simple: Ends::Neither,
             role: Role::Shared,
         },
     ],

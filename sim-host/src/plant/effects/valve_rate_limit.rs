@@ -4,7 +4,7 @@
 //! command the spool moves at its greatest rate, close to it as a first-order lag (Merritt, *Hydraulic Control Systems*,
 //! 1967, section 7-5).
 
-use super::{Effect, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -24,6 +24,7 @@ pub const ENTRY: Entry = Entry {
             high: 50.0,
             starts: &[0.5, 1.2, 2.5, 5.0],
             positive: true,
+            simple: Ends::High,
             role: Role::Shared,
         },
         Parameter {
@@ -37,10 +38,11 @@ pub const ENTRY: Entry = Entry {
             // A pilot stage of some 300 Hz, as servovalves of this size have.
             starts: &[5e-4],
             positive: true,
+            simple: Ends::Low,
             role: Role::Refined,
         },
     ],
-    kinds: &[Kind::Servo],
+    kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "large fast commands come out as ramps; small ones are untouched",
     mistaken_for: &["valve_lag", "command_delay"],

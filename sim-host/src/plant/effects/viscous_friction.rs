@@ -3,7 +3,7 @@
 //! A film of oil is sheared in proportion to the speed until the shear itself warms and thins it: the coefficient falls as
 //! speed rises.
 
-use super::{Effect, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -23,6 +23,7 @@ pub const ENTRY: Entry = Entry {
             high: 100.0,
             starts: &[0.05, 1.0],
             positive: true,
+            simple: Ends::Low,
             role: Role::Shared,
         },
         Parameter {
@@ -35,6 +36,7 @@ pub const ENTRY: Entry = Entry {
             high: 2.0,
             starts: &[0.0],
             positive: false,
+            simple: Ends::Low,
             role: Role::Refined,
         },
     ],
