@@ -48,7 +48,6 @@ fn recording(number: usize, effects: &[Placed<f64>]) -> String {
         added: &[],
         law: Law::Pi { kp: 6.0, ki: 0.6 },
         sensor_noise: NOISE[0],
-        sharp: true,
         wanted: Wanted::ALL,
     };
     let table = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };

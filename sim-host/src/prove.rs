@@ -4,6 +4,7 @@
 //! One case leaves one file, so that a campaign stops and goes on, and pieces of it run anywhere: [`campaign`] makes the
 //! files, [`summary`] joins them, whoever made them, to the same result.
 
+mod attainable;
 pub mod bounds;
 pub mod campaign;
 pub mod gates;

@@ -106,7 +106,7 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
     let mut sizes = Vec::new();
     for grown in &search.grown {
         let mut size = grown.par_iter().take(JUDGED).map(judged).collect::<Result<Vec<_>, _>>()?;
-        let rank = Ranking::new(&size);
+        let rank = Ranking::new(prepared, &before, &size);
         size.sort_by(|a, b| rank.cost(a).total_cmp(&rank.cost(b)));
         if let Some(best) = size.first_mut() {
             *best = refined(best.clone(), prepared)?;
@@ -115,20 +115,22 @@ pub fn decide(prepared: &Prepared, search: &Search) -> Result<Decision, Simulate
     }
     let after = polished(choose(&before, &sizes), prepared)?;
     if after.added.is_empty() {
-        return Ok(weigh(before, after, sizes));
+        return Ok(weigh(prepared, before, after, sizes));
     }
     let rivals = rivals(prepared, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
-    let (after, rivals) = best_of(&before, after, rivals);
+    let (after, rivals) = best_of(prepared, &before, after, rivals);
     sizes.push(rivals);
     let less = needed(&before, after.clone(), prepared)?;
-    let after = if less.added.len() < after.added.len() { best_of_its_size(&before, less, &sizes) } else { after };
-    Ok(weigh(before, after, sizes))
+    let after =
+        if less.added.len() < after.added.len() { best_of_its_size(prepared, &before, less, &sizes) } else { after };
+    Ok(weigh(prepared, before, after, sizes))
 }
 
 /// What is left of a model after an effect was taken out was found beside that effect: another of its size may do better.
-fn best_of_its_size(before: &Judged, less: Judged, sizes: &[Vec<Judged>]) -> Judged {
+fn best_of_its_size(prepared: &Prepared, before: &Judged, less: Judged, sizes: &[Vec<Judged>]) -> Judged {
     let size = less.added.len();
-    best_of(before, less, sizes.iter().flatten().filter(|other| other.added.len() == size).cloned().collect()).0
+    best_of(prepared, before, less, sizes.iter().flatten().filter(|other| other.added.len() == size).cloned().collect())
+        .0
 }
 
 /// The largest model that stands, each against the one before it.
@@ -154,7 +156,7 @@ fn choose(before: &Judged, sizes: &[Vec<Judged>]) -> Judged {
 }
 
 /// Weighs the accepted model against all others and against what no library holds.
-fn weigh(before: Judged, mut after: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
+fn weigh(prepared: &Prepared, before: Judged, mut after: Judged, sizes: Vec<Vec<Judged>>) -> Decision {
     let others = sizes.into_iter().flatten().filter(|c| c.added != after.added);
     let mut candidates: Vec<Judged> = std::iter::once(before.clone()).chain(others).collect();
     // A set that was fitted twice counts once, at its best.
@@ -168,7 +170,7 @@ fn weigh(before: Judged, mut after: Judged, sizes: Vec<Vec<Judged>>) -> Decision
     if !after.added.is_empty() {
         candidates.push(after.clone());
     }
-    let ranking = Ranking::new(&candidates);
+    let ranking = Ranking::new(prepared, &before, &candidates);
     candidates.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
     let (unlisted, unlisted_probability) = outside(&before, &after);
     let ties = believe(&ranking, &after, &mut candidates, unlisted_probability);

@@ -15,7 +15,6 @@ pub(super) fn polished(after: Judged, prepared: &Prepared) -> Result<Judged, Sim
     }
     let mut fit = Fit::resume(after.fit.model.clone(), after.fit.locals.clone(), &prepared.fit)?;
     fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
-    fit.sharpen(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
     let polished = Judged::of(fit, prepared)?;
     refined(if polished.total() < after.total() { polished } else { after }, prepared)
 }
@@ -36,9 +35,14 @@ pub(super) fn refined(after: Judged, prepared: &Prepared) -> Result<Judged, Simu
 
 /// The accepted model, or a rival that does better with no more parameters' worth; and the rest. One whose values make sense
 /// goes before those whose do not.
-pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
+pub(super) fn best_of(
+    prepared: &Prepared,
+    before: &Judged,
+    accepted: Judged,
+    rivals: Vec<Judged>,
+) -> (Judged, Vec<Judged>) {
     let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
-    let ranking = Ranking::new(&all);
+    let ranking = Ranking::new(prepared, before, &all);
     all.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
     let strange = all.first().is_some_and(strained);
     let first = all.iter().position(|judged| !strange || sound(before, judged)).unwrap_or(0);

@@ -12,9 +12,6 @@ use rayon::prelude::*;
 
 /// How far a double is taken.
 const FULL: Effort = Effort { steps: 12, tolerance: 1e-4 };
-/// The last bit, corners as sharp as they are.
-const LAST: Effort = Effort { steps: 4, tolerance: 1e-4 };
-
 /// The accepted model with each of its added effects in turn put out for one that it is mistaken for, by the library's own
 /// word.
 pub(super) fn rivals(prepared: &Prepared, accepted: &Fit, search: &Search) -> Result<Vec<Fit>, SimulateError> {
@@ -62,6 +59,5 @@ fn thorough(
             best = seen;
         }
     }
-    best.sharpen(runs, LAST)?;
     Ok(Some(best))
 }

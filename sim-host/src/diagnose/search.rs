@@ -174,10 +174,8 @@ impl<'a> Foresight<'a> {
 
 /// Models with one effect more than their parents, best first; each set of effects once.
 fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks) -> Result<Vec<Fit>, SimulateError> {
-    let blurred = |parent: &Fit| parent.blurred(runs, Effort { steps: 3, tolerance: 1e-4 });
-    let parents = parents.par_iter().map(blurred).collect::<Result<Vec<_>, _>>()?;
-    let seedlings = seedlings(&parents, singles, yardsticks);
-    let seedlings = worthwhile(seedlings, &parents, runs, singles.is_empty())?;
+    let seedlings = seedlings(parents, singles, yardsticks);
+    let seedlings = worthwhile(seedlings, parents, runs, singles.is_empty())?;
     let begun = |s: &Seedling| Fit::resume(s.model(), s.parent.locals.clone(), runs);
     let fits = seedlings.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
     let mut fits = promising(fits, &seedlings, singles.is_empty());
@@ -189,11 +187,7 @@ fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks)
     }
     let finalists = seed(&mut fits);
     further(&mut fits, finalists, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
-    let last = Effort { steps: 12, tolerance: 1e-5 };
-    further(&mut fits, BEAM, last, runs)?;
-    let best = BEAM.min(fits.len());
-    fits[..best].par_iter_mut().try_for_each(|fit| fit.sharpen(runs, last))?;
-    fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    further(&mut fits, BEAM, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
     Ok(fits)
 }
 

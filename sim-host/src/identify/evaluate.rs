@@ -161,7 +161,6 @@ fn trace<S: Scalar>(
         added: &run.added,
         law: run.law,
         sensor_noise,
-        sharp: model.sharp,
         wanted,
     };
     let trace = simulate(&baseline, &effects, &drive, &start)?;

@@ -8,7 +8,7 @@ use super::data::Run;
 use super::evaluate::{Local, normal, residuals};
 use super::model::{Model, Value};
 use super::normal::Normal;
-use crate::plant::simulate::{SimulateError, has_corners};
+use crate::plant::simulate::SimulateError;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -97,31 +97,6 @@ impl Fit {
             }
         }
         Ok(())
-    }
-
-    /// Takes steps with corners as sharp as they are, where the model has any and they were blurred so far.
-    pub fn sharpen(&mut self, runs: &[Run], effort: Effort) -> Result<(), SimulateError> {
-        if self.model.sharp || !has_corners(self.model.placements()) {
-            return Ok(());
-        }
-        self.model.sharp = true;
-        let mut sharp = Self::resume(self.model.clone(), self.locals.clone(), runs)?;
-        sharp.evaluations += self.evaluations;
-        sharp.improve(runs, effort)?;
-        *self = sharp;
-        Ok(())
-    }
-
-    /// The same with corners blurred again, for a look at what else may be missing: sharp ones take several times as long.
-    pub fn blurred(&self, runs: &[Run], effort: Effort) -> Result<Self, SimulateError> {
-        if !self.model.sharp {
-            return Ok(self.clone());
-        }
-        let model = Model { sharp: false, ..self.model.clone() };
-        let mut fit = Self::resume(model, self.locals.clone(), runs)?;
-        fit.evaluations += self.evaluations;
-        fit.improve(runs, effort)?;
-        Ok(fit)
     }
 
     /// One step; false where it led nowhere and only the damping grew.

@@ -76,8 +76,6 @@ pub struct Model {
     pub scale: Option<Value>,
     /// The effects, in the order of the registry.
     pub effects: Vec<Placed>,
-    /// Simulated with steps short enough for corners, which a search blurs to find its way.
-    pub sharp: bool,
 }
 
 /// Sizes of the signals, in whose multiples effects state their bounds and starting values.
@@ -85,7 +83,7 @@ pub struct Model {
 pub struct Yardsticks {
     /// RMS of the command.
     pub command: f64,
-    /// RMS of the command's rate of change, per second.
+    /// Largest rate of change of the command, per second.
     pub command_rate: f64,
     /// Largest speed, m/s.
     pub speed: f64,
@@ -103,7 +101,7 @@ impl Yardsticks {
     /// Of a table of the paper's kind that plays an earthquake: for models that are written down, not measured.
     pub const TYPICAL: Self = Self {
         command: 0.05,
-        command_rate: 0.5,
+        command_rate: 2.0,
         speed: 0.2,
         displacement: 0.1,
         force: 1.0,
@@ -131,16 +129,12 @@ impl Yardsticks {
         let duration = runs.iter().map(|run| run.len() as f64 * run.dt).fold(0.0, f64::max);
         let mut it =
             Self { command: 0.0, command_rate: 0.0, speed: 0.0, displacement: 0.0, force: mass, duration, line: 50.0 };
-        let (mut squares, mut rates, mut count) = (0.0, 0.0, 0.0);
+        let (mut squares, mut count) = (0.0, 0.0);
         for run in runs {
             if let Some(command) = run.channel(Channel::Command) {
                 squares += command.values.iter().filter(|u| u.is_finite()).map(|u| u * u).sum::<f64>();
-                rates += command
-                    .values
-                    .windows(2)
-                    .map(|w| ((w[1] - w[0]) / run.dt).powi(2))
-                    .filter(|r| r.is_finite())
-                    .sum::<f64>();
+                let rates = command.values.windows(2).map(|w| ((w[1] - w[0]) / run.dt).abs());
+                it.command_rate = rates.filter(|r| r.is_finite()).fold(it.command_rate, f64::max);
                 count += run.len() as f64;
             }
             if let Some(x) = run.channel(Channel::Displacement) {
@@ -163,7 +157,6 @@ impl Yardsticks {
         }
         if count > 0.0 {
             it.command = (squares / count).sqrt();
-            it.command_rate = (rates / count).sqrt();
         }
         for size in [&mut it.command, &mut it.command_rate, &mut it.speed, &mut it.displacement, &mut it.duration] {
             *size = size.max(1e-9);
@@ -293,7 +286,7 @@ mod tests {
     fn what_an_effect_freed_is_known_again_without_it() {
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
         let own = own.map(|v| Value { low: 0.1 * v.value, high: 10.0 * v.value, positive: true, ..v }).to_vec();
-        let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), sharp: false };
+        let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new() };
         let placed = |id: &str| Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
         let mut soft = stated.with(placed("flow_softening")).with(placed("null_bias"));
         let limit = soft.own_mut("velocity_limit").unwrap();

@@ -126,7 +126,7 @@ fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks
         Some(placed)
     });
     let scale = (has_pressure && kind != Kind::ForceBalance).then(|| pressure_scale(stated));
-    let model = Model { kind, own: own.collect(), scale, effects: Vec::new(), sharp: false };
+    let model = Model { kind, own: own.collect(), scale, effects: Vec::new() };
     effects.fold(model, |model, effect| model.with(effect))
 }
 

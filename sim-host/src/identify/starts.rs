@@ -27,12 +27,6 @@ const LOOK: Effort = Effort { steps: 8, tolerance: 1e-4 };
 
 /// Fits the prepared model from the stated values and, where these do not reach the floor, from others; the best.
 pub fn fitted(prepared: &Prepared) -> Result<Fit, SimulateError> {
-    let mut best = from_several(prepared)?;
-    best.sharpen(&prepared.fit, LOOK)?;
-    Ok(best)
-}
-
-fn from_several(prepared: &Prepared) -> Result<Fit, SimulateError> {
     let runs: &[Run] = &prepared.fit;
     let mut best = Fit::begin(prepared.model.clone(), runs)?;
     best.improve(runs, Effort::FULL)?;

@@ -63,7 +63,7 @@ pub enum Yardstick {
     One,
     /// RMS of the command, in its unit.
     Command,
-    /// RMS of the rate of change of the command, unit of u per second.
+    /// Largest rate of change of the command, unit of u per second.
     CommandRate,
     /// Largest speed the runs reach, m/s.
     Speed,
@@ -96,7 +96,7 @@ pub struct Parameter {
     pub low: f64,
     /// Largest value that makes sense.
     pub high: f64,
-    /// Values a fit starts from.
+    /// Values a fit starts from, the one nearest to none of the effect first.
     pub starts: &'static [f64],
     /// Positive and fitted by its logarithm.
     pub positive: bool,
@@ -267,11 +267,6 @@ pub trait Effect<S: Scalar>: Debug + Send {
     }
     /// The fastest rate of its equations, 1/s.
     fn fastest(&self) -> f64 {
-        0.0
-    }
-    /// The rate of its corners, 1/s: steps that long blur them, which is how a fit finds its way, and a verification must
-    /// not. Zero where a step of any length is exact.
-    fn sharpest(&self) -> f64 {
         0.0
     }
     /// Its states with the table at rest at this displacement (m).

@@ -44,8 +44,6 @@ pub struct Drive<'a> {
     pub law: Law,
     /// Standard deviation of the displacement sensor's noise, m, which the controller passes on to the command.
     pub sensor_noise: f64,
-    /// Steps short enough for corners too; without, corners may be blurred over a step.
-    pub sharp: bool,
     /// What of it is asked for.
     pub wanted: Wanted,
 }
@@ -82,11 +80,6 @@ pub struct Start<S> {
 /// Continuous states of these effects together.
 pub fn effect_states<'a>(effects: impl Iterator<Item = (&'a str, Vec<f64>)>) -> usize {
     effects.map(|(id, parameters)| build(id, &parameters).map_or(0, |effect| effect.states())).sum()
-}
-
-/// True where one of these effects has corners that longer steps blur.
-pub fn has_corners<'a>(mut effects: impl Iterator<Item = (&'a str, Vec<f64>)>) -> bool {
-    effects.any(|(id, parameters)| build(id, &parameters).is_some_and(|effect| effect.sharpest() > 0.0))
 }
 
 /// What a simulated run shows, one value a sample.
@@ -154,7 +147,7 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, ma
     let (n, wanted) = (drive.input.len(), drive.wanted);
     let mut trace = Trace::with_capacity(n, wanted);
     let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, start.velocity);
-    let steps = substeps(drive, dynamics.fastest(drive.sharp), dynamics.whole_steps());
+    let steps = substeps(drive, dynamics.fastest(), dynamics.whole_steps());
     let mut sample = Sample::new(&mut dynamics, &state, drive, steps, matrices);
     for k in 0..n {
         let mut shown = None;

@@ -1,15 +1,14 @@
 //! Makes cases, has them answered, opens the answers, and keeps one file a case so that a campaign can stop and go on.
 
 use super::Examinee;
-use super::record::{Attainable, Record, Reply, SCHEMA, Truth};
+use super::attainable::attainable;
+use super::record::{Record, Reply, SCHEMA, Truth};
 use super::rival;
 use crate::files::json::{self, JsonError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use shakedown_truth::answer::Opened;
 use shakedown_truth::case;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -196,51 +195,6 @@ fn reply(diagnosis: &Value) -> Reply {
         failure: Some(format!("not the shape of diagnose --json: {e}")),
         ..Reply::default()
     })
-}
-
-/// What the library's own equations do on the case without noise, where that says something about the reply.
-fn attainable(
-    examinee: &impl Examinee,
-    opened: &Opened,
-    reply: &Reply,
-    truth: &Truth,
-    scratch: &Path,
-) -> Option<Attainable> {
-    let named = reply.effects.iter().any(|e| truth.effects.iter().any(|p| p.id == e.id));
-    let visible = matches!(truth.strength.as_deref(), Some("clear" | "gross"));
-    if truth.effects.is_empty() || !(named || visible) {
-        return None;
-    }
-    let desk = scratch.join("clean");
-    opened.clean.write(&desk).ok()?;
-    let path = desk.join("experiment.toml");
-    let as_given = best_fit(examinee, &path);
-    let near = begin_at(&path, reply, truth).and_then(|()| best_fit(examinee, &path));
-    // Either start may end in a hollow of the other's making; the best fit is the best of both.
-    [as_given, near].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, attainable)| attainable)
-}
-
-/// chi2 of the runs fitted, and what comes of it.
-fn best_fit(examinee: &impl Examinee, path: &Path) -> Option<(f64, Attainable)> {
-    let fitted = examinee.identify(path)?.ok()?;
-    let parameters = fitted.get("parameters")?.as_object()?;
-    let values = parameters.iter().filter_map(|(key, p)| Some((key.clone(), p.get("value")?.as_f64()?)));
-    let chi2 = |of: &str| fitted.pointer(of).and_then(Value::as_f64);
-    let floor = chi2("/holdout/chi2").map(|chi2| 1.0 + chi2);
-    Some((chi2("/fit/chi2").unwrap_or(f64::INFINITY), Attainable { parameters: values.collect(), floor }))
-}
-
-/// States the reply's values as where the fit of the case without noise begins; none where not all effects were named.
-fn begin_at(path: &Path, reply: &Reply, truth: &Truth) -> Option<()> {
-    let mut text = std::fs::read_to_string(path).ok()?;
-    for present in &truth.effects {
-        let named = reply.effects.iter().find(|effect| effect.id == present.id)?;
-        let _ = writeln!(text, "\n[effects.{}]", named.id);
-        for (key, estimate) in &named.parameters {
-            let _ = writeln!(text, "{key} = {:e}", estimate.value);
-        }
-    }
-    std::fs::write(path, text).ok()
 }
 
 fn plans(folder: &Path) -> Result<Vec<Plan>, CampaignError> {

@@ -93,6 +93,9 @@ pub struct Reply {
     /// How it fits.
     #[serde(default)]
     pub holdout: Holdout,
+    /// Whether it fitted stretches of the runs held back too.
+    #[serde(default)]
+    pub held_out_shared: bool,
     /// What it finds wrong with the data.
     #[serde(default)]
     pub findings: Vec<Value>,

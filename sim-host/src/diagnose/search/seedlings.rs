@@ -4,6 +4,7 @@ use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::fit::secant::Base;
 use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::plant::effects::Yardstick;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -30,9 +31,10 @@ pub(super) fn seedlings<'a>(parents: &'a [Fit], singles: &[Fit], yardsticks: &Ya
             // Alone the effect was fitted already: its values there are one start, the library's the others.
             let alone = singles.iter().find_map(|fit| fit.model.effects.iter().find(|p| p.entry.id == entry.id));
             let library = (0..).map_while(|i| Placed::start(entry, i, yardsticks));
-            // A resonance is found from near its frequency only.
-            let resonates = entry.parameters.iter().any(|p| p.unit == "Hz");
-            let most = if alone.is_some() && !resonates { 1 } else { usize::MAX };
+            // A resonance is found from near its frequency only, and a limit from where it binds.
+            let places = [Yardstick::CommandRate, Yardstick::Displacement];
+            let far = entry.parameters.iter().any(|p| p.unit == "Hz" || places.contains(&p.yardstick));
+            let most = if alone.is_some() && !far { 1 } else { usize::MAX };
             let starts = alone.cloned().into_iter().chain(library.take(most));
             seedlings.extend(starts.map(|placed| Seedling { parent, placed }));
         }

@@ -21,7 +21,7 @@ fn model(values: [f64; 4]) -> Model {
         free,
         prior: None,
     });
-    Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), sharp: false }
+    Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new() }
 }
 
 /// Twelve uniforms less six: near enough to a Gaussian of unit variance.
@@ -94,6 +94,44 @@ fn a_limit_that_nothing_reaches_is_brought_down_to_where_it_binds() {
     fit.improve(&runs, Effort::FULL).unwrap();
     let found = fit.model.effects[0].values[1].value;
     assert!((found / truth[1] - 1.0).abs() < 5e-3, "{found} for {}, chi2 {}", truth[1], fit.chi2());
+}
+
+/// The limit is fitted a hair too high: every share that is tried at once is too low, and worse.
+#[test]
+fn a_limit_a_hair_too_high_is_found_between_what_is_too_low_and_what_nothing_reaches() {
+    let fast = recorded(&model(TRUTH), 1).measured[0].values.windows(5).map(|w| w[4] - w[0]).fold(0.0, f64::max);
+    let truth = 0.93 * fast / (4.0 * DT);
+    let limited = |limit: f64| model([TRUTH[0], TRUTH[1], TRUTH[2], limit]);
+    let runs = [recorded(&limited(truth), 1)];
+    let fitted = |limit: f64| {
+        let mut fit = Fit::begin(limited(limit), &runs).unwrap();
+        fit.improve(&runs, Effort::FULL).unwrap();
+        (fit.model.own[3].value / truth - 1.0, fit.chi2())
+    };
+    for above in [1.07, 1.09, 1.25] {
+        let (off, chi2) = fitted(above * truth);
+        assert!(off.abs() < 5e-3 && chi2 < 1.05, "from {above}: {off} off, chi2 {chi2}");
+    }
+}
+
+/// What wants to go beyond the end of its range says what a tenth less would cost; what rests within says nothing.
+#[test]
+fn a_value_at_an_end_pushes_where_the_truth_is_beyond() {
+    let runs = [recorded(&model(TRUTH), 4)];
+    let pushed = |low: f64, high: f64| {
+        let mut bounded = model(TRUTH);
+        (bounded.own[2].low, bounded.own[2].high) = (low * TRUTH[2], high * TRUTH[2]);
+        bounded.own[2].value = high * TRUTH[2];
+        let mut fit = Fit::begin(bounded, &runs).unwrap();
+        fit.improve(&runs, Effort::FULL).unwrap();
+        fit.pushed()
+    };
+    let free = pushed(0.5, 2.0);
+    assert!(free.iter().all(|&cost| cost == 0.0), "{free:?}");
+    for (low, high) in [(0.5, 0.9), (1.1, 2.0)] {
+        let cost = pushed(low, high);
+        assert!(cost[2] > 100.0 && cost[1] == 0.0 && cost[3] == 0.0, "{low} to {high}: {cost:?}");
+    }
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub const ENTRY: Entry = Entry {
             yardstick: Yardstick::Displacement,
             low: 0.33,
             high: 2.0,
-            starts: &[0.5, 0.75, 0.92, 0.985],
+            starts: &[0.985, 0.92, 0.75, 0.5],
             positive: true,
             simple: Ends::High,
             role: Role::Shared,

@@ -17,7 +17,7 @@ pub const ENTRY: Entry = Entry {
         yardstick: Yardstick::One,
         low: 1.2,
         high: 40.0,
-        starts: &[3.0, 8.0],
+        starts: &[25.0, 8.0, 3.0],
         positive: true,
         simple: Ends::High,
         role: Role::Shared,

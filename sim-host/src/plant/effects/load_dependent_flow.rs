@@ -17,7 +17,7 @@ pub const ENTRY: Entry = Entry {
         yardstick: Yardstick::One,
         low: 1.0,
         high: 500.0,
-        starts: &[10.0, 60.0],
+        starts: &[60.0, 10.0],
         positive: true,
         simple: Ends::High,
         role: Role::Shared,

@@ -40,7 +40,7 @@ pub const ENTRY: Entry = Entry {
     kinds: &[Kind::Servo],
     frees: &[],
     signature: "a resonance between command and table, ringing after every sharp change",
-    mistaken_for: &["payload_resonance", "base_compliance", "valve_lag"],
+    mistaken_for: &["payload_resonance", "base_compliance", "valve_lag", "command_delay"],
     test: "bare and loaded table, three stroke offsets; a floor accelerometer",
 };
 

@@ -192,11 +192,10 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// The fastest rate among the effects' equations, 1/s: what the integration step has to resolve.
-    pub(super) fn fastest(&self, sharp: bool) -> f64 {
+    pub(super) fn fastest(&self) -> f64 {
         let oil = self.compliance.oil.map_or(0.0, |(stiffness, damping)| stiffness.value().sqrt() + damping.value());
         let leakage = self.compliance.leakage.map_or(0.0, |c| 1.0 / c.value().max(1e-4));
-        let of = |m: &Mounted<S>| m.effect.fastest().max(if sharp { m.effect.sharpest() } else { 0.0 });
-        self.mounted.iter().map(of).fold(oil.max(leakage.min(2e3)), f64::max)
+        self.mounted.iter().map(|m| m.effect.fastest()).fold(oil.max(leakage.min(2e3)), f64::max)
     }
 
     /// True where an effect advances with whole steps, so that mid-sample must end one.

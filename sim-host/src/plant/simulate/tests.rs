@@ -25,7 +25,6 @@ fn run<S: Scalar>(effects: &[Placed<S>]) -> Trace<S> {
         added: &[],
         law: Law::Pi { kp: 6.0, ki: 1.0 },
         sensor_noise: 1e-5,
-        sharp: false,
         wanted: Wanted::ALL,
     };
     let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
@@ -93,16 +92,7 @@ fn matrices_give_what_the_rule_gives() {
             velocity_limit: Dual::variable(0.242, 2),
         };
         let law = Law::Pi { kp: 6.0, ki: 1.0 };
-        let drive = Drive {
-            dt: DT,
-            ticks,
-            input: &input,
-            added: &[],
-            law,
-            sensor_noise: 1e-5,
-            sharp: false,
-            wanted: Wanted::ALL,
-        };
+        let drive = Drive { dt: DT, ticks, input: &input, added: &[], law, sensor_noise: 1e-5, wanted: Wanted::ALL };
         let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
         let [short, long] = [true, false]
             .map(|matrices| super::run(Dynamics::new(&model, &effects).unwrap(), &drive, &start, matrices));
@@ -135,7 +125,6 @@ fn without_effects_it_is_the_papers_plant() {
         added: &[],
         law: Law::Recorded,
         sensor_noise: 0.0,
-        sharp: true,
         wanted: Wanted::ALL,
     };
     let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
@@ -159,7 +148,6 @@ fn an_unknown_effect_is_refused_by_name() {
         added: &[],
         law: Law::Recorded,
         sensor_noise: 0.0,
-        sharp: true,
         wanted: Wanted::ALL,
     };
     let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
