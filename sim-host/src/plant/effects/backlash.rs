@@ -108,8 +108,8 @@ fn grow<S: Scalar>(mut s: S, time: S, n: S) -> S {
     let touch = (FREE / n.value()).exp();
     if s.value() < touch {
         let straight = left.min(-s + touch);
-        s = s + straight;
-        left = left - straight;
+        s += straight;
+        left -= straight;
     }
     while left.value() > 0.0 && s.value() < 1.0 - CLOSED {
         let power = s.pow(n);
@@ -117,7 +117,7 @@ fn grow<S: Scalar>(mut s: S, time: S, n: S) -> S {
         let longest = if power.value() < STRAIGHT { STRIDE / n.value().max(1.0) } else { SETTLED };
         let stride = left.min(S::from(longest));
         s = (s + stride * phi(-(slope * stride)) * (-power + 1.0)).min(S::from(1.0));
-        left = left - stride;
+        left -= stride;
     }
     s
 }
@@ -192,7 +192,9 @@ mod tests {
     fn a_step_of_any_length_gives_the_share_of_short_ones() {
         let shared = |exponent: f64, travel: f64, steps: usize| {
             let mut joint = Backlash::<f64>::new(&[2e-4, exponent]).unwrap();
-            (0..=steps).for_each(|k| joint.after(travel * k as f64 / steps as f64));
+            for k in 0..=steps {
+                joint.after(travel * k as f64 / steps as f64);
+            }
             joint.share(0.1)
         };
         for exponent in [2.0, 12.0, 60.0] {
@@ -202,7 +204,8 @@ mod tests {
             }
         }
         let mut joint = Backlash::<f64>::new(&[2e-4, 60.0]).unwrap();
-        [0.0, 1e-3].into_iter().for_each(|x| joint.after(x));
+        joint.after(0.0);
+        joint.after(1e-3);
         assert!(joint.share(0.1) > 0.99 && joint.share(-0.1) == 0.0, "it lies still when the actuator turns");
     }
 }
