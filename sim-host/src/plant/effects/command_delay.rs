@@ -33,6 +33,10 @@ pub const ENTRY: Entry = Entry {
     test: "sines of 20 Hz and up at small amplitude and high gain",
 };
 
+/// Rate of steps short enough, 1/s: a command that arrives within a step acts as its mean over it, and too early or too late by a
+/// share of the step looks like a lagging valve.
+const ARRIVAL: f64 = 2000.0;
+
 /// Transport delay of the command.
 #[derive(Debug, Clone)]
 pub struct CommandDelay<S> {
@@ -51,6 +55,9 @@ impl<S: Scalar> CommandDelay<S> {
 impl<S: Scalar> Effect<S> for CommandDelay<S> {
     fn hooks(&self) -> Hooks {
         Hooks { command: true, linear: true, ..Hooks::default() }
+    }
+    fn fastest(&self) -> f64 {
+        ARRIVAL
     }
     fn command(&mut self, u: S, h: f64) -> S {
         let steps = self.time / h;
