@@ -20,24 +20,23 @@ impl Fit {
             self.model.values().filter(|v| v.free).enumerate().filter(idle).map(|(i, _)| i).collect();
         let mut best: Option<(Model, f64)> = None;
         for place in places {
-            let mut below = None;
-            for share in LOWERED {
+            let mut worse = |share: f64| -> Result<bool, SimulateError> {
                 let (model, squares) = self.with_share(place, share, runs)?;
                 if squares < best.as_ref().map_or(self.squares - LEAST, |(_, least)| *least) {
                     best = Some((model, squares));
-                } else if below.is_none() && squares > self.squares {
-                    below = Some(share);
+                }
+                Ok(squares > self.squares)
+            };
+            let (mut low, mut high) = (1.0, 1.0);
+            for share in LOWERED {
+                if worse(share)? && low == high {
+                    low = share;
                 }
             }
             // The first that was too low may be so by little: then the best is between it and what nothing reaches.
-            let (mut low, mut high) = (below.unwrap_or(1.0), 1.0);
             while high - low > CLOSE {
                 let share = 0.5 * (low + high);
-                let (model, squares) = self.with_share(place, share, runs)?;
-                if squares < best.as_ref().map_or(self.squares - LEAST, |(_, least)| *least) {
-                    best = Some((model, squares));
-                }
-                *(if squares > self.squares { &mut low } else { &mut high }) = share;
+                *(if worse(share)? { &mut low } else { &mut high }) = share;
             }
         }
         let Some((model, _)) = best else { return Ok(false) };
