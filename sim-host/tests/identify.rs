@@ -147,9 +147,6 @@ fn axis_run(folder: &Path, file: &str, more: &str) -> String {
 }
 
 #[test]
-#[ignore = "not reached: viscous friction 2.4 % off (bound 2 %), Coulomb 1.9 % (bound 1.5 %). Not the integration: with a \
-            contact that bends over 1e-7 m and a third of the step it is 2.5 %. A contact that holds the axis at rest shifts \
-            the two; a sign smoothed over 1 mm/s, which holds nothing, gave 1.2 %"]
 fn a_servo_axis_gives_its_published_parameters() {
     let Some(folder) = data("emps") else { return };
     let found = found(&format!("{AXIS}{}", axis_run(&folder, "DATA_EMPS.mat", "use = \"fit\"")));

@@ -267,3 +267,6 @@ fn believe(ranking: &Ranking, after: &Judged, candidates: &mut [Judged], unliste
     }
     ties
 }
+
+#[cfg(test)]
+mod tests;

@@ -245,4 +245,4 @@ fn assemble(model: &Model, locals: &[Local], runs: &[Run]) -> Result<Normal, Sim
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

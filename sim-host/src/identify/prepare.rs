@@ -1,5 +1,7 @@
 //! From an experiment as it was read to the model and runs a fit works on.
 
+mod start;
+
 use super::data::{Channel, Measured, Run};
 use super::floor::{floors, least};
 use super::model::{Model, Placed, Value, Yardsticks};
@@ -178,7 +180,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
     let ticks = ticks(run)?;
     // A recorded command that drives the model holds what was added to it.
     let added = run.channel(C::Disturbance).filter(|_| law.simulates_reference()).and_then(filled).unwrap_or_default();
-    Ok(Run {
+    let run = Run {
         name: run.name.clone(),
         dt: run.dt,
         from: run.time.first().copied().unwrap_or(0.0),
@@ -190,7 +192,8 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
         measured,
         motion,
         filter,
-    })
+    };
+    Ok(Run { moving_start: run.moving_start || start::in_motion(&run), ..run })
 }
 
 /// Controller ticks in one sample.

@@ -9,9 +9,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 const DT: f64 = 0.005;
-const TRUTH: [f64; 4] = [0.69, 138.0, 57.65, 0.242];
+/// The paper's table.
+pub(crate) const TRUTH: [f64; 4] = [0.69, 138.0, 57.65, 0.242];
 
-fn model(values: [f64; 4]) -> Model {
+/// A servo table of the given values, all but the first free.
+pub(crate) fn model(values: [f64; 4]) -> Model {
     let free = [false, true, true, true];
     let own = values.iter().zip(free).map(|(&value, free)| Value {
         value,
@@ -30,7 +32,7 @@ fn gauss(random: &mut ChaCha8Rng) -> f64 {
 }
 
 /// A run of the given model, with noise on its sensors.
-fn recorded(model: &Model, seed: u64) -> Run {
+pub(crate) fn recorded(model: &Model, seed: u64) -> Run {
     let n = 3000;
     let tone = |k: usize, i: i32| {
         let hz = 0.2 * 1.6_f64.powi(i);

@@ -1,0 +1,61 @@
+use super::*;
+use crate::identify::data::Run;
+use crate::identify::fit::Effort;
+use crate::identify::fit::tests::{TRUTH, model, recorded};
+use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::plant::effects::entry;
+
+/// Viscous friction whose coefficient goes up or down with speed, fitted within the given range of what speed takes.
+fn viscous(coefficient: f64, thinning: f64, range: (f64, f64)) -> Placed {
+    let mut placed = Placed::start(entry("viscous_friction").unwrap(), 1, &Yardsticks::TYPICAL).unwrap();
+    placed.values[0].value = coefficient;
+    let speed = &mut placed.values[1];
+    (speed.value, speed.low, speed.high, speed.free) = (thinning, range.0, range.1, true);
+    placed
+}
+
+/// Judges `model`, fitted to the first two runs, on the third.
+fn judged(model: Model, runs: &[Run]) -> Judged {
+    let (fitted, held_back) = runs.split_at(2);
+    let mut fit = Fit::begin(model, fitted).unwrap();
+    fit.improve(fitted, Effort::FULL).unwrap();
+    let added = fit.model.ids_beside(&[]);
+    Judged { hold: score(&fit.model, held_back).unwrap(), fit, added, probability: 0.0 }
+}
+
+/// A drag that grows faster than speed bends an equation of friction to the end of what makes sense. That explains most of
+/// it, and is not what it is.
+#[test]
+fn what_fits_only_at_an_end_that_means_nothing_is_outside_the_library() {
+    let drag = model(TRUTH).with(viscous(90.0, -0.28, (-2.0, 2.0)));
+    let runs: Vec<Run> = (1..4).map(|seed| recorded(&drag, seed)).collect();
+    let before = judged(model(TRUTH), &runs);
+    let bounded = judged(model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))), &runs);
+    let explained = 1.0 - (bounded.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0);
+    assert!(
+        explained > EXPLAINED && bounded.hold.chi2 > 1.2,
+        "{explained}, {} of {}",
+        bounded.hold.chi2,
+        before.hold.chi2
+    );
+    assert!(strained(&bounded) && outside(&before, &bounded).0 && !sound(&before, &bounded));
+    // The same equation, free to be what is there, is at no end and explains it all.
+    let free = judged(model(TRUTH).with(viscous(90.0, -0.2, (-2.0, 2.0))), &runs);
+    assert!(!strained(&free) && sound(&before, &free), "chi2 {} of {}", free.hold.chi2, before.hold.chi2);
+}
+
+/// None of an effect is an end of its range that means something; as much of it as makes sense is not.
+#[test]
+fn the_end_at_which_an_effect_vanishes_strains_nothing() {
+    let within = |low: f64, high: f64| {
+        let mut placed = viscous(low, 0.0, (-0.2, 2.0));
+        (placed.values[0].low, placed.values[0].high, placed.values[1].free) = (low, high, false);
+        placed
+    };
+    let strained_on = |truth: &Model| {
+        let runs: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
+        strained(&judged(model(TRUTH).with(within(1e-2, 1.0)), &runs))
+    };
+    assert!(strained_on(&model(TRUTH).with(viscous(8.0, 0.0, (-0.2, 2.0)))), "an eighth of what is there");
+    assert!(!strained_on(&model(TRUTH)), "where there is none");
+}
