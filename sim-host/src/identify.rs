@@ -18,6 +18,7 @@ mod normal;
 pub mod outcome;
 pub mod prepare;
 pub mod quantity;
+mod shift;
 pub mod spectra;
 pub mod starts;
 pub mod stated;

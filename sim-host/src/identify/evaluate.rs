@@ -5,6 +5,7 @@ mod sums;
 use super::data::{Channel, Measured, Run};
 use super::model::{Model, Value};
 use super::normal::Normal;
+use super::shift::earlier;
 use crate::motion::filter::{Cascade, Edge};
 use crate::plant::effects::Role;
 use crate::plant::model::Baseline;
@@ -148,10 +149,12 @@ fn trace<S: Scalar>(
         }
     }
     let baseline = Baseline::new(model.kind, &own).ok_or(SimulateError::NoLoop)?;
-    if let Baseline::ForceBalance { scale, viscous } = baseline {
+    if let Baseline::ForceBalance { scale, viscous, lead } = baseline {
         let motion = run.motion.as_ref().ok_or(SimulateError::NoLoop)?;
         let trace = balance(viscous, &effects, motion, run.dt, &start.states)?;
-        return Ok((filtered(trace, run.filter.as_ref()), scale, offset));
+        let trace = filtered(trace, run.filter.as_ref());
+        let load = earlier(&trace.load, lead / run.dt);
+        return Ok((Trace { load, ..trace }, scale, offset));
     }
     let sensor_noise = run.channel(Channel::Displacement).map_or(0.0, |m| m.noise);
     let drive = Drive {

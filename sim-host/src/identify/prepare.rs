@@ -5,6 +5,7 @@ mod start;
 use super::data::{Channel, Measured, Run};
 use super::floor::{floors, least};
 use super::model::{Model, Placed, Value, Yardsticks};
+use super::shift::earlier;
 use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Role, entry};
 use crate::plant::model::Kind;
@@ -58,6 +59,9 @@ pub enum PrepareError {
     },
 }
 
+/// Own parameters of a recording rather than of its table: nobody states them.
+const ALWAYS_FREE: [&str; 2] = ["scale", "lead"];
+
 /// An experiment ready to be fitted and judged.
 #[derive(Debug, Clone)]
 pub struct Prepared {
@@ -106,7 +110,7 @@ fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks
     let has_pressure = runs.iter().any(|run| run.channel(Channel::PressureDifference).is_some());
     let own = kind.parameters().iter().map(|parameter| {
         let given = known.iter().find(|(name, _)| *name == parameter.key).map(|&(_, value)| value);
-        let free = stated.fits(parameter.key) || parameter.key == "scale";
+        let free = stated.fits(parameter.key) || ALWAYS_FREE.contains(&parameter.key);
         own_value(given, parameter.positive, free, yardsticks)
     });
     let effects = stated.effects.iter().filter_map(|effect| {
@@ -222,18 +226,6 @@ fn motion_of(run: &recording::Run) -> Result<MeasuredMotion, PrepareError> {
     let late = Skew::of(run).filter(|skew| skew.matters(run.dt) && skew.is_delay()).map_or(0.0, |skew| skew.delay_s);
     let acceleration = of(C::Acceleration).map_or_else(|| slope(&velocity), |a| earlier(&a, late / run.dt));
     Ok(MeasuredMotion { displacement, velocity, acceleration })
-}
-
-/// A series as it was `by` samples earlier, by cubic interpolation; its ends are held.
-fn earlier(series: &[f64], by: f64) -> Vec<f64> {
-    let last = series.len().saturating_sub(1) as f64;
-    let at = |k: f64| series.get(k.clamp(0.0, last) as usize).copied().unwrap_or(0.0);
-    let between = |place: f64| {
-        let (k, t) = (place.floor(), place - place.floor());
-        let (a, b, c, d) = (at(k - 1.0), at(k), at(k + 1.0), at(k + 2.0));
-        b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
-    };
-    (0..series.len()).map(|k| between(k as f64 + by)).collect()
 }
 
 /// The channels a run is compared with. A channel is judged where its noise is known; where neither displacement nor

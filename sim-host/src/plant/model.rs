@@ -12,7 +12,7 @@ pub enum Kind {
     Servo,
     /// Eq. 1: `m x'' + c x' = gain u`.
     RigidMass,
-    /// `pressure_difference = scale (x'' + c x' + f)`, driven by the measured motion.
+    /// `pressure_difference(t) = scale (x'' + c x' + f)(t + lead)`, driven by the measured motion.
     ForceBalance,
 }
 
@@ -42,7 +42,8 @@ impl Kind {
             &[signed("b1", "1/s"), positive("b0", "1/s2"), positive("a1", "1/s"), positive("velocity_limit", "m/s")];
         const RIGID_MASS: &[Own] =
             &[positive("mass", "kg"), signed("viscous", "N s/m"), positive("gain", "N per unit of u")];
-        const FORCE_BALANCE: &[Own] = &[signed("scale", "unit of p per m/s2"), signed("viscous", "1/s")];
+        const FORCE_BALANCE: &[Own] =
+            &[signed("scale", "unit of p per m/s2"), signed("viscous", "1/s"), signed("lead", "s")];
         match self {
             Self::Servo => SERVO,
             Self::RigidMass => RIGID_MASS,
@@ -80,6 +81,8 @@ pub enum Baseline<S> {
         scale: S,
         /// Viscous friction per table mass, 1/s.
         viscous: S,
+        /// By how much the pressure was recorded before the motion it belongs to, s.
+        lead: S,
     },
 }
 
@@ -89,7 +92,7 @@ impl<S: Scalar> Baseline<S> {
         match (kind, values) {
             (Kind::Servo, &[b1, b0, a1, velocity_limit]) => Some(Self::Servo { b1, b0, a1, velocity_limit }),
             (Kind::RigidMass, &[mass, viscous, gain]) => Some(Self::RigidMass { mass, viscous, gain }),
-            (Kind::ForceBalance, &[scale, viscous]) => Some(Self::ForceBalance { scale, viscous }),
+            (Kind::ForceBalance, &[scale, viscous, lead]) => Some(Self::ForceBalance { scale, viscous, lead }),
             _ => None,
         }
     }

@@ -68,7 +68,7 @@ fn equations(kind: Kind) -> &'static str {
         }
         Kind::RigidMass => "The model: mass x'' + viscous x' = gain u; u is the command.",
         Kind::ForceBalance => {
-            "The model: pressure difference = scale (x'' + viscous x' + forces), driven by the measured motion."
+            "The model: pressure difference(t) = scale (x'' + viscous x' + forces)(t + lead), driven by the measured motion."
         }
     }
 }

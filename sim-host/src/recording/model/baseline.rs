@@ -44,7 +44,7 @@ pub struct RigidMass {
     pub gain: f64,
 }
 
-/// `pressure_difference = scale (x'' + viscous x' + f) + offset`; scale and offset are always free.
+/// `pressure_difference(t) = scale (x'' + viscous x' + f)(t + lead) + offset`; scale, lead and offset are always free.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceBalance {
     /// Viscous friction per table mass, 1/s.
@@ -53,6 +53,8 @@ pub struct ForceBalance {
     pub scale: Option<f64>,
     /// Where the offset's fit starts, unit of pressure.
     pub offset: Option<f64>,
+    /// Where the fit of how much earlier the pressure was recorded than its motion starts, s.
+    pub lead: f64,
 }
 
 /// Reads the numbers of `[model]`, keeping what is known of their accuracy.
@@ -126,7 +128,7 @@ impl Baseline {
         match self {
             Self::Servo(_) => &["b1", "b0", "a1", "velocity_limit"],
             Self::RigidMass(_) => &["mass", "viscous", "gain"],
-            Self::ForceBalance(_) => &["viscous", "scale", "offset"],
+            Self::ForceBalance(_) => &["viscous", "scale", "offset", "lead"],
         }
     }
 
@@ -145,7 +147,7 @@ impl Baseline {
                 vec![("mass", Some(r.mass)), ("viscous", Some(r.viscous)), ("gain", Some(r.gain))]
             }
             Self::ForceBalance(f) => {
-                vec![("viscous", Some(f.viscous)), ("scale", f.scale), ("offset", f.offset)]
+                vec![("viscous", Some(f.viscous)), ("scale", f.scale), ("offset", f.offset), ("lead", Some(f.lead))]
             }
         };
         all.into_iter().filter_map(|(name, value)| value.map(|v| (name, v))).collect()
@@ -166,6 +168,7 @@ impl Baseline {
             (Self::ForceBalance(f), "viscous") => f.viscous = value,
             (Self::ForceBalance(f), "scale") => f.scale = Some(value),
             (Self::ForceBalance(f), "offset") => f.offset = Some(value),
+            (Self::ForceBalance(f), "lead") => f.lead = value,
             _ => return false,
         }
         true
@@ -176,6 +179,7 @@ impl Baseline {
         match (self, name) {
             (Self::Servo(_), "b1" | "a1") | (Self::ForceBalance(_), "viscous") => "1/s",
             (Self::Servo(_), "b0") => "1/s2",
+            (Self::ForceBalance(_), "lead") => "s",
             (Self::Servo(_), "velocity_limit") => "m/s",
             (_, "mass") => "kg",
             (_, "piston_area") => "m2",
@@ -218,6 +222,7 @@ impl ForceBalance {
             viscous: numbers.optional("viscous")?.unwrap_or(0.0),
             scale: numbers.optional("scale")?,
             offset: numbers.optional("offset")?,
+            lead: numbers.optional("lead")?.unwrap_or(0.0),
         })
     }
 }
