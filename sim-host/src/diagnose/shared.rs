@@ -12,7 +12,7 @@ const SHORTEST: f64 = 1.0;
 const STRETCHES: usize = 12;
 
 /// Share of what a model leaves on the runs held back, below which it leaves nothing to speak of on those fitted.
-const NOTHING: f64 = 0.02;
+const NOTHING: f64 = 0.1;
 /// Share of the excess that is much to leave.
 const MUCH: f64 = 0.04;
 /// Share of what was left below which another answer is the better one.

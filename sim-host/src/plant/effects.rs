@@ -254,6 +254,15 @@ impl Hooks {
     }
 }
 
+/// How the noise of the displacement sensor, passed on by the controller, shakes what it reaches; standard deviations.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Dither {
+    /// Of the command, unit of u.
+    pub command: f64,
+    /// Of the velocity, m/s.
+    pub velocity: f64,
+}
+
 /// What an effect does. Every hook has a neutral default; an effect overrides those it names in [`Effect::hooks`].
 ///
 /// Continuous states are handed in as a slice of [`Effect::states`] values, their derivatives as another; both are
@@ -271,8 +280,8 @@ pub trait Effect<S: Scalar>: Debug + Send {
     }
     /// Its states with the table at rest at this displacement (m).
     fn rest(&self, _displacement: S, _y: &mut [S]) {}
-    /// Told once, before a run, the standard deviation of the noise that the loop puts on the command (unit of u).
-    fn command_noise(&mut self, _noise: f64) {}
+    /// Told once, before a run, how the loop's noise shakes it.
+    fn dither(&mut self, _dither: Dither) {}
     /// The command's mean over one integration step of `h` seconds (unit of u).
     fn command(&mut self, u: S, _h: f64) -> S {
         u
@@ -291,8 +300,8 @@ pub trait Effect<S: Scalar>: Debug + Send {
     }
     /// Derivatives of states that only follow the motion.
     fn follow(&self, _at: &Instant<S>, _y: &[S], _dy: &mut [S]) {}
-    /// Called after each integration step with the displacement reached, m.
-    fn after(&mut self, _displacement: S) {}
+    /// Called after each integration step with the displacement reached, m, and when, s.
+    fn after(&mut self, _displacement: S, _time: f64) {}
     /// What the displacement sensor shows, m.
     fn sense_displacement(&self, displacement: S, _y: &[S]) -> S {
         displacement

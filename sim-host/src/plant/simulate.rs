@@ -142,7 +142,7 @@ pub fn simulate<S: Scalar>(
 
 /// Runs a plant; `matrices` lets linear stretches be taken by [`linear`], which changes no more than rounding.
 fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, matrices: bool) -> Trace<S> {
-    dynamics.command_noise(drive.law.command_noise(drive.sensor_noise, drive.dt / drive.ticks as f64));
+    dynamics.shake(&drive.law.noise(drive.sensor_noise, drive.dt / drive.ticks as f64));
     let mut state = dynamics.rest(start);
     let (n, wanted) = (drive.input.len(), drive.wanted);
     let mut trace = Trace::with_capacity(n, wanted);

@@ -47,7 +47,7 @@ mod tests {
     fn noisy(seed: u64, displacement: impl Fn(f64) -> f64) -> Vec<f64> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut uniform = || f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5;
-        (0..96).map(|k| displacement(k as f64 * DT) + NOISE * 12f64.sqrt() * uniform()).collect()
+        (0..96).map(|k| displacement(f64::from(k) * DT) + NOISE * 12f64.sqrt() * uniform()).collect()
     }
 
     fn found(displacement: impl Fn(f64) -> f64 + Copy) -> usize {

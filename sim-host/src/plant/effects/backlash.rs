@@ -136,7 +136,7 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
     fn hooks(&self) -> Hooks {
         Hooks { after: true, velocity: true, linear: true, ..Hooks::default() }
     }
-    fn after(&mut self, displacement: S) {
+    fn after(&mut self, displacement: S, _time: f64) {
         let travel = displacement - self.before.unwrap_or(displacement);
         self.lead = self.led(travel);
         self.before = Some(displacement);
@@ -153,10 +153,10 @@ mod tests {
     fn moved(exponent: f64, to: &[f64], steps: usize) -> f64 {
         let mut joint = Backlash::<f64>::new(&[2e-4, exponent]).unwrap();
         let mut at = 0.0;
-        joint.after(at);
+        joint.after(at, 0.0);
         for &end in to {
             for k in 1..=steps {
-                joint.after(at + (end - at) * k as f64 / steps as f64);
+                joint.after(at + (end - at) * k as f64 / steps as f64, 0.0);
             }
             at = end;
         }
@@ -193,7 +193,7 @@ mod tests {
         let shared = |exponent: f64, travel: f64, steps: usize| {
             let mut joint = Backlash::<f64>::new(&[2e-4, exponent]).unwrap();
             for k in 0..=steps {
-                joint.after(travel * k as f64 / steps as f64);
+                joint.after(travel * k as f64 / steps as f64, 0.0);
             }
             joint.share(0.1)
         };
@@ -204,8 +204,8 @@ mod tests {
             }
         }
         let mut joint = Backlash::<f64>::new(&[2e-4, 60.0]).unwrap();
-        joint.after(0.0);
-        joint.after(1e-3);
+        joint.after(0.0, 0.0);
+        joint.after(1e-3, 0.0);
         assert!(joint.share(0.1) > 0.99 && joint.share(-0.1) == 0.0, "it lies still when the actuator turns");
     }
 }

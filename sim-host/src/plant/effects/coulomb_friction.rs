@@ -1,7 +1,7 @@
 //! Dry friction of the bearings: one size, against the motion, reached after the contact's bristles have bent.
 
 use super::bristle::Bristles;
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -74,9 +74,12 @@ impl<S: Scalar> Effect<S> for CoulombFriction<S> {
         self.bristles.rate(self.force.value())
     }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
-        self.force * self.bristles.share(at.displacement)
+        self.force * self.bristles.share(at.displacement, at.time)
     }
-    fn after(&mut self, displacement: S) {
-        self.bristles.settle(displacement);
+    fn dither(&mut self, dither: Dither) {
+        self.bristles.shake(dither.velocity);
+    }
+    fn after(&mut self, displacement: S, time: f64) {
+        self.bristles.settle(displacement, time);
     }
 }

@@ -15,7 +15,7 @@ pub const ENTRY: Entry = Entry {
         rigid_unit: "m/s2",
         meaning: "load acceleration A p_s / m at which the flow stalls",
         yardstick: Yardstick::One,
-        low: 1.0,
+        low: 0.1,
         high: 500.0,
         starts: &[60.0, 10.0],
         positive: true,

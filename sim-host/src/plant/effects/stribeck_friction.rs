@@ -2,7 +2,7 @@
 
 use super::bristle::Bristles;
 use super::coulomb_friction::{FORCE, PRESLIDING};
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -75,9 +75,12 @@ impl<S: Scalar> Effect<S> for StribeckFriction<S> {
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
         let ratio = at.velocity / self.velocity;
         let size = self.sliding + (self.standstill - self.sliding).max(S::from(0.0)) * (-(ratio * ratio)).exp();
-        size * self.bristles.share(at.displacement)
+        size * self.bristles.share(at.displacement, at.time)
     }
-    fn after(&mut self, displacement: S) {
-        self.bristles.settle(displacement);
+    fn dither(&mut self, dither: Dither) {
+        self.bristles.shake(dither.velocity);
+    }
+    fn after(&mut self, displacement: S, time: f64) {
+        self.bristles.settle(displacement, time);
     }
 }

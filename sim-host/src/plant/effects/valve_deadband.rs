@@ -4,7 +4,7 @@
 //! dither does; what passes on average is the deadband's mean over that noise. The noise is taken as logistic, whose mean
 //! has a closed form: `s ln(1 + exp((u - d)/s)) - s ln(1 + exp((-u - d)/s))`, with `s` the noise times sqrt(3)/pi.
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -65,8 +65,8 @@ impl<S: Scalar> Effect<S> for ValveDeadband<S> {
     fn hooks(&self) -> Hooks {
         Hooks { valve: true, ..Hooks::default() }
     }
-    fn command_noise(&mut self, noise: f64) {
-        self.dither = noise * 3.0_f64.sqrt() / std::f64::consts::PI;
+    fn dither(&mut self, dither: Dither) {
+        self.dither = dither.command * 3.0_f64.sqrt() / std::f64::consts::PI;
     }
     fn valve(&self, u: S, _y: &[S], _dy: &mut [S]) -> S {
         self.passed(u - self.half_width) - self.passed(-u - self.half_width)

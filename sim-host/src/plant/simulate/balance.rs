@@ -75,9 +75,9 @@ pub fn balance<S: Scalar>(
             for i in 0..used {
                 y[i] += (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (h / 6.0);
             }
-            let reached = share(1.0).displacement;
+            let reached = share(1.0);
             for m in &mut mounted {
-                m.effect.after(reached);
+                m.effect.after(reached.displacement, reached.time);
             }
         }
     }

@@ -2,8 +2,9 @@
 
 mod outside;
 
+use super::law::CommandNoise;
 use super::{Instant, Placed, SimulateError, Start, build, entry};
-use crate::plant::effects::{Compliance, Effect, Flow, Hooks, Yardstick};
+use crate::plant::effects::{Compliance, Dither, Effect, Flow, Hooks, Yardstick};
 use crate::plant::model::Baseline;
 use crate::scalar::Scalar;
 
@@ -156,9 +157,26 @@ impl<S: Scalar> Dynamics<S> {
         Ok(Self { baseline: *baseline, mounted, any, compliance, yields, velocity_limit, lagged, used, forced })
     }
 
-    /// Tells the effects what noise (unit of u) the loop puts on the command.
-    pub(super) fn command_noise(&mut self, noise: f64) {
-        self.mounted.iter_mut().for_each(|m| m.effect.command_noise(noise));
+    /// Tells the effects how the loop's noise shakes them.
+    pub(super) fn shake(&mut self, noise: &CommandNoise) {
+        let dither = Dither { command: noise.size, velocity: self.velocity_noise(noise) };
+        self.mounted.iter_mut().for_each(|m| m.effect.dither(dither));
+    }
+
+    /// Standard deviation of the velocity that noise of the command causes, m/s. What is white from tick to tick drives a
+    /// damped mass, whose velocity has the same variance whatever spring holds it; the rate of white noise gives white
+    /// noise again.
+    fn velocity_noise(&self, noise: &CommandNoise) -> f64 {
+        let (direct, gain, damping) = match &self.baseline {
+            Baseline::Servo { b1, a1, .. } => (b1.value(), self.lagged.value(), a1.value()),
+            Baseline::RigidMass { mass, viscous, gain } => {
+                (0.0, gain.value() / mass.value(), viscous.value() / mass.value())
+            }
+            Baseline::ForceBalance { .. } => return 0.0,
+        };
+        let damping = (damping + gain * noise.damping).max(1e-3);
+        let driven = noise.white.powi(2) * noise.tick / (2.0 * damping) + noise.rate.powi(2);
+        ((direct * noise.size).powi(2) + gain * gain * driven).sqrt()
     }
 
     /// The state a run starts from.
@@ -227,7 +245,7 @@ impl<S: Scalar> Dynamics<S> {
     /// Tells what has memory of the displacement that a step reached.
     pub(super) fn settle(&mut self, state: &State<S>) {
         for m in self.mounted.iter_mut().filter(|m| m.hooks.after) {
-            m.effect.after(state.y[DISPLACEMENT]);
+            m.effect.after(state.y[DISPLACEMENT], state.time);
         }
     }
 

@@ -29,13 +29,19 @@ impl Law {
         !matches!(self, Self::Recorded)
     }
 
-    /// Standard deviation of the command (unit of u) that white noise of the displacement sensor (m) causes, at a
-    /// controller period of `tick` seconds.
-    pub fn command_noise(&self, sensor_noise: f64, tick: f64) -> f64 {
+    /// What white noise of the displacement sensor (m) makes of the command, at a controller period of `tick` seconds.
+    pub fn noise(&self, sensor_noise: f64, tick: f64) -> CommandNoise {
         match *self {
-            Self::Pi { kp, .. } => kp.abs() * sensor_noise,
-            Self::Cascade { kp, kv } => (kv * sensor_noise).abs() * ((kp + 1.0 / tick).powi(2) + tick.powi(-2)).sqrt(),
-            Self::Recorded => 0.0,
+            Self::Pi { kp, .. } => {
+                let white = kp.abs() * sensor_noise;
+                CommandNoise { size: white, white, tick, ..CommandNoise::default() }
+            }
+            Self::Cascade { kp, kv } => {
+                let size = (kv * sensor_noise).abs() * ((kp + 1.0 / tick).powi(2) + tick.powi(-2)).sqrt();
+                let (white, rate) = ((kp * kv * sensor_noise).abs(), (kv * sensor_noise).abs());
+                CommandNoise { size, white, rate, damping: kv, tick }
+            }
+            Self::Recorded => CommandNoise::default(),
         }
     }
 
@@ -48,6 +54,21 @@ impl Law {
     pub(super) fn begin<S: Scalar>(self, tick: f64, velocity: S) -> Running<S> {
         Running { law: self, tick, sum: S::from(0.0), velocity, before: None }
     }
+}
+
+/// Noise that a loop passes on from its displacement sensor to the command.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CommandNoise {
+    /// Standard deviation of the whole, unit of u.
+    pub size: f64,
+    /// Of what is independent from tick to tick, unit of u.
+    pub white: f64,
+    /// Of what the rest is the rate of, unit of u times s.
+    pub rate: f64,
+    /// What the law feeds back of velocity, unit of u per m/s.
+    pub damping: f64,
+    /// Controller period, s.
+    pub tick: f64,
 }
 
 /// A law on its way through a run.
