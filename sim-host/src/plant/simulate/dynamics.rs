@@ -532,7 +532,7 @@ fn per_mass<S: Scalar>(baseline: &Baseline<S>, placed: &Placed<S>) -> Vec<S> {
     };
     let convert = |(&value, parameter): (&S, &crate::plant::effects::Parameter)| match parameter.yardstick {
         Yardstick::Force => value / mass,
-        Yardstick::Command => value / gain,
+        Yardstick::Command if parameter.rigid_unit != parameter.unit => value / gain,
         _ => value,
     };
     placed.parameters.iter().zip(entry.parameters).map(convert).collect()
