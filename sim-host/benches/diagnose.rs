@@ -96,7 +96,7 @@ fn main() {
     let one = |id, parameters: &[f64]| Placed { id, parameters: parameters.to_vec() };
     let cases = [
         ("nothing missing", vec![]),
-        ("a deadband", vec![one("valve_deadband", &[1.5e-3])]),
+        ("a deadband", vec![one("valve_deadband", &[1.5e-3, 0.01])]),
         (
             "friction and a payload",
             vec![one("coulomb_friction", &[0.25, 1e-5]), one("payload_resonance", &[0.2, 6.0, 0.03, 0.0])],

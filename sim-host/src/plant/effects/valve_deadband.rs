@@ -2,7 +2,9 @@
 //!
 //! The noise of the displacement sensor reaches the spool through the controller and shakes it over the edges, as a
 //! dither does; what passes on average is the deadband's mean over that noise. The noise is taken as logistic, whose mean
-//! has a closed form: `s ln(1 + exp((u - d)/s)) - s ln(1 + exp((-u - d)/s))`, with `s` the noise times sqrt(3)/pi.
+//! has a closed form: `s ln(1 + exp((u - d)/s)) - s ln(1 + exp((-u - d)/s))`, with `s` the noise times sqrt(3)/pi. Lands have
+//! clearance and worn edges, which let a little through before they part and less than all of it after: that rounds the
+//! corner as noise of a share `r` of the half width does.
 
 use super::{Dither, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
@@ -11,7 +13,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "valve_deadband",
-    equation: "dz(u, d) = u - clamp(u, -d, d)",
+    equation: "dz(u, d) = u - clamp(u, -d, d), corners rounded over r d",
     stage: Stage::Valve,
     parameters: &[Parameter {
         key: "half_width",
@@ -22,6 +24,19 @@ pub const ENTRY: Entry = Entry {
         low: 1e-3,
         high: 5.0,
         starts: &[0.01, 0.2, 1.0],
+        positive: true,
+        simple: Ends::Low,
+        role: Role::Shared,
+    },
+    Parameter {
+        key: "rounding",
+        unit: "1",
+        rigid_unit: "1",
+        meaning: "share of the half width over which its edges are rounded: r",
+        yardstick: Yardstick::One,
+        low: 5e-3,
+        high: 0.6,
+        starts: &[0.04],
         positive: true,
         simple: Ends::Low,
         role: Role::Shared,
@@ -37,26 +52,33 @@ pub const ENTRY: Entry = Entry {
 #[derive(Debug, Clone)]
 pub struct ValveDeadband<S> {
     half_width: S,
-    /// Scale of the command's noise, unit of u.
-    dither: f64,
+    rounding: S,
+    /// Scale over which a corner is rounded, unit of u.
+    scale: S,
+}
+
+/// Scale of the logistic whose variance is that of the edge's rounding and of the noise together.
+fn scale<S: Scalar>(edge: S, noise: f64) -> S {
+    let deviation = (edge * edge + noise * noise).sqrt();
+    (deviation * (3.0_f64.sqrt() / std::f64::consts::PI)).max(S::from(f64::MIN_POSITIVE))
 }
 
 impl<S: Scalar> ValveDeadband<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[half_width] = parameters else { return None };
-        Some(Self { half_width, dither: 0.0 })
+        let &[half_width, rounding] = parameters else { return None };
+        Some(Self { half_width, rounding, scale: scale(rounding * half_width, 0.0) })
     }
 
-    /// What of `above`, the command beyond an edge, passes on average over the noise.
+    /// What of `above`, the command beyond an edge, passes on average.
     fn passed(&self, above: S) -> S {
-        let ratio = above / self.dither.max(f64::MIN_POSITIVE);
+        let ratio = above / self.scale;
         if ratio.value() > 30.0 {
             above
         } else if ratio.value() < -30.0 {
             S::from(0.0)
         } else {
-            (ratio.exp() + 1.0).ln() * self.dither
+            (ratio.exp() + 1.0).ln() * self.scale
         }
     }
 }
@@ -66,7 +88,7 @@ impl<S: Scalar> Effect<S> for ValveDeadband<S> {
         Hooks { valve: true, ..Hooks::default() }
     }
     fn dither(&mut self, dither: Dither) {
-        self.dither = dither.command * 3.0_f64.sqrt() / std::f64::consts::PI;
+        self.scale = scale(self.rounding * self.half_width, dither.command);
     }
     fn valve(&self, u: S, _y: &[S], _dy: &mut [S]) -> S {
         self.passed(u - self.half_width) - self.passed(-u - self.half_width)

@@ -161,24 +161,25 @@ fn an_unknown_effect_is_refused_by_name() {
 /// On a rigid mass an overlap is in the command's unit and an offset in N, as the table of effects says.
 #[test]
 fn effects_on_a_rigid_mass_have_their_units() {
-    let moved = |id: &'static str, value: f64, command: f64| {
+    let moved = |id: &'static str, parameters: &[f64], command: f64| {
         let input = vec![command; 251];
         let wanted = Wanted::default();
         let drive =
             Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Recorded, sensor_noise: 0.0, wanted };
         let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
         let mass = Baseline::RigidMass { mass: 10.0, viscous: 0.0, gain: 20.0 };
-        let trace = simulate(&mass, &[Placed { id, parameters: vec![value] }], &drive, &start).unwrap();
+        let trace = simulate(&mass, &[Placed { id, parameters: parameters.to_vec() }], &drive, &start).unwrap();
         trace.displacement[250]
     };
     // Half a metre per m/s2 after a second.
-    for (id, value, command, force) in [
-        ("valve_deadband", 0.2, 0.5, 20.0 * 0.3),
-        ("valve_deadband", 0.2, -0.1, 0.0),
-        ("null_bias", 3.0, 0.5, 10.0 + 3.0),
-    ] {
+    let cases: [(&str, &[f64], f64, f64); 3] = [
+        ("valve_deadband", &[0.2, 0.01], 0.5, 20.0 * 0.3),
+        ("valve_deadband", &[0.2, 0.01], -0.1, 0.0),
+        ("null_bias", &[3.0], 0.5, 10.0 + 3.0),
+    ];
+    for (id, parameters, command, force) in cases {
         let expected = 0.5 * force / 10.0;
-        let x = moved(id, value, command);
+        let x = moved(id, parameters, command);
         assert!((x - expected).abs() < 1e-9, "{id}: {x} m for {expected} m");
     }
 }
