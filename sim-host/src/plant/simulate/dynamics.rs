@@ -159,7 +159,7 @@ impl<S: Scalar> Dynamics<S> {
 
     /// Tells the effects how the loop's noise shakes them.
     pub(super) fn shake(&mut self, noise: &CommandNoise) {
-        let dither = Dither { command: noise.size, velocity: self.velocity_noise(noise) };
+        let dither = Dither { command: noise.size(), velocity: self.velocity_noise(noise) };
         self.mounted.iter_mut().for_each(|m| m.effect.dither(dither));
     }
 
@@ -176,7 +176,7 @@ impl<S: Scalar> Dynamics<S> {
         };
         let damping = (damping + gain * noise.damping).max(1e-3);
         let driven = noise.white.powi(2) * noise.tick / (2.0 * damping) + noise.rate.powi(2);
-        ((direct * noise.size).powi(2) + gain * gain * driven).sqrt()
+        ((direct * noise.size()).powi(2) + gain * gain * driven).sqrt()
     }
 
     /// The state a run starts from.
@@ -532,6 +532,7 @@ fn per_mass<S: Scalar>(baseline: &Baseline<S>, placed: &Placed<S>) -> Vec<S> {
     };
     let convert = |(&value, parameter): (&S, &crate::plant::effects::Parameter)| match parameter.yardstick {
         Yardstick::Force => value / mass,
+        // A size of the command that a rigid mass states as a force.
         Yardstick::Command if parameter.rigid_unit != parameter.unit => value / gain,
         _ => value,
     };

@@ -31,18 +31,12 @@ impl Law {
 
     /// What white noise of the displacement sensor (m) makes of the command, at a controller period of `tick` seconds.
     pub fn noise(&self, sensor_noise: f64, tick: f64) -> CommandNoise {
-        match *self {
-            Self::Pi { kp, .. } => {
-                let white = kp.abs() * sensor_noise;
-                CommandNoise { size: white, white, tick, ..CommandNoise::default() }
-            }
-            Self::Cascade { kp, kv } => {
-                let size = (kv * sensor_noise).abs() * ((kp + 1.0 / tick).powi(2) + tick.powi(-2)).sqrt();
-                let (white, rate) = ((kp * kv * sensor_noise).abs(), (kv * sensor_noise).abs());
-                CommandNoise { size, white, rate, damping: kv, tick }
-            }
-            Self::Recorded => CommandNoise::default(),
-        }
+        let (white, rate, damping) = match *self {
+            Self::Pi { kp, .. } => (kp.abs() * sensor_noise, 0.0, 0.0),
+            Self::Cascade { kp, kv } => ((kp * kv).abs() * sensor_noise, kv.abs() * sensor_noise, kv),
+            Self::Recorded => (0.0, 0.0, 0.0),
+        };
+        CommandNoise { white, rate, damping, tick }
     }
 
     /// 1 where the input is interpolated between samples, 0 where it is held.
@@ -56,19 +50,25 @@ impl Law {
     }
 }
 
-/// Noise that a loop passes on from its displacement sensor to the command.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+/// Noise that a loop passes on from its displacement sensor to the command, in standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CommandNoise {
-    /// Standard deviation of the whole, unit of u.
-    pub size: f64,
-    /// Of what is independent from tick to tick, unit of u.
+    /// Of what is proportional to the sensor's, unit of u.
     pub white: f64,
-    /// Of what the rest is the rate of, unit of u times s.
+    /// Of what the rest is the backward difference a period of, unit of u times s.
     pub rate: f64,
     /// What the law feeds back of velocity, unit of u per m/s.
     pub damping: f64,
     /// Controller period, s.
     pub tick: f64,
+}
+
+impl CommandNoise {
+    /// Standard deviation of the whole, unit of u.
+    pub fn size(&self) -> f64 {
+        let step = self.rate / self.tick;
+        ((self.white + step).powi(2) + step.powi(2)).sqrt()
+    }
 }
 
 /// A law on its way through a run.
