@@ -2,12 +2,15 @@
 //!
 //! What flows: an experiment comes in; [`search`] fits the stated model and grows it by effects of the library;
 //! [`crate::identify::judge`] scores every survivor on the runs held back; [`decide`] names what stands, says what it is mistaken for and
-//! what no effect explains; [`locate`] looks at the residual without the library. Out comes a [`Diagnosis`].
+//! what no effect explains; [`locate`] looks at the residual without the library; [`change`] says what it means for who
+//! runs the table. Out comes a [`Diagnosis`].
 
+pub mod change;
 pub mod decide;
 mod finish;
 pub mod locate;
 mod next_test;
+mod outdone;
 mod ranking;
 pub mod remainder;
 pub mod result;
@@ -109,8 +112,11 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
         return unfit(prepared, &findings, begun);
     }
     let Answer { prepared, search, mut decision, held_out_shared } = answer(prepared, options)?;
+    let curve = outdone::outdone(&prepared, &mut decision)?;
     let location = locate::locate(&prepared, &search.baseline, &decision)?;
-    let modelled = if decision.unlisted {
+    let modelled = if curve.is_some() {
+        curve
+    } else if decision.unlisted {
         options.say("modelling what the library does not hold", 0.93);
         remainder::remainder(&prepared, &decision.before, decision.partial.as_ref().unwrap_or(&decision.before))?
     } else {
@@ -128,8 +134,9 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     {
         decision.after = partial;
     }
+    let change = change::change(&prepared, &decision)?;
     let seconds = begun.elapsed().as_secs_f64();
-    let open = result::Open { remainder, next_test, held_out_shared, seconds };
+    let open = result::Open { remainder, next_test, change, held_out_shared, seconds };
     let diagnosis = result::assemble(&prepared, &decision, location, open, &findings);
     Ok(Examined { diagnosis, prepared, decision })
 }

@@ -1,6 +1,8 @@
 //! `shakedown diagnose`: where model and recordings part, what physics was left out, how much better it fits.
 
+mod change;
 pub(super) mod page;
+mod place;
 
 use super::output::{Outputs, print, write_whole};
 use super::{Failure, progress};
@@ -69,6 +71,9 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     }
     for tie in &diagnosis.indistinguishable {
         let _ = writeln!(text, "\n  not told apart by these runs: {}", tie.join(", "));
+    }
+    if let Some(gains) = diagnosis.change.as_ref().and_then(|change| change.gains.as_ref()) {
+        let _ = writeln!(text, "\n  {}", change::stand(gains));
     }
     if let Some(test) = &diagnosis.next_test {
         let _ = writeln!(text, "\n  next test: {}\n    {}", test.record, test.why);

@@ -2,6 +2,7 @@
 
 use shakedown::diagnose::locate::Location;
 use shakedown::identify::data::{Measured, Run};
+use shakedown::identify::spectra;
 use shakedown::recording::check::Finding;
 use shakedown::report::{Axis, Item, Plot, Series, Style, Table};
 
@@ -18,6 +19,33 @@ pub(crate) fn over_time(run: &Run, measured: &Measured, more: &str, curves: Vec<
         group: Some(run.name.clone()),
         ..Plot::default()
     })
+}
+
+/// One figure over frequency: the power of a run's channel, of what models leave of it, and of the noise.
+pub(crate) fn over_frequency(run: &Run, measured: &Measured, models: &[(&str, &[f64], Style)]) -> Item {
+    let mut series = Vec::new();
+    for (i, &(name, model, style)) in models.iter().enumerate() {
+        let rest = spectra::leftover(run, measured, model);
+        let of = |name: &str, y: Vec<f64>, style| Series { name: name.into(), x: rest.frequency.clone(), y, style };
+        if i == 0 {
+            series.push(of("measured", rest.measured.clone(), Style::Faint));
+            series.push(of("noise floor", vec![rest.floor; rest.frequency.len()], Style::Dashed));
+        }
+        series.push(of(name, rest.residual.clone(), style));
+    }
+    Item::Plot(Plot {
+        title: format!("{}: spectrum of {} and of what is left", run.name, words(measured)),
+        x: Axis { label: "frequency [Hz]".into(), log: true },
+        y: Axis { label: format!("power density [{}/Hz]", squared(measured.channel.unit())), log: true },
+        series,
+        group: Some(format!("{} frequency", run.name)),
+        ..Plot::default()
+    })
+}
+
+/// A unit's square.
+fn squared(unit: &str) -> String {
+    if unit.chars().all(char::is_alphabetic) { format!("{unit}2") } else { format!("({unit})2") }
 }
 
 /// What a model leaves of a channel.

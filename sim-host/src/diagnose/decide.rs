@@ -269,4 +269,4 @@ fn believe(ranking: &Ranking, after: &Judged, candidates: &mut [Judged], unliste
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -59,6 +59,9 @@ pub struct StateShare {
     pub place: String,
     /// Share of the residual's variance it explains on blocks it was not fitted to.
     pub strength: f64,
+    /// The quantity's median and the residual's mean, in standard deviations of the noise, in each of twelve equal shares of
+    /// the samples.
+    pub profile: Vec<[f64; 2]>,
 }
 
 /// Longest stretches named.

@@ -1,5 +1,6 @@
 //! The diagnosis as other tools read it: schema `shakedown.diagnosis/1`.
 
+use super::change::Change;
 use super::decide::{Decision, Judged};
 use super::locate::Location;
 use super::remainder::Remainder;
@@ -29,6 +30,8 @@ pub struct Diagnosis {
     pub indistinguishable: Vec<Vec<&'static str>>,
     /// The test that would settle what is open.
     pub next_test: Option<NextTest>,
+    /// What it changes for who runs the table; none where nothing was found or measured motion drives the model.
+    pub change: Option<Change>,
     /// Fit on the runs held back.
     pub holdout: BeforeAfter,
     /// The refitted model's own parameters.
@@ -141,6 +144,8 @@ pub(super) struct Open {
     pub(super) remainder: Option<Remainder>,
     /// The test that would settle what is open.
     pub(super) next_test: Option<NextTest>,
+    /// What it changes for who runs the table.
+    pub(super) change: Option<Change>,
     /// Whether every other stretch of the runs held back was fitted too.
     pub(super) held_out_shared: bool,
     /// Wall-clock time so far, s.
@@ -168,6 +173,7 @@ pub(super) fn assemble(
         candidates: candidates(decision),
         indistinguishable: decision.ties.clone(),
         next_test: open.next_test,
+        change: open.change,
         holdout: BeforeAfter { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) },
         model,
         share_left: decision.left(),

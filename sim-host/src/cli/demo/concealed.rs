@@ -78,7 +78,7 @@ impl Concealed {
             page::lead(&self.examined.diagnosis)
         );
         let mut items = vec![Item::Text(told), Item::Table(self.table())];
-        items.extend(page::foreseen(&self.examined).items.into_iter().take(4));
+        items.extend(page::foreseen(&self.examined).items.into_iter().take(6));
         items.push(Item::Note(
             "`shakedown diagnose EXPERIMENT.toml` does this with your recordings, `shakedown init` writes the experiment, and \
              `shakedown prove` examines the diagnosis on hundreds of such cases."

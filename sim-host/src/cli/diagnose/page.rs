@@ -1,26 +1,30 @@
 //! The page of a diagnosis: what differs, where, what it is, how much better the model with it foresees.
 
-use super::super::traces::{self, left, over_time};
+use super::super::traces::{self, left, over_frequency, over_time};
+use super::{change, place};
 use shakedown::diagnose::remainder::Remainder;
 use shakedown::diagnose::result::{NamedEffect, NextTest, Verdict};
 use shakedown::diagnose::{Diagnosis, Examined};
+use shakedown::identify::quantity::Quantity;
 use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+use std::collections::BTreeMap;
 
 /// The page.
 pub(super) fn page(name: &str, examined: &Examined) -> Page {
     let diagnosis = &examined.diagnosis;
-    let mut sections = vec![verdict(diagnosis)];
+    let mut sections = vec![verdict(examined)];
     if !diagnosis.findings.is_empty() {
         sections.push(findings(diagnosis));
     }
     if diagnosis.verdict == Verdict::Mismatch {
-        sections.push(location(diagnosis));
+        sections.push(place::section(examined));
         sections.push(candidates(diagnosis));
     }
     if let Some(remainder) = &diagnosis.remainder {
         sections.push(curve(remainder));
     }
     sections.push(foreseen(examined));
+    sections.extend(diagnosis.change.as_ref().map(change::section));
     if let Some(test) = &diagnosis.next_test {
         sections.push(next(test));
     }
@@ -67,7 +71,8 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
     }
 }
 
-fn verdict(diagnosis: &Diagnosis) -> Section {
+fn verdict(examined: &Examined) -> Section {
+    let diagnosis = &examined.diagnosis;
     let (before, after) = (&diagnosis.holdout.before, &diagnosis.holdout.after);
     let mut items = vec![Item::Tiles(vec![
         ("chi2 held out, before [1]".into(), format!("{:.3}", before.chi2)),
@@ -81,20 +86,41 @@ fn verdict(diagnosis: &Diagnosis) -> Section {
     for tie in &diagnosis.indistinguishable {
         items.push(Item::Note(format!("These runs cannot tell apart: {}.", tie.join(", "))));
     }
+    let own = refitted(examined);
+    if !own.is_empty() {
+        items.push(Item::Table(quantities(&own, "The model's own values, refitted")));
+    }
+    if let Some(lead) = diagnosis.model.get("lead") {
+        let way = if lead.value < 0.0 { "after" } else { "before" };
+        let by = 1e3 * lead.value.abs();
+        items.push(Item::Note(format!(
+            "The pressure was recorded {by:.2} ms {way} the motion it belongs to; the model's lead allows for that."
+        )));
+    }
+    items.extend(examined.prepared.remarks().into_iter().map(Item::Note));
     Section { heading: "What is missing".into(), items }
 }
 
 /// An effect's parameters with their intervals; none where it has none.
 pub(in super::super) fn parameters(effect: &NamedEffect) -> Option<Table> {
+    let caption = format!("{}, probability {:.2}", effect.id, effect.probability);
+    (!effect.parameters.is_empty()).then(|| quantities(&effect.parameters, &caption))
+}
+
+/// The model's own values that were fitted.
+fn refitted(examined: &Examined) -> BTreeMap<String, Quantity> {
+    let model = &examined.decision.after.fit.model;
+    let free = |key: &str| model.kind.parameters().iter().zip(&model.own).any(|(p, v)| p.key == key && v.free);
+    examined.diagnosis.model.iter().filter(|(key, _)| free(key)).map(|(key, q)| (key.clone(), q.clone())).collect()
+}
+
+/// Values with their intervals.
+fn quantities(values: &BTreeMap<String, Quantity>, caption: &str) -> Table {
     let number = |x: Option<f64>| x.map_or("not determined".into(), digits);
-    let rows = effect.parameters.iter().map(|(key, q)| {
+    let rows = values.iter().map(|(key, q)| {
         vec![key.clone(), digits(q.value), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
     });
-    (!effect.parameters.is_empty()).then(|| Table {
-        columns: ["parameter", "value", "std", "90 % from", "90 % to", "unit"].map(String::from).into(),
-        rows: rows.collect(),
-        caption: format!("{}, probability {:.2}", effect.id, effect.probability),
-    })
+    traces::table(&["parameter", "value", "std", "90 % from", "90 % to", "unit"], rows.collect(), caption)
 }
 
 /// A number with five decimals, or as a power of ten where they would show nothing of it.
@@ -105,11 +131,6 @@ pub(super) fn digits(x: f64) -> String {
 fn findings(diagnosis: &Diagnosis) -> Section {
     let table = traces::findings(&diagnosis.findings);
     Section { heading: "The recordings".into(), items: vec![Item::Table(table)] }
-}
-
-fn location(diagnosis: &Diagnosis) -> Section {
-    let tables = traces::location(&diagnosis.location);
-    Section { heading: "Where it is".into(), items: tables.into_iter().map(Item::Table).collect() }
 }
 
 /// The curve that stands for what the library does not hold.
@@ -174,6 +195,11 @@ pub(in super::super) fn foreseen(examined: &Examined) -> Section {
             if before.iter().all(|v| v.is_nan()) {
                 continue;
             }
+            let mut spectra = vec![("stated model leaves", before.as_slice(), Style::Dashed)];
+            if examined.changed() && measured.judged {
+                spectra.push(("model with what was found leaves", after.as_slice(), Style::Line));
+            }
+            let spectra = over_frequency(run, measured, &spectra);
             let mut residuals = vec![("stated model leaves", left(measured, &before), Style::Faint)];
             let mut curves =
                 vec![("measured", measured.values.clone(), Style::Line), ("stated model", before, Style::Dashed)];
@@ -183,6 +209,7 @@ pub(in super::super) fn foreseen(examined: &Examined) -> Section {
             }
             items.push(over_time(run, measured, "", curves));
             items.push(over_time(run, measured, ", measured less model", residuals));
+            items.extend(measured.judged.then_some(spectra));
         }
     }
     Section { heading: "How well each model foresees the runs held back".into(), items }

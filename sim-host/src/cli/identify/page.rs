@@ -1,6 +1,6 @@
 //! The page of an identification: parameters with intervals, both sides in time and frequency, what is left over.
 
-use super::super::traces::{self, left, over_time, table, words};
+use super::super::traces::{self, left, over_frequency, over_time, table, words};
 use shakedown::diagnose::locate::leftover;
 use shakedown::identify::data::{Measured, Run};
 use shakedown::identify::frequency::{Point, Response};
@@ -21,7 +21,7 @@ pub(super) fn page(name: &str, found: &Identified) -> Page {
         first.push(Item::Table(parameters(found)));
         first.push(Item::Text(equations(found.fit.model.kind).into()));
     }
-    first.extend(found.doubts().into_iter().map(Item::Note));
+    first.extend(found.doubts().into_iter().chain(prepared.remarks()).map(Item::Note));
     let mut sections = vec![Section { heading: "What was found".into(), items: first }];
     if !found.findings.is_empty() {
         let items = vec![Item::Table(traces::findings(&found.findings))];
@@ -68,7 +68,8 @@ fn equations(kind: Kind) -> &'static str {
         }
         Kind::RigidMass => "The model: mass x'' + viscous x' = gain u; u is the command.",
         Kind::ForceBalance => {
-            "The model: pressure difference(t) = scale (x'' + viscous x' + forces)(t + lead), driven by the measured motion."
+            "The model: pressure difference(t) = scale (x'' + viscous x' + forces)(t + lead), driven by the measured motion; \
+             lead is how long before the motion it belongs to the pressure was recorded."
         }
     }
 }
@@ -176,26 +177,8 @@ fn by_frequency(run: &Run, measured: &Measured, model: &[f64]) -> Vec<Item> {
             items.push(plot("phase", "deg", &Response::unwrapped_degrees));
         }
     }
-    let rest = spectra::leftover(run, measured, model);
-    let series = |name: &str, y: Vec<f64>, style| Series { name: name.into(), x: rest.frequency.clone(), y, style };
-    items.push(Item::Plot(Plot {
-        title: format!("{}: spectrum of {channel} and of what is left", run.name),
-        x: Axis { label: "frequency [Hz]".into(), log: true },
-        y: Axis { label: format!("power density [{}/Hz]", squared(measured.channel.unit())), log: true },
-        series: vec![
-            series("measured", rest.measured.clone(), Style::Faint),
-            series("measured less model", rest.residual.clone(), Style::Line),
-            series("noise floor", vec![rest.floor; rest.frequency.len()], Style::Dashed),
-        ],
-        group: Some(format!("{} frequency", run.name)),
-        ..Plot::default()
-    }));
+    items.push(over_frequency(run, measured, &[("measured less model", model, Style::Line)]));
     items
-}
-
-/// A unit's square.
-fn squared(unit: &str) -> String {
-    if unit.chars().all(char::is_alphabetic) { format!("{unit}2") } else { format!("({unit})2") }
 }
 
 /// Abscissa and ordinate with a hole where neighbouring frequencies were left out, so that no line bridges it.

@@ -6,7 +6,7 @@ use crate::identify::model::{Model, Placed, Yardsticks};
 use crate::plant::effects::entry;
 
 /// Viscous friction whose coefficient goes up or down with speed, fitted within the given range of what speed takes.
-fn viscous(coefficient: f64, thinning: f64, range: (f64, f64)) -> Placed {
+pub(crate) fn viscous(coefficient: f64, thinning: f64, range: (f64, f64)) -> Placed {
     let mut placed = Placed::start(entry("viscous_friction").unwrap(), 1, &Yardsticks::TYPICAL).unwrap();
     placed.values[0].value = coefficient;
     let speed = &mut placed.values[1];
@@ -15,7 +15,7 @@ fn viscous(coefficient: f64, thinning: f64, range: (f64, f64)) -> Placed {
 }
 
 /// Judges `model`, fitted to the first two runs, on the third.
-fn judged(model: Model, runs: &[Run]) -> Judged {
+pub(crate) fn judged(model: Model, runs: &[Run]) -> Judged {
     let (fitted, held_back) = runs.split_at(2);
     let mut fit = Fit::begin(model, fitted).unwrap();
     fit.improve(fitted, Effort::FULL).unwrap();

@@ -128,5 +128,11 @@ fn explained(variable: &'static str, rows: &[(f64, f64, bool)]) -> Option<StateS
     let high = edges.get(strongest).copied().unwrap_or(sorted[sorted.len() - 1]);
     let odd = (0..BINS / 2).all(|i| both(i) * both(BINS - 1 - i) < 0.0);
     let both_ways = if odd { ", opposite on the other side" } else { "" };
-    Some(StateShare { variable, place: format!("strongest from {low:.3e} to {high:.3e}{both_ways}"), strength })
+    let profile = (0..BINS).map(|i| [sorted[(2 * i + 1) * sorted.len() / (2 * BINS)], both(i)]).collect();
+    Some(StateShare {
+        variable,
+        place: format!("strongest from {low:.3e} to {high:.3e}{both_ways}"),
+        strength,
+        profile,
+    })
 }

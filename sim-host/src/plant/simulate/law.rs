@@ -29,6 +29,15 @@ impl Law {
         !matches!(self, Self::Recorded)
     }
 
+    /// The same law with all that it sends times `factor`; a recorded command stays what it was.
+    pub fn times(self, factor: f64) -> Self {
+        match self {
+            Self::Pi { kp, ki } => Self::Pi { kp: factor * kp, ki: factor * ki },
+            Self::Cascade { kp, kv } => Self::Cascade { kp, kv: factor * kv },
+            Self::Recorded => Self::Recorded,
+        }
+    }
+
     /// What white noise of the displacement sensor (m) makes of the command, at a controller period of `tick` seconds.
     pub fn noise(&self, sensor_noise: f64, tick: f64) -> CommandNoise {
         let (white, rate, damping) = match *self {
