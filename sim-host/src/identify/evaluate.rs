@@ -200,14 +200,24 @@ fn shown<S: Scalar>(trace: &Trace<S>, channel: Channel, k: usize, scale: S, offs
 pub(super) fn residuals(model: &Model, run: &Run, local: &Local) -> Result<Vec<f64>, SimulateError> {
     let (trace, scale, offset) = trace::<f64>(model, run, local, wanted(run, |m| m.judged), |value| value.value)?;
     let mut residuals = Vec::new();
+    compared(run, &trace, scale, offset, |k, measured, model| {
+        let value = measured.values[k];
+        residuals.extend((!value.is_nan()).then(|| (value - model) / measured.noise));
+    });
+    Ok(residuals)
+}
+
+/// Hands on, channel by channel, every sample that is compared: its number, what was measured and what the model shows.
+fn compared<S: Scalar>(run: &Run, trace: &Trace<S>, scale: S, offset: S, mut sample: impl FnMut(usize, &Measured, S)) {
+    // In the middle of a motion the first sample says where it starts, and nothing else.
+    let from = usize::from(run.moving_start);
     for measured in run.measured.iter().filter(|m| m.judged) {
-        for k in usize::from(run.moving_start)..run.len() {
-            let Some(model) = shown(&trace, measured.channel, k, scale, offset) else { continue };
-            let value = measured.values[k];
-            residuals.extend((!value.is_nan()).then(|| (value - model) / measured.noise));
+        for k in from..run.len() {
+            if let Some(model) = shown(trace, measured.channel, k, scale, offset) {
+                sample(k, measured, model);
+            }
         }
     }
-    Ok(residuals)
 }
 
 /// The normal equations of one run, its free shared parameters first, then its free local ones; the rows themselves where
@@ -249,12 +259,6 @@ fn normal_of<const N: usize>(
     };
     let (trace, scale, offset) = trace(model, run, local, wanted(run, |m| m.judged), lift)?;
     let mut sum = Sums::<N>::new(count, ((BLOCK / run.dt).round() as usize).max(1), run.len());
-    let skip = usize::from(run.moving_start);
-    for measured in run.measured.iter().filter(|m| m.judged) {
-        for k in skip..run.len() {
-            let Some(model) = shown(&trace, measured.channel, k, scale, offset) else { continue };
-            sum.row(k, measured, &model, keep.as_deref_mut());
-        }
-    }
+    compared(run, &trace, scale, offset, |k, measured, model| sum.row(k, measured, &model, keep.as_deref_mut()));
     Ok(sum.finish())
 }

@@ -80,18 +80,6 @@ impl Prepared {
     pub fn judging(&self) -> &[Run] {
         if self.holdout.is_empty() { &self.fit } else { &self.holdout }
     }
-
-    /// What a reader should know of how the runs were taken, one sentence each.
-    pub fn remarks(&self) -> Vec<String> {
-        let moving = self.fit.iter().chain(&self.holdout).filter(|run| run.moving_start && run.motion.is_none());
-        let of = |run: &Run| {
-            format!(
-                "run {} begins in the middle of a motion: its velocity at the start was fitted, not taken as zero",
-                run.name
-            )
-        };
-        moving.map(of).collect()
-    }
 }
 
 /// Turns an experiment into what fits and diagnoses work on.

@@ -2,6 +2,7 @@
 //! that takes it for zero pays with its other values.
 
 use super::super::data::{Channel, Run};
+use super::Prepared;
 use nalgebra::{DMatrix, DVector};
 
 /// Samples looked at, from the fewest that say anything of a velocity beside an acceleration and a jerk.
@@ -12,6 +13,20 @@ const CERTAIN: f64 = 10.0;
 const WAY: f64 = 20.0;
 /// By how many of its standard deviations the mean square of what a cubic leaves may exceed the noise.
 const ROUGH: f64 = 3.0;
+
+impl Prepared {
+    /// What a reader should know of how the runs were taken, one sentence each.
+    pub fn remarks(&self) -> Vec<String> {
+        let moving = self.fit.iter().chain(&self.holdout).filter(|run| run.moving_start && run.motion.is_none());
+        let of = |run: &Run| {
+            format!(
+                "run {} begins in the middle of a motion: its velocity at the start was fitted, not taken as zero",
+                run.name
+            )
+        };
+        moving.map(of).collect()
+    }
+}
 
 /// True where the measured displacement's slope at the first sample is certainly not zero.
 pub(super) fn in_motion(run: &Run) -> bool {
