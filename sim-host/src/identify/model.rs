@@ -1,7 +1,7 @@
 //! A model with the effects it has, and which of its parameters a fit may move.
 
 use super::data::{Channel, Run};
-use crate::plant::effects::{Entry, Role, Yardstick};
+use crate::plant::effects::{Ends, Entry, Role, Yardstick};
 use crate::plant::model::Kind;
 
 /// By what share of its stated value a positive parameter may well change that means something else beside an effect.
@@ -217,13 +217,19 @@ impl Model {
         model
     }
 
-    /// This model with every detail of its effects' forms free.
+    /// This model with every detail of its effects' forms free; from the middle of its range where it stands at the end that
+    /// means that there is none, which has no slope.
     pub fn refined(&self) -> Self {
         let mut model = self.clone();
         for placed in &mut model.effects {
             let details =
                 placed.values.iter_mut().zip(placed.entry.parameters).filter(|(_, p)| p.role == Role::Refined);
-            details.for_each(|(value, _)| value.free = true);
+            for (value, parameter) in details {
+                value.free = true;
+                if parameter.positive && parameter.simple == Ends::High && value.value >= value.high {
+                    value.value = (value.low * value.high).sqrt();
+                }
+            }
         }
         model
     }

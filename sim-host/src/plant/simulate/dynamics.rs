@@ -477,7 +477,11 @@ impl<S: Scalar> Dynamics<S> {
         let leakage = self.compliance.leakage.unwrap_or(S::from(0.0));
         if let Some((stiffness, damping)) = self.compliance.oil {
             let available = self.compliance.stall_acceleration.map_or(flow, |stall| flow * drop(flow, load, stall));
-            dy[LOAD] = (available - velocity - leakage * load) * stiffness - load * damping;
+            // Load goes fast where flow gives way to it: no faster than the step resolves, which leaves where it goes to.
+            let gives = self.compliance.stall_acceleration.map_or(leakage, |stall| leakage + flow.abs() / stall * 0.5);
+            let rate = gives * stiffness + damping;
+            let shown = (S::from(1.4 / h) / rate).min(S::from(1.0));
+            dy[LOAD] = ((available - velocity - leakage * load) * stiffness - load * damping) * shown;
             dy[TABLE] = load - force;
             return;
         }

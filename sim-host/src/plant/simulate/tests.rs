@@ -69,6 +69,23 @@ fn sensitivities_are_those_of_the_simulation() {
     assert!(worst.is_empty(), "{worst:#?}");
 }
 
+/// Behind a leak or an orifice that gives way at once the oil's spring hardly shows, however fast the two together are.
+#[test]
+fn oil_is_stable_beside_what_gives_way_to_load() {
+    let placed = |id: &'static str, parameters: &[f64]| Placed { id, parameters: parameters.to_vec() };
+    let oil = placed("oil_compliance", &[90.0, 0.1]);
+    let apart = |a: &Trace<f64>, b: &Trace<f64>| {
+        a.displacement.iter().zip(&b.displacement).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let plain = run::<f64>(&[]);
+    for gives in [placed("leakage", &[0.02]), placed("load_dependent_flow", &[8.0, 1000.0, 0.2])] {
+        let (alone, both) = (run(&[gives.clone()]), run(&[oil.clone(), gives.clone()]));
+        assert!(both.displacement.iter().all(|x| x.is_finite()), "{} with oil", gives.id);
+        let share = apart(&alone, &both) / apart(&alone, &plain);
+        assert!(share < 0.15, "{}: oil changes {share} of what it changes", gives.id);
+    }
+}
+
 /// Matrices are a short way through the same rule: values and derivatives are the same but for rounding, in the free
 /// stretches and at the limit.
 #[test]
