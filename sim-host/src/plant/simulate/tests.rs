@@ -79,7 +79,7 @@ fn oil_is_stable_beside_what_gives_way_to_load() {
     };
     let plain = run::<f64>(&[]);
     for gives in [placed("leakage", &[0.02]), placed("load_dependent_flow", &[8.0, 1000.0, 0.2])] {
-        let (alone, both) = (run(&[gives.clone()]), run(&[oil.clone(), gives.clone()]));
+        let (alone, both) = (run(std::slice::from_ref(&gives)), run(&[oil.clone(), gives.clone()]));
         assert!(both.displacement.iter().all(|x| x.is_finite()), "{} with oil", gives.id);
         let share = apart(&alone, &both) / apart(&alone, &plain);
         assert!(share < 0.15, "{}: oil changes {share} of what it changes", gives.id);
