@@ -156,7 +156,8 @@ fn trace<S: Scalar>(
         let load = earlier(&trace.load, lead / run.dt);
         return Ok((Trace { load, ..trace }, scale, offset));
     }
-    let sensor_noise = run.channel(Channel::Displacement).map_or(0.0, |m| m.noise);
+    let shown = || run.channel(Channel::Displacement).map_or(0.0, |m| m.noise);
+    let sensor_noise = run.loop_noise.unwrap_or_else(shown);
     let drive = Drive {
         dt: run.dt,
         ticks: run.ticks,

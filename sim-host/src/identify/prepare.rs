@@ -192,6 +192,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
         input,
         added,
         law,
+        loop_noise: run.loop_noise,
         moving_start: run.cut,
         measured,
         motion,

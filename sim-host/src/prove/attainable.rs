@@ -24,8 +24,9 @@ pub(super) fn attainable(
     let desk = scratch.join("clean");
     opened.clean.write(&desk).ok()?;
     let path = desk.join("experiment.toml");
+    change(&path, |text| text.replace("displacement = { ", "displacement = { loop_noise = 0, "))?;
     if reply.held_out_shared {
-        fit_all(&path)?;
+        change(&path, |text| text.replace("use = \"holdout\"", "use = \"fit\""))?;
     }
     let as_given = best_fit(examinee, &path);
     let near = begin_at(&path, reply, truth).and_then(|()| best_fit(examinee, &path));
@@ -56,8 +57,8 @@ fn begin_at(path: &Path, reply: &Reply, truth: &Truth) -> Option<()> {
     std::fs::write(path, text).ok()
 }
 
-/// Lets every run be fitted: the reply's values then come from stretches of all of them.
-fn fit_all(path: &Path) -> Option<()> {
+/// Rewrites an experiment: its loop saw no noise; or every run is fitted, where the reply's values come from stretches of all.
+fn change(path: &Path, to: impl FnOnce(String) -> String) -> Option<()> {
     let text = std::fs::read_to_string(path).ok()?;
-    std::fs::write(path, text.replace("use = \"holdout\"", "use = \"fit\"")).ok()
+    std::fs::write(path, to(text)).ok()
 }

@@ -166,6 +166,16 @@ impl<'a> Entry<'a> {
         }
     }
 
+    /// A number not below zero.
+    pub(crate) fn not_negative(&self) -> Result<f64, RecordingError> {
+        let value = self.number()?;
+        if value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(self.refuse(Problem::OutOfRange { value, expected: "it must not be below zero" }))
+        }
+    }
+
     /// True or false.
     pub(crate) fn boolean(&self) -> Result<bool, RecordingError> {
         self.value.as_bool().ok_or_else(|| self.wrong_type("true or false"))

@@ -83,6 +83,7 @@ mod tests {
             time: (0..n).map(|k| k as f64).collect(),
             channels: PerChannel::default(),
             noise: PerChannel::default(),
+            loop_noise: None,
             law: Law::Open,
             controller_rate_hz: None,
             purpose: Fit,

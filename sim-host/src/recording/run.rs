@@ -29,6 +29,8 @@ pub struct Run {
     pub channels: PerChannel<Vec<f64>>,
     /// Stated standard deviation of each channel's noise, SI, quantisation included.
     pub noise: PerChannel<f64>,
+    /// Stated standard deviation of the displacement noise that the controller saw, m; that of the channel where it is none.
+    pub loop_noise: Option<f64>,
     /// The controller that ran.
     pub law: Law,
     /// Rate of that controller, Hz; the recording's where the experiment does not say.

@@ -135,6 +135,7 @@ fn run_of([reference, displacement, acceleration, command]: [Vec<f64>; 4], dt: f
         time,
         channels,
         noise: PerChannel::default(),
+        loop_noise: None,
         law,
         controller_rate_hz: None,
         purpose: Use::Fit,
@@ -154,7 +155,13 @@ fn sources() -> PerChannel<ChannelSource> {
         let unit = Unit::named(unit).unwrap();
         sources.set(
             channel,
-            ChannelSource { origin: Origin::Column(channel.name().into()), unit, noise: None, optional: false },
+            ChannelSource {
+                origin: Origin::Column(channel.name().into()),
+                unit,
+                noise: None,
+                loop_noise: None,
+                optional: false,
+            },
         );
     }
     sources

@@ -14,6 +14,8 @@ pub struct ChannelSource {
     pub unit: Unit,
     /// Stated standard deviation of its noise, SI.
     pub noise: Option<f64>,
+    /// Displacement only: stated standard deviation of the noise that the controller saw, SI.
+    pub loop_noise: Option<f64>,
     /// A file without its column is read without the channel.
     pub optional: bool,
 }
@@ -64,6 +66,11 @@ fn source(channel: Channel, entry: &Entry<'_>) -> Result<ChannelSource, Recordin
         if differentiate { Origin::Slope(column) } else { Origin::Column(column) }
     };
     let noise = section.get("noise").map(|e| e.positive()).transpose()?.map(|n| n * unit.factor);
+    let loop_noise = match section.get("loop_noise") {
+        Some(entry) if channel == Channel::Displacement => Some(entry.not_negative()? * unit.factor),
+        Some(entry) => return Err(entry.refuse(Problem::Contradiction(ONLY_DISPLACEMENT.to_owned()))),
+        None => None,
+    };
     let optional = section.get("optional").map(|e| Ok((e.boolean()?, e))).transpose()?;
     if let Some((true, entry)) = &optional
         && !OPTIONAL.contains(&channel)
@@ -73,7 +80,7 @@ fn source(channel: Channel, entry: &Entry<'_>) -> Result<ChannelSource, Recordin
         );
     }
     section.finish()?;
-    Ok(ChannelSource { origin, unit, noise, optional: optional.is_some_and(|(value, _)| value) })
+    Ok(ChannelSource { origin, unit, noise, loop_noise, optional: optional.is_some_and(|(value, _)| value) })
 }
 
 /// Channels that one file of an experiment may hold and another not.
@@ -85,6 +92,8 @@ const OPTIONAL: [Channel; 6] = [
     Channel::SupplyPressure,
     Channel::SpecimenAcceleration,
 ];
+
+const ONLY_DISPLACEMENT: &str = "the loop is closed around displacement; leave `loop_noise` out of every other channel";
 
 const ONLY_VELOCITY: &str = "only velocity can be the slope of another column; leave `differentiate` out";
 

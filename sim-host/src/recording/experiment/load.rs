@@ -124,6 +124,7 @@ fn run(
         time,
         channels,
         noise,
+        loop_noise: sources.get(Channel::Displacement).and_then(|s| s.loop_noise),
         law: entry.law.clone(),
         controller_rate_hz: entry.controller_rate_hz,
         purpose: entry.stated.unwrap_or(Use::Fit),

@@ -42,6 +42,17 @@ fn channels_come_in_si_on_an_even_grid() {
 }
 
 #[test]
+fn the_loop_may_have_seen_another_noise_than_the_file_shows() {
+    let with = |from: &str, to: &str| load(&[MODEL, &CHANNELS.replace(from, to), RUN].concat());
+    let noise = |to: &str| with("noise = 0.02", to).map(|experiment| experiment.runs[0].loop_noise);
+    assert_eq!(noise("noise = 0.02"), Ok(None));
+    assert_eq!(noise("noise = 0.02, loop_noise = 0"), Ok(Some(0.0)));
+    assert_eq!(noise("noise = 0.02, loop_noise = 0.5"), Ok(Some(0.5e-3)));
+    assert!(noise("loop_noise = -1").unwrap_err().contains("it must not be below zero"));
+    assert!(with("unit = \"g\"", "unit = \"g\", loop_noise = 0").unwrap_err().contains("around displacement"));
+}
+
+#[test]
 fn one_file_can_serve_as_two_runs_that_share_no_sample() {
     let parts = "[[runs]]\nfile = \"a.csv\"\ncontroller = { kp = 1 }\nto_s = 0.3\nuse = \"fit\"\n\
                  [[runs]]\nfile = \"a.csv\"\ncontroller = { kp = 1 }\nfrom_s = 0.3\nuse = \"holdout\"\n";

@@ -37,6 +37,7 @@ fn run(seed: u64, acceleration_noise: &[f64], resting: bool) -> Run {
         time: (0..n).map(|k| k as f64 * dt).collect(),
         channels,
         noise: PerChannel::default(),
+        loop_noise: None,
         law: Law::Open,
         controller_rate_hz: None,
         purpose: Use::Fit,
