@@ -8,6 +8,7 @@ use crate::identify::fit::Fit;
 use crate::identify::model::Model;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::{Law, SimulateError};
+use crate::recording::signal::rms;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -99,12 +100,6 @@ fn tracking(prepared: &Prepared, decision: &Decision) -> Vec<Tracking> {
     };
     let driven = |(_, run): &(usize, &Run)| run.law.simulates_reference();
     prepared.judging().iter().enumerate().filter(driven).filter_map(of).collect()
-}
-
-/// RMS of what is finite.
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.filter(|x| x.is_finite()).fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
-    f64::sqrt(sum / f64::max(count, 1.0))
 }
 
 /// The largest command that the found model needs for the runs fitted, held to either side.

@@ -24,9 +24,9 @@ pub(super) fn attainable(
     let desk = scratch.join("clean");
     opened.clean.write(&desk).ok()?;
     let path = desk.join("experiment.toml");
-    change(&path, |text| text.replace("displacement = { ", "displacement = { loop_noise = 0, "))?;
+    change(&path, "displacement = { ", "displacement = { loop_noise = 0, ")?;
     if reply.held_out_shared {
-        change(&path, |text| text.replace("use = \"holdout\"", "use = \"fit\""))?;
+        change(&path, "use = \"holdout\"", "use = \"fit\"")?;
     }
     let as_given = best_fit(examinee, &path);
     let near = begin_at(&path, reply, truth).and_then(|()| best_fit(examinee, &path));
@@ -57,8 +57,9 @@ fn begin_at(path: &Path, reply: &Reply, truth: &Truth) -> Option<()> {
     std::fs::write(path, text).ok()
 }
 
-/// Rewrites an experiment: its loop saw no noise; or every run is fitted, where the reply's values come from stretches of all.
-fn change(path: &Path, to: impl FnOnce(String) -> String) -> Option<()> {
-    let text = std::fs::read_to_string(path).ok()?;
-    std::fs::write(path, to(text)).ok()
+/// Rewrites what an experiment says, which it must say: its loop saw no noise; or every run is fitted, where the reply's values
+/// come from stretches of all.
+fn change(path: &Path, from: &str, to: &str) -> Option<()> {
+    let text = std::fs::read_to_string(path).ok().filter(|text| text.contains(from))?;
+    std::fs::write(path, text.replace(from, to)).ok()
 }

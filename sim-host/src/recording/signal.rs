@@ -4,6 +4,12 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
+/// Root mean square of the values that are finite; NaN where none is.
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.filter(|x| x.is_finite()).fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
+    f64::sqrt(sum / count)
+}
+
 /// The samples with NaN filled by straight lines between the neighbours; at the ends the nearest value holds.
 pub fn filled(samples: &[f64]) -> Vec<f64> {
     let mut out = samples.to_vec();

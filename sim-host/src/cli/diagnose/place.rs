@@ -5,6 +5,8 @@ use shakedown::diagnose::Examined;
 use shakedown::diagnose::locate::{StateShare, Stretch};
 use shakedown::identify::data::{Measured, Run};
 use shakedown::identify::evaluate::predict;
+use shakedown::plant::effects::entry;
+use shakedown::recording::signal::rms;
 use shakedown::report::{Axis, Band, Item, Plot, Section, Series, Style};
 
 /// Length of the blocks that one point of the picture over time stands for, s.
@@ -16,8 +18,11 @@ const DRAWN: usize = 2;
 pub(super) fn section(examined: &Examined) -> Section {
     let location = &examined.diagnosis.location;
     let mut items = Vec::new();
-    if let Some(block) = location.block.filter(|block| *block != "unlisted") {
-        items.push(Item::Text(format!("In the signal path: {block}.")));
+    let mut blocks: Vec<&str> =
+        examined.diagnosis.effects.iter().filter_map(|e| entry(e.id)).map(|entry| entry.stage.name()).collect();
+    blocks.dedup();
+    if !blocks.is_empty() {
+        items.push(Item::Text(format!("In the signal path: {}.", blocks.join(", "))));
     }
     items.extend(traces::location(location).into_iter().map(Item::Table));
     let fit = &examined.decision.before.fit;
@@ -57,7 +62,8 @@ fn along_time<'a>(
     let at = |i: usize| run.from + (i as f64 + 0.5) * block as f64 * run.dt;
     let mut series: Vec<Series> = judged
         .map(|(measured, model)| {
-            let y: Vec<f64> = left(measured, model).chunks(block).map(|part| rms(part) / measured.noise).collect();
+            let y: Vec<f64> =
+                left(measured, model).chunks(block).map(|part| rms(part.iter().copied()) / measured.noise).collect();
             Series { name: words(measured), x: (0..y.len()).map(at).collect(), y, style: Style::Line }
         })
         .collect();
@@ -74,11 +80,6 @@ fn along_time<'a>(
         bands: bands.collect(),
         ..Plot::default()
     })
-}
-
-fn rms(part: &[f64]) -> f64 {
-    let (sum, count) = part.iter().filter(|r| r.is_finite()).fold((0.0, 0.0), |(s, n), r| (s + r * r, n + 1.0));
-    if count > 0.0 { f64::sqrt(sum / count) } else { f64::NAN }
 }
 
 /// What is left on average along a quantity that explains it.

@@ -20,7 +20,7 @@ impl Prepared {
         let moving = self.fit.iter().chain(&self.holdout).filter(|run| run.moving_start && run.motion.is_none());
         let of = |run: &Run| {
             format!(
-                "run {} begins in the middle of a motion: its velocity at the start was fitted, not taken as zero",
+                "Run {} begins in the middle of a motion: its velocity at the start was fitted, not taken as zero.",
                 run.name
             )
         };
