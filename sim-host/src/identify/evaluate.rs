@@ -201,21 +201,22 @@ fn shown<S: Scalar>(trace: &Trace<S>, channel: Channel, k: usize, scale: S, offs
 pub(super) fn residuals(model: &Model, run: &Run, local: &Local) -> Result<Vec<f64>, SimulateError> {
     let (trace, scale, offset) = trace::<f64>(model, run, local, wanted(run, |m| m.judged), |value| value.value)?;
     let mut residuals = Vec::new();
-    compared(run, &trace, scale, offset, |k, measured, model| {
-        let value = measured.values[k];
-        residuals.extend((!value.is_nan()).then(|| (value - model) / measured.noise));
+    compared(run, &trace, scale, offset, |_, measured, inverse, model| {
+        residuals.extend((!measured.is_nan()).then_some((measured - model) * inverse));
     });
     Ok(residuals)
 }
 
-/// Hands on, channel by channel, every sample that is compared: its number, what was measured and what the model shows.
-fn compared<S: Scalar>(run: &Run, trace: &Trace<S>, scale: S, offset: S, mut sample: impl FnMut(usize, &Measured, S)) {
+/// Hands on, channel by channel, every sample that is compared: its number, what was measured, one over its noise and
+/// what the model shows.
+fn compared<S: Scalar>(run: &Run, trace: &Trace<S>, scale: S, offset: S, mut sample: impl FnMut(usize, f64, f64, S)) {
     // In the middle of a motion the first sample says where it starts, and nothing else.
     let from = usize::from(run.moving_start);
     for measured in run.measured.iter().filter(|m| m.judged) {
-        for k in from..run.len() {
+        let inverse = 1.0 / measured.noise;
+        for (k, &value) in measured.values.iter().enumerate().take(run.len()).skip(from) {
             if let Some(model) = shown(trace, measured.channel, k, scale, offset) {
-                sample(k, measured, model);
+                sample(k, value, inverse, model);
             }
         }
     }
@@ -232,8 +233,7 @@ pub(super) fn normal(
     let count = model.values().chain(local.values()).filter(|v| v.free).count();
     match count {
         0..=4 => normal_of::<4>(model, run, local, count, keep),
-        5..=6 => normal_of::<6>(model, run, local, count, keep),
-        7..=8 => normal_of::<8>(model, run, local, count, keep),
+        5..=8 => normal_of::<8>(model, run, local, count, keep),
         9..=12 => normal_of::<12>(model, run, local, count, keep),
         13..=16 => normal_of::<16>(model, run, local, count, keep),
         _ => normal_of::<24>(model, run, local, count.min(24), keep),
@@ -260,6 +260,8 @@ fn normal_of<const N: usize>(
     };
     let (trace, scale, offset) = trace(model, run, local, wanted(run, |m| m.judged), lift)?;
     let mut sum = Sums::<N>::new(count, ((BLOCK / run.dt).round() as usize).max(1), run.len());
-    compared(run, &trace, scale, offset, |k, measured, model| sum.row(k, measured, &model, keep.as_deref_mut()));
+    compared(run, &trace, scale, offset, |k, measured, inverse, model| {
+        sum.row(k, (measured, inverse), &model, keep.as_deref_mut());
+    });
     Ok(sum.finish())
 }

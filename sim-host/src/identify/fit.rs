@@ -27,11 +27,16 @@ pub struct Fit {
     pub evaluations: usize,
     damping: f64,
     normal: Normal,
+    /// The last step lowered the squares as it had promised.
+    kept: bool,
     converged: bool,
 }
 
 /// Damping with which a fit's promise is reckoned.
 const PROMISED: f64 = 1e-3;
+
+/// Share of what a step promised from which the next one is taken without a trial.
+const KEPT: f64 = 0.5;
 
 /// Share of a bound within which a value is at it.
 const AT_END: f64 = 1e-3;
@@ -62,7 +67,7 @@ impl Fit {
         let locals = matching(locals, &model, runs);
         let normal = assemble(&model, &locals, runs)?;
         let (squares, rows) = (normal.squares, normal.rows);
-        Ok(Self { model, locals, squares, rows, evaluations: 1, damping: 1e-3, normal, converged: false })
+        Ok(Self { model, locals, squares, rows, evaluations: 1, damping: 1e-3, normal, kept: false, converged: false })
     }
 
     /// Mean squared residual in units of noise; 1 is the floor.
@@ -111,14 +116,17 @@ impl Fit {
         for (value, change) in free.zip(step.iter()) {
             value.set_coordinate(value.coordinate() + bounded(value.positive, *change));
         }
-        // Half of all steps lead nowhere, which a simulation without sensitivities says for a tenth of the time.
-        if squares(&model, &locals, runs)? >= self.squares {
+        // Half of all steps lead nowhere, which a simulation without sensitivities says for a part of the time; not those
+        // that follow one that kept its promise.
+        if !self.kept && squares(&model, &locals, runs)? >= self.squares {
             self.damping *= 8.0;
             return Ok(false);
         }
         let normal = assemble(&model, &locals, runs)?;
         self.evaluations += 1;
-        if normal.squares < self.squares {
+        let lowered = self.squares - normal.squares;
+        self.kept = lowered > KEPT * step.dot(&self.normal.gradient).abs();
+        if lowered > 0.0 {
             self.squares = normal.squares;
             (self.model, self.locals, self.normal) = (model, locals, normal);
             self.damping = (self.damping * 0.2).max(1e-9);

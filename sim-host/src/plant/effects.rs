@@ -185,6 +185,15 @@ pub struct Instant<S> {
     pub velocity_limit: S,
 }
 
+impl<S: Copy> Instant<S> {
+    /// Takes over another's motion, field by field: what is written in parts is slow to copy as a whole.
+    #[inline]
+    pub(super) fn become_of(&mut self, other: &Self) {
+        (self.time, self.displacement) = (other.time, other.displacement);
+        (self.velocity, self.sensed_velocity) = (other.velocity, other.sensed_velocity);
+    }
+}
+
 /// Flow through the valve, as velocity of the piston, while effects shape it.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow<S> {

@@ -148,26 +148,26 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, ma
     let mut trace = Trace::with_capacity(n, wanted);
     let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, start.velocity);
     let steps = substeps(drive, dynamics.fastest(), dynamics.whole_steps());
+    let governed = dynamics.supply_pressure(&state).is_some();
     let mut sample = Sample::new(&mut dynamics, &state, drive, steps, matrices);
     for k in 0..n {
-        let mut shown = None;
         let next = drive.input.get(k + 1).copied().unwrap_or(drive.input[k]);
         for tick in 0..drive.ticks {
-            let share = tick as f64 / drive.ticks as f64 * drive.law.between_samples();
+            let share = if tick == 0 { 0.0 } else { tick as f64 / drive.ticks as f64 * drive.law.between_samples() };
             let measured = dynamics.sense_displacement(&state);
             let command = law.step(drive.input[k] + (next - drive.input[k]) * share, measured);
             state.command = command + drive.added.get(k).copied().unwrap_or(0.0);
-            shown.get_or_insert((measured, state.command));
+            if tick == 0 {
+                trace.displacement.push(measured);
+            }
+            if tick == 0 && wanted.command {
+                trace.command.push(state.command);
+            }
             sample.tick(&mut dynamics, &mut state, tick);
-        }
-        let Some((measured, command)) = shown else { break };
-        trace.displacement.push(measured);
-        if wanted.command {
-            trace.command.push(command);
         }
         sample.push(&dynamics, wanted, drive.dt, &mut trace);
         state.settle_derivatives();
-        if let Some(pressure) = dynamics.supply_pressure(&state) {
+        if governed && let Some(pressure) = dynamics.supply_pressure(&state) {
             trace.supply.push(pressure);
         }
     }

@@ -7,12 +7,16 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 const DIED_AWAY: f32 = 1e-30;
 
 /// A value and its derivatives with respect to `N` parameters.
+///
+/// The value comes last: with derivatives by the four, a copy then goes in whole words of the processor, none of which was
+/// written in two parts, for which it would have to wait.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub struct Dual<const N: usize> {
-    /// The value.
-    pub value: f64,
     /// Its derivatives.
     pub tangent: [f32; N],
+    /// The value.
+    pub value: f64,
 }
 
 impl<const N: usize> Dual<N> {
@@ -22,7 +26,7 @@ impl<const N: usize> Dual<N> {
         if let Some(t) = tangent.get_mut(i) {
             *t = 1.0;
         }
-        Self { value, tangent }
+        Self { tangent, value }
     }
 
     /// This value, and these derivatives times a factor.

@@ -1,6 +1,5 @@
 //! Rows of a run summed into its normal equations.
 
-use crate::identify::data::Measured;
 use crate::identify::normal::Normal;
 use crate::scalar::Dual;
 use nalgebra::{DMatrix, DVector};
@@ -30,15 +29,14 @@ impl<const N: usize> Sums<N> {
     }
 
     #[inline]
-    pub(super) fn row(&mut self, k: usize, measured: &Measured, model: &Dual<N>, keep: Option<&mut Rows>) {
+    pub(super) fn row(&mut self, k: usize, (measured, inverse): (f64, f64), model: &Dual<N>, keep: Option<&mut Rows>) {
         // A dropped sample says nothing; a model that ran away must not pass for one that leaves nothing.
-        if measured.values[k].is_nan() {
+        if measured.is_nan() {
             return;
         }
-        let residual = (measured.values[k] - model.value) / measured.noise;
+        let residual = (measured - model.value) * inverse;
         self.squares += residual * residual;
         self.rows += 1;
-        let inverse = 1.0 / measured.noise;
         let jacobian = model.tangent.map(|slope| f64::from(slope) * inverse);
         if let Some(rows) = keep {
             rows.residuals.push(residual);

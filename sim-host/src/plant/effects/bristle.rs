@@ -12,6 +12,9 @@
 
 use crate::scalar::Scalar;
 
+/// Travel over the bristles' length after which nothing is left of how they stood.
+const SLID: f64 = 40.0;
+
 /// Bristles between two surfaces.
 #[derive(Debug, Clone)]
 pub(super) struct Bristles<S> {
@@ -49,7 +52,9 @@ impl<S: Scalar> Bristles<S> {
         } else {
             (travel.abs(), S::from(if travel.value() < 0.0 { -1.0 } else { 1.0 }))
         };
-        end + (self.share - end) * (-(way / self.length)).exp()
+        let bent = way / self.length;
+        // So far on, what was is lost in the last digit, and its derivatives are too small for the processor to be quick at.
+        if bent.value() > SLID { end } else { end + (self.share - end) * (-bent).exp() }
     }
 
     /// Remembers where they are, and when.

@@ -48,6 +48,9 @@ pub const ENTRY: Entry = Entry {
     test: "slow ramps at several speeds",
 };
 
+/// Speed over that of the peak's fall beyond which the peak is gone: `exp(-6.5^2)` is below 1e-18.
+const PEAK: f64 = 6.5;
+
 /// Dry friction with a standstill peak.
 #[derive(Debug, Clone)]
 pub struct StribeckFriction<S> {
@@ -74,7 +77,11 @@ impl<S: Scalar> Effect<S> for StribeckFriction<S> {
     }
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
         let ratio = at.velocity / self.velocity;
-        let size = self.sliding + (self.standstill - self.sliding).max(S::from(0.0)) * (-(ratio * ratio)).exp();
+        let mut size = self.sliding;
+        // Faster than this nothing is left of the peak in the last digit.
+        if ratio.value().abs() < PEAK {
+            size += (self.standstill - self.sliding).max(S::from(0.0)) * (-(ratio * ratio)).exp();
+        }
         size * self.bristles.share(at.displacement, at.time)
     }
     fn dither(&mut self, dither: Dither) {

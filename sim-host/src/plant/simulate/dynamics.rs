@@ -279,15 +279,18 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// The velocity whose difference the accelerometer shows, and the table's own.
+    #[inline]
     pub(super) fn velocities(&self, state: &State<S>) -> (S, S) {
         self.velocities_at(state.time, state.spool, &state.y)
     }
 
     /// The same at a time in the past, s, whose state was left in [`Work::moved`].
+    #[inline]
     pub(super) fn velocities_halfway(&self, state: &State<S>, time: f64) -> (S, S) {
         self.velocities_at(time, state.spool, &state.work.moved)
     }
 
+    #[inline(always)]
     fn velocities_at(&self, time: f64, spool: S, y: &[S]) -> (S, S) {
         let velocity = self.velocity_at(time, spool, y);
         let mut sensed = velocity;
@@ -299,9 +302,16 @@ impl<S: Scalar> Dynamics<S> {
 
     /// The motion at the start of a step, after the command's update; forces are left out.
     pub(super) fn instant(&self, state: &State<S>) -> Instant<S> {
-        let (sensed_velocity, velocity) = self.velocities(state);
-        let (time, displacement) = (state.time, state.y[DISPLACEMENT]);
-        Instant { time, displacement, velocity, sensed_velocity, velocity_limit: self.velocity_limit }
+        let mut at = state.work.start.at;
+        self.note(state, &mut at);
+        at
+    }
+
+    /// The same, written where a run keeps it: what is copied together is slow to copy again.
+    #[inline]
+    pub(super) fn note(&self, state: &State<S>, at: &mut Instant<S>) {
+        (at.time, at.displacement) = (state.time, state.y[DISPLACEMENT]);
+        (at.sensed_velocity, at.velocity) = self.velocities(state);
     }
 
     /// The force per table mass at this instant, m/s2.
@@ -380,19 +390,31 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// The table's velocity at an instant, m/s.
+    #[inline]
     fn velocity_at(&self, time: f64, spool: S, y: &[S]) -> S {
         if self.yields { y[TABLE] } else { self.flow_at(time, spool, y) }
     }
 
     /// The velocity that the flow alone would give at an instant, m/s.
-    fn flow_at(&self, time: f64, mut spool: S, y: &[S]) -> S {
+    #[inline(always)]
+    fn flow_at(&self, time: f64, spool: S, y: &[S]) -> S {
         let Baseline::Servo { b1, .. } = self.baseline else { return y[SPEED] };
-        if self.any.valve {
-            let mut scratch = [S::from(0.0); STATES];
-            for m in self.mounted.iter().filter(|m| m.hooks.valve) {
-                spool = m.effect.valve(spool, &y[m.first..m.last], &mut scratch[m.first..m.last]);
-            }
+        let spool = if self.any.valve { self.hooked(spool, y) } else { spool };
+        let demand = y[SPEED] + b1 * spool;
+        if self.any.flow { self.shaped_flow(time, demand, y) } else { self.plainly_limited(demand) }
+    }
+
+    /// The spool's position behind what hooks the valve.
+    fn hooked(&self, mut spool: S, y: &[S]) -> S {
+        let mut scratch = [S::from(0.0); STATES];
+        for m in self.mounted.iter().filter(|m| m.hooks.valve) {
+            spool = m.effect.valve(spool, &y[m.first..m.last], &mut scratch[m.first..m.last]);
         }
+        spool
+    }
+
+    /// The flow for a demand where effects shape it, forces left out.
+    fn shaped_flow(&self, time: f64, demand: S, y: &[S]) -> S {
         let at = Instant {
             time,
             displacement: y[DISPLACEMENT],
@@ -400,15 +422,21 @@ impl<S: Scalar> Dynamics<S> {
             sensed_velocity: S::from(0.0),
             velocity_limit: self.velocity_limit,
         };
-        self.flow(&at, y[SPEED] + b1 * spool, y, &mut 0.0)
+        self.flow(&at, demand, y, &mut 0.0)
+    }
+
+    /// A demand held at the velocity limit alone.
+    #[inline(always)]
+    fn plainly_limited(&self, demand: S) -> S {
+        let limit = self.velocity_limit;
+        self.limited(demand, (limit.value(), limit.value()), || limit, || limit)
     }
 
     /// The flow the valve lets through, as piston velocity, for the demand `w`.
     fn flow(&self, at: &Instant<S>, w: S, y: &[S], asked: &mut f64) -> S {
-        let limit = self.velocity_limit;
         if !self.any.flow {
             *asked = w.value();
-            return self.limited(w, (limit.value(), limit.value()), || limit, || limit);
+            return self.plainly_limited(w);
         }
         let flow = self.shaped(at, y);
         let demand = w * flow.gain;

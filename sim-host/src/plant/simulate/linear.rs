@@ -21,8 +21,10 @@ pub(super) struct Linear<S> {
     current: usize,
     /// What the flow may be, m/s.
     limits: (f64, f64),
-    /// State, the spool in each step (in the first alone where it stays) and one.
-    inputs: Vec<S>,
+    /// Values of the state, of the spool in each step (in the first alone where it stays) and one.
+    values: Vec<f64>,
+    /// Where the next state is put together.
+    next: Vec<S>,
 }
 
 /// The steps that a matrix spans, on one side of the limits.
@@ -33,13 +35,19 @@ struct Map<S> {
     end: Vec<Row<S>>,
     /// Some states half way.
     halfway: Vec<(usize, Row<S>)>,
-    /// What the valve is asked to let through at each stage of each step, m/s.
-    demands: Vec<Vec<(usize, f64)>>,
+    /// What the valve is asked to let through at each stage of each step, m/s: factors of the values, and where each
+    /// stage's end.
+    demands: Vec<(usize, f64)>,
+    ends: Vec<usize>,
 }
 
 /// One row of a matrix: what is not zero in it.
 #[derive(Debug)]
-struct Row<S>(Vec<Term<S>>);
+struct Row<S> {
+    states: Vec<Term<S>>,
+    spools: Vec<Term<S>>,
+    constant: Option<S>,
+}
 
 #[derive(Debug)]
 struct Term<S> {
@@ -50,27 +58,37 @@ struct Term<S> {
 }
 
 impl<S: Scalar> Row<S> {
-    fn of(factors: impl Iterator<Item = S>) -> Self {
-        let term = |(input, factor): (usize, S)| {
-            let plain = (1..S::PARTS).all(|i| factor.part(i) == 0.0);
-            (!plain || factor.value() != 0.0).then_some(Term { input, factor, plain })
-        };
-        Self(factors.enumerate().filter_map(term).collect())
+    /// From the factors of `states` states, of the spools and of one.
+    fn of(mut factors: Vec<S>, states: usize) -> Self {
+        let nothing = |factor: &S| (0..S::PARTS).all(|i| factor.part(i) == 0.0);
+        let constant = factors.pop().filter(|factor| !nothing(factor));
+        let spools = factors.split_off(states);
+        Self { states: terms(&factors), spools: terms(&spools), constant }
     }
 
     #[inline]
-    fn times(&self, inputs: &[S]) -> S {
-        let mut sum = S::from(0.0);
-        for term in &self.0 {
-            let input = inputs[term.input];
-            sum = if term.plain {
-                sum.plus_scaled(input, term.factor.value())
-            } else {
-                sum.plus_product(input, term.factor)
-            };
-        }
-        sum
+    fn times(&self, states: &[S], spools: &[S]) -> S {
+        let sum = summed(summed(S::from(0.0), &self.states, states), &self.spools, spools);
+        self.constant.map_or(sum, |constant| sum + constant)
     }
+}
+
+fn terms<S: Scalar>(factors: &[S]) -> Vec<Term<S>> {
+    let term = |(input, &factor): (usize, &S)| {
+        let plain = (1..S::PARTS).all(|i| factor.part(i) == 0.0);
+        (!plain || factor.value() != 0.0).then_some(Term { input, factor, plain })
+    };
+    factors.iter().enumerate().filter_map(term).collect()
+}
+
+#[inline(always)]
+fn summed<S: Scalar>(mut sum: S, terms: &[Term<S>], inputs: &[S]) -> S {
+    for term in terms {
+        let input = inputs[term.input];
+        sum =
+            if term.plain { sum.plus_scaled(input, term.factor.value()) } else { sum.plus_product(input, term.factor) };
+    }
+    sum
 }
 
 impl<S: Scalar> Linear<S> {
@@ -84,9 +102,9 @@ impl<S: Scalar> Linear<S> {
             if limits.1.is_finite() { &[Regime::Free, Regime::Positive, Regime::Negative] } else { &[Regime::Free] };
         let spools = if moving { span } else { 1 };
         let maps = regimes.iter().map(|&regime| Map::of(dynamics, rest, h, (span, spools), regime)).collect();
-        let mut inputs = vec![S::from(0.0); dynamics.used + spools];
-        inputs.push(S::from(1.0));
-        Some(Self { span, moving, maps, current: 0, limits, inputs })
+        let (mut values, next) = (vec![0.0; dynamics.used + spools], rest.y.clone());
+        values.push(1.0);
+        Some(Self { span, moving, maps, current: 0, limits, values, next })
     }
 
     /// Steps that a matrix spans.
@@ -94,27 +112,34 @@ impl<S: Scalar> Linear<S> {
         self.span
     }
 
-    /// Makes ready for the way on from this state with the spool at these places; false where that is not linear.
+    /// The spool's places of which the matrices know.
+    fn known<'a>(&self, spools: &'a [S]) -> &'a [S] {
+        if self.moving { spools } else { &spools[..1] }
+    }
+
+    /// Whether the way on from this state with the spool at these places is linear; makes ready for it.
     pub(super) fn holds(&mut self, state: &State<S>, spools: &[S]) -> bool {
-        let n = state.y.len();
-        let spools = if self.moving { spools } else { &spools[..1] };
-        self.inputs[..n].copy_from_slice(&state.y);
-        self.inputs[n..n + spools.len()].copy_from_slice(spools);
-        let holds = |&i: &usize| self.maps.get(i).is_some_and(|map| map.holds(&self.inputs, self.limits));
+        let inputs = state.y.iter().chain(self.known(spools));
+        for (value, input) in self.values.iter_mut().zip(inputs) {
+            *value = input.value();
+        }
+        let holds = |&i: &usize| self.maps.get(i).is_some_and(|map| map.holds(&self.values, self.limits));
         let held = [self.current, 0, 1, 2].into_iter().find(holds);
         self.current = held.unwrap_or(self.current);
         held.is_some()
     }
 
     /// Takes the steps of `h` seconds that were made ready.
-    pub(super) fn advance(&self, state: &mut State<S>, h: f64, halfway: bool) {
+    pub(super) fn advance(&mut self, state: &mut State<S>, spools: &[S], h: f64, halfway: bool) {
+        let spools = self.known(spools);
         let Some(map) = self.maps.get(self.current) else { return };
-        for (y, row) in state.y.iter_mut().zip(&map.end) {
-            *y = row.times(&self.inputs);
-        }
         for (i, row) in map.halfway.iter().filter(|_| halfway) {
-            state.work.moved[*i] = row.times(&self.inputs);
+            state.work.moved[*i] = row.times(&state.y, spools);
         }
+        for (next, row) in self.next.iter_mut().zip(&map.end) {
+            *next = row.times(&state.y, spools);
+        }
+        std::mem::swap(&mut state.y, &mut self.next);
         state.time += h * self.span as f64;
     }
 }
@@ -146,27 +171,31 @@ impl<S: Scalar> Map<S> {
         }
         let row = |of: &dyn Fn(&Column<S>) -> S| {
             let base = of(&constant);
-            Row::of(columns.iter().map(|column| of(column) - base).chain([base]))
+            Row::of(columns.iter().map(|column| of(column) - base).chain([base]).collect(), n)
         };
-        let demand = |stage: usize| {
-            let base = constant.demands[stage];
+        let (mut demands, mut ends) = (Vec::new(), Vec::new());
+        for (stage, &base) in constant.demands.iter().enumerate() {
             let factors = columns.iter().map(|column| column.demands[stage] - base).chain([base]);
-            factors.enumerate().filter(|(_, factor)| *factor != 0.0).collect()
-        };
+            demands.extend(factors.enumerate().filter(|(_, factor)| *factor != 0.0));
+            ends.push(demands.len());
+        }
         let map = Self {
             regime,
             end: (0..n).map(|i| row(&|column| column.end[i])).collect(),
             halfway: dynamics.behind_velocities().into_iter().map(|i| (i, row(&|column| column.halfway[i]))).collect(),
-            demands: (0..4 * span).map(demand).collect(),
+            demands,
+            ends,
         };
         dynamics.forced = None;
         map
     }
 
     /// Whether the flow stays on this side of its limits at every stage.
-    fn holds(&self, inputs: &[S], (low, high): (f64, f64)) -> bool {
-        self.demands.iter().all(|row| {
-            let demand: f64 = row.iter().map(|&(i, factor)| factor * inputs[i].value()).sum();
+    fn holds(&self, values: &[f64], (low, high): (f64, f64)) -> bool {
+        let mut from = 0;
+        self.ends.iter().all(|&end| {
+            let demand: f64 = self.demands[from..end].iter().map(|&(i, factor)| factor * values[i]).sum();
+            from = end;
             match self.regime {
                 Regime::Free => low <= demand && demand <= high,
                 Regime::Positive => demand > high,

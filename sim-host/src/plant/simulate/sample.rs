@@ -20,7 +20,9 @@ pub(super) struct Sample<S> {
     spools: Vec<S>,
     /// Whether the motion at the sample itself is asked for, and the force there.
     asked: (bool, bool),
-    start: Option<(Instant<S>, S)>,
+    /// Motion at the sample, and force per table mass there (m/s2), where they are asked for.
+    start: Instant<S>,
+    force: S,
     /// Sensed and true velocity in the middle of the sample before, m/s, and of this one.
     before: (S, S),
     middle: (S, S),
@@ -49,7 +51,8 @@ impl<S: Scalar> Sample<S> {
             linear,
             spools: vec![S::from(0.0); steps],
             asked: (moves || drive.wanted.load, drive.wanted.load),
-            start: None,
+            start: dynamics.instant(rest),
+            force: S::from(0.0),
             before: velocities,
             middle: velocities,
         }
@@ -57,51 +60,56 @@ impl<S: Scalar> Sample<S> {
 
     /// Moves on by one controller tick, the `number`-th of its sample, under the command that the state holds.
     pub(super) fn tick(&mut self, dynamics: &mut Dynamics<S>, state: &mut State<S>, number: usize) {
-        for i in 0..self.steps {
+        for spool in &mut self.spools {
             dynamics.begin_step(state, self.h);
-            self.spools[i] = state.spool;
+            *spool = state.spool;
         }
         if let Some(linear) = &mut self.linear
             && linear.span() > 1
             && linear.holds(state, &self.spools)
         {
             state.spool = self.spools[0];
-            self.start = noted(dynamics, state, self.asked, self.h);
+            note(dynamics, state, self.asked, self.h, (&mut self.start, &mut self.force));
             state.spool = self.spools[(self.total - 1) / 2];
             let middle = state.time + 0.5 * self.h * self.total as f64;
-            linear.advance(state, self.h, true);
-            self.middle = dynamics.velocities_halfway(state, middle);
+            linear.advance(state, &self.spools, self.h, true);
+            (self.middle.0, self.middle.1) = dynamics.velocities_halfway(state, middle);
             return;
         }
         for i in 0..self.steps {
-            state.spool = self.spools[i];
-            self.step(dynamics, state, number * self.steps + i);
+            if self.steps > 1 {
+                state.spool = self.spools[i];
+            }
+            self.step(dynamics, state, number, i);
         }
     }
 
-    /// One integration step, the `number`-th of its sample.
-    fn step(&mut self, dynamics: &mut Dynamics<S>, state: &mut State<S>, number: usize) {
+    /// One integration step, the `i`-th of the `tick`-th tick of its sample.
+    fn step(&mut self, dynamics: &mut Dynamics<S>, state: &mut State<S>, tick: usize, i: usize) {
+        let number = tick * self.steps + i;
         let (halfway, middle) = (2 * number + 1 == self.total, state.time + 0.5 * self.h);
+        let spool = &self.spools[i..=i];
         if let Some(linear) = &mut self.linear
             && linear.span() == 1
-            && linear.holds(state, std::slice::from_ref(&state.spool.clone()))
+            && linear.holds(state, spool)
         {
             if number == 0 {
-                self.start = noted(dynamics, state, self.asked, self.h);
+                note(dynamics, state, self.asked, self.h, (&mut self.start, &mut self.force));
             }
-            linear.advance(state, self.h, halfway);
+            linear.advance(state, spool, self.h, halfway);
         } else {
             dynamics.integrate(state, self.h, halfway);
             if number == 0 && self.asked.0 {
-                self.start = Some((state.work.start.at, state.work.start.force));
+                self.start.become_of(&state.work.start.at);
+                self.force = state.work.start.force;
             }
         }
         if halfway {
-            self.middle = dynamics.velocities_halfway(state, middle);
+            (self.middle.0, self.middle.1) = dynamics.velocities_halfway(state, middle);
         }
         dynamics.settle(state);
         if 2 * (number + 1) == self.total {
-            self.middle = dynamics.velocities(state);
+            (self.middle.0, self.middle.1) = dynamics.velocities(state);
         }
     }
 
@@ -109,29 +117,31 @@ impl<S: Scalar> Sample<S> {
     pub(super) fn push(&mut self, dynamics: &Dynamics<S>, wanted: Wanted, dt: f64, trace: &mut Trace<S>) {
         if wanted.acceleration {
             let mean = (self.middle.0 - self.before.0) / dt;
-            trace.acceleration.push(self.start.map_or(mean, |(at, _)| dynamics.sense_acceleration(mean, &at)));
+            let shows = dynamics.any.acceleration;
+            trace.acceleration.push(if shows { dynamics.sense_acceleration(mean, &self.start) } else { mean });
         }
-        if let Some((at, force)) = &self.start {
-            if wanted.velocity {
-                trace.velocity.push(at.velocity);
-            }
-            if wanted.load {
-                trace.load.push((self.middle.1 - self.before.1) / dt + *force);
-            }
+        if wanted.velocity {
+            trace.velocity.push(self.start.velocity);
+        }
+        if wanted.load {
+            trace.load.push((self.middle.1 - self.before.1) / dt + self.force);
         }
         self.before = self.middle;
     }
 }
 
 /// Motion and force at the start of a step, where they are asked for.
-fn noted<S: Scalar>(
+fn note<S: Scalar>(
     dynamics: &Dynamics<S>,
     state: &mut State<S>,
     (motion, force): (bool, bool),
     h: f64,
-) -> Option<(Instant<S>, S)> {
-    motion.then(|| {
-        let force = if force { dynamics.force_now(state, h) } else { S::from(0.0) };
-        (dynamics.instant(state), force)
-    })
+    (start, at_start): (&mut Instant<S>, &mut S),
+) {
+    if motion {
+        dynamics.note(state, start);
+    }
+    if force {
+        *at_start = dynamics.force_now(state, h);
+    }
 }
