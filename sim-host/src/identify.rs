@@ -6,6 +6,7 @@
 //! compares both sides by frequency; [`frequency`] estimates frequency responses and fits transfer functions to them; [`transfer`]
 //! does so from command to motion, its order chosen by what was held back.
 
+mod covariance;
 pub mod data;
 pub mod evaluate;
 pub mod fit;

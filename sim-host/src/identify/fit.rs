@@ -4,6 +4,7 @@ mod foresight;
 mod idle;
 pub mod secant;
 
+use super::covariance::covariance;
 use super::data::Run;
 use super::evaluate::{Local, normal, residuals};
 use super::model::{Model, Value};
@@ -165,7 +166,7 @@ impl Fit {
     /// Covariance of the free shared parameters' coordinates; none where the data do not determine them.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let shared = self.model.values().filter(|v| v.free).count();
-        Some(self.normal.covariance()?.view((0, 0), (shared, shared)).into_owned())
+        Some(covariance(&self.normal)?.view((0, 0), (shared, shared)).into_owned())
     }
 
     /// By how much colour and misfit of the residuals widen each free shared coordinate's variance against white noise
@@ -237,7 +238,7 @@ fn assemble(model: &Model, locals: &[Local], runs: &[Run]) -> Result<Normal, Sim
     let mut sum = Normal::zeros(shared + counts.iter().sum::<usize>());
     let mut place = shared;
     for (part, count) in parts.into_iter().zip(counts) {
-        sum.add(&part?, shared, place);
+        sum.add(part?, shared, place);
         place += count;
     }
     for (i, away, std) in priors(model) {

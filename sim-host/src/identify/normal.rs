@@ -13,8 +13,32 @@ pub(super) struct Normal {
     pub(super) squares: f64,
     /// Rows summed.
     pub(super) rows: usize,
-    /// `J'r` of each block of a run, for errors that hold where neighbouring residuals are alike.
-    pub(super) blocks: Vec<DVector<f64>>,
+    /// What each stretch of a run adds, for errors that hold where neighbouring residuals are alike.
+    pub(super) blocks: Vec<Block>,
+}
+
+/// What one stretch of a run adds to the normal equations, in the run's own order of parameters.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    /// How many of them are everybody's, and where the others begin.
+    pub(super) places: (usize, usize),
+    /// `J'J`.
+    pub(super) matrix: DMatrix<f64>,
+    /// `J'r`.
+    pub(super) gradient: DVector<f64>,
+    /// `r'r`.
+    pub(super) squares: f64,
+    /// Rows summed.
+    pub(super) rows: usize,
+}
+
+impl Block {
+    /// The columns of a matrix over all parameters that belong to this block's own.
+    pub(super) fn columns(&self, of: &DMatrix<f64>) -> DMatrix<f64> {
+        let (shared, local) = self.places;
+        let place = |i: usize| if i < shared { i } else { local + i - shared };
+        DMatrix::from_fn(of.nrows(), self.gradient.len(), |j, i| of[(j, place(i))])
+    }
 }
 
 impl Normal {
@@ -23,7 +47,7 @@ impl Normal {
     }
 
     /// Adds another run's equations: its first `shared` parameters are everybody's, the rest start at `local`.
-    pub(super) fn add(&mut self, run: &Self, shared: usize, local: usize) {
+    pub(super) fn add(&mut self, run: Self, shared: usize, local: usize) {
         let place = |i: usize| if i < shared { i } else { local + i - shared };
         for i in 0..run.gradient.len() {
             self.gradient[place(i)] += run.gradient[i];
@@ -33,13 +57,7 @@ impl Normal {
         }
         self.squares += run.squares;
         self.rows += run.rows;
-        for block in &run.blocks {
-            let mut wide = DVector::zeros(self.gradient.len());
-            for i in 0..block.len() {
-                wide[place(i)] += block[i];
-            }
-            self.blocks.push(wide);
-        }
+        self.blocks.extend(run.blocks.into_iter().map(|block| Block { places: (shared, local), ..block }));
     }
 
     /// The step that lowers the squares, damped by `damping` times each parameter's own curvature.
@@ -74,25 +92,5 @@ impl Normal {
             DMatrix::from_fn(n, n, |i, j| self.matrix[(i, j)] * scale[i] * scale[j] + if i == j { 1e-10 } else { 0.0 });
         let inverse = scaled.cholesky()?.inverse();
         Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
-    }
-
-    /// Covariance of the parameters that holds for coloured and misfitting residuals: the spread of the blocks'
-    /// scores between two inverses of the curvature.
-    pub(super) fn covariance(&self) -> Option<DMatrix<f64>> {
-        let n = self.gradient.len();
-        let inverse = self.inverse()?;
-        let mut spread = DMatrix::zeros(n, n);
-        for block in &self.blocks {
-            spread += block * block.transpose();
-        }
-        let few = self.blocks.len() as f64 / (self.blocks.len() as f64 - n as f64).max(1.0);
-        let robust = &inverse * spread * &inverse * few;
-        // Where residuals are white the curvature alone is the sharper estimate; the larger of the two is honest.
-        let chi2 = (self.squares / (self.rows as f64 - n as f64).max(1.0)).max(1.0);
-        Some(DMatrix::from_fn(
-            n,
-            n,
-            |i, j| if i == j { robust[(i, i)].max(inverse[(i, i)] * chi2) } else { robust[(i, j)] },
-        ))
     }
 }

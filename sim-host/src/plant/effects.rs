@@ -15,6 +15,7 @@
 
 mod bristle;
 pub mod remainder;
+mod shaken;
 mod stiff_oil;
 
 pub use coulomb_friction::PRESLIDING;

@@ -44,9 +44,11 @@ fn best_fit(examinee: &impl Examinee, path: &Path) -> Option<(f64, Attainable)> 
     Some((chi2("/fit/chi2").unwrap_or(f64::INFINITY), Attainable { parameters: values.collect(), floor }))
 }
 
-/// States the reply's values as where the fit of the case without noise begins; none where not all effects were named.
+/// States the reply's values, the model's own among them, as where the fit of the case without noise begins; none where not
+/// all effects were named.
 fn begin_at(path: &Path, reply: &Reply, truth: &Truth) -> Option<()> {
-    let mut text = std::fs::read_to_string(path).ok()?;
+    let stated = std::fs::read_to_string(path).ok()?;
+    let mut text: String = stated.lines().map(|line| restated(line, reply) + "\n").collect();
     for present in &truth.effects {
         let named = reply.effects.iter().find(|effect| effect.id == present.id)?;
         let _ = writeln!(text, "\n[effects.{}]", named.id);
@@ -57,9 +59,44 @@ fn begin_at(path: &Path, reply: &Reply, truth: &Truth) -> Option<()> {
     std::fs::write(path, text).ok()
 }
 
+/// A line of an experiment with the reply's value where it states a parameter of the model, which alone are numbers under
+/// such keys.
+fn restated(line: &str, reply: &Reply) -> String {
+    let parameter = line.split_once(" = ").and_then(|(key, _)| Some((key, reply.model.get(key)?)));
+    parameter.map_or_else(|| line.to_string(), |(key, estimate)| format!("{key} = {:e}", estimate.value))
+}
+
 /// Rewrites what an experiment says, which it must say: its loop saw no noise; or every run is fitted, where the reply's values
 /// come from stretches of all.
 fn change(path: &Path, from: &str, to: &str) -> Option<()> {
     let text = std::fs::read_to_string(path).ok().filter(|text| text.contains(from))?;
     std::fs::write(path, text.replace(from, to)).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prove::record::{Estimate, Named, Present};
+
+    #[test]
+    fn a_fit_begins_where_the_reply_ended_the_models_own_values_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("experiment.toml");
+        std::fs::write(&path, "[model]\nkind = \"servo\"\nb0 = 104.4\n\n[channels]\ntime = { column = \"t\" }\n")
+            .unwrap();
+        let estimate = |value: f64| Estimate { value, ..Estimate::default() };
+        let named = Named {
+            id: "leakage".into(),
+            parameters: [("coefficient".to_string(), estimate(2e-3))].into(),
+            ..Named::default()
+        };
+        let reply =
+            Reply { model: [("b0".to_string(), estimate(117.5))].into(), effects: vec![named], ..Reply::default() };
+        let present = Present { id: "leakage".into(), ..Present::default() };
+        let truth = Truth { effects: vec![present], ..Truth::default() };
+        begin_at(&path, &reply, &truth).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("kind = \"servo\"\nb0 = 1.175e2\n") && text.contains("[channels]\ntime = {"), "{text}");
+        assert!(text.ends_with("\n[effects.leakage]\ncoefficient = 2e-3\n"), "{text}");
+    }
 }

@@ -84,6 +84,9 @@ pub struct Reply {
     /// What it names.
     #[serde(default)]
     pub effects: Vec<Named>,
+    /// The stated model's parameters as it fitted them.
+    #[serde(default)]
+    pub model: BTreeMap<String, Estimate>,
     /// With what probabilities.
     #[serde(default)]
     pub candidates: Vec<Candidate>,

@@ -1,6 +1,6 @@
 //! Rows of a run summed into its normal equations.
 
-use crate::identify::normal::Normal;
+use crate::identify::normal::{Block, Normal};
 use crate::scalar::Dual;
 use nalgebra::{DMatrix, DVector};
 
@@ -13,19 +13,26 @@ pub(in crate::identify) struct Rows {
     pub(in crate::identify) jacobian: Vec<f32>,
 }
 
-/// Sums rows into normal equations on the stack.
+/// Sums rows into normal equations, stretch by stretch.
 pub(super) struct Sums<const N: usize> {
-    matrix: [[f64; N]; N],
-    blocks: Vec<[f64; N]>,
-    squares: f64,
-    rows: usize,
+    stretches: Vec<Stretch<N>>,
     count: usize,
     block: usize,
 }
 
+/// What one stretch of a run adds, the upper triangle of the matrix alone.
+#[derive(Clone)]
+struct Stretch<const N: usize> {
+    matrix: [[f64; N]; N],
+    gradient: [f64; N],
+    squares: f64,
+    rows: usize,
+}
+
 impl<const N: usize> Sums<N> {
     pub(super) fn new(count: usize, block: usize, samples: usize) -> Self {
-        Self { matrix: [[0.0; N]; N], blocks: vec![[0.0; N]; samples / block + 1], squares: 0.0, rows: 0, count, block }
+        let nothing = Stretch { matrix: [[0.0; N]; N], gradient: [0.0; N], squares: 0.0, rows: 0 };
+        Self { stretches: vec![nothing; samples.div_ceil(block)], count, block }
     }
 
     #[inline]
@@ -35,32 +42,36 @@ impl<const N: usize> Sums<N> {
             return;
         }
         let residual = (measured - model.value) * inverse;
-        self.squares += residual * residual;
-        self.rows += 1;
         let jacobian = model.tangent.map(|slope| f64::from(slope) * inverse);
         if let Some(rows) = keep {
             rows.residuals.push(residual);
             rows.jacobian.extend(jacobian.iter().take(self.count).map(|&t| t as f32));
         }
-        let block = &mut self.blocks[k / self.block];
+        let stretch = &mut self.stretches[k / self.block];
+        stretch.squares += residual * residual;
+        stretch.rows += 1;
         for i in 0..N {
-            block[i] += jacobian[i] * residual;
+            stretch.gradient[i] += jacobian[i] * residual;
             // The upper triangle, from an even column on so that lanes stay whole.
             for j in (i & !1)..N {
-                self.matrix[i][j] += jacobian[i] * jacobian[j];
+                stretch.matrix[i][j] += jacobian[i] * jacobian[j];
             }
         }
     }
 
     pub(super) fn finish(self) -> Normal {
-        let blocks: Vec<_> = self.blocks.iter().map(|b| DVector::from_fn(self.count, |i, _| b[i])).collect();
-        let gradient = blocks.iter().fold(DVector::zeros(self.count), |sum, block| sum + block);
-        Normal {
-            matrix: DMatrix::from_fn(self.count, self.count, |i, j| self.matrix[i.min(j)][i.max(j)]),
-            gradient,
-            squares: self.squares,
-            rows: self.rows,
-            blocks,
+        let n = self.count;
+        let mut sum = Normal::zeros(n);
+        for stretch in &self.stretches {
+            let matrix = DMatrix::from_fn(n, n, |i, j| stretch.matrix[i.min(j)][i.max(j)]);
+            let gradient = DVector::from_fn(n, |i, _| stretch.gradient[i]);
+            let (squares, rows) = (stretch.squares, stretch.rows);
+            sum.matrix += &matrix;
+            sum.gradient += &gradient;
+            sum.squares += squares;
+            sum.rows += rows;
+            sum.blocks.push(Block { places: (n, n), matrix, gradient, squares, rows });
         }
+        sum
     }
 }

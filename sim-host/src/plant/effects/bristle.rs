@@ -10,6 +10,7 @@
 //!
 //! Source: P. R. Dahl, "A solid friction model", Aerospace Corporation TOR-0158(3107-18)-1 (1968).
 
+use super::shaken::magnitude;
 use crate::scalar::Scalar;
 
 /// Travel over the bristles' length after which nothing is left of how they stood.
@@ -26,28 +27,27 @@ pub(super) struct Bristles<S> {
     place: Option<S>,
     /// When that was, s.
     time: f64,
-    /// Mean speed of the noise that shakes them, m/s.
-    shaken: f64,
+    /// Standard deviation of the velocity of the noise that shakes them, m/s.
+    noise: f64,
 }
 
 impl<S: Scalar> Bristles<S> {
     /// Unbent bristles that slide after bending over `length` metres.
     pub(super) fn new(length: S) -> Self {
-        Self { length, share: S::from(0.0), place: None, time: 0.0, shaken: 0.0 }
+        Self { length, share: S::from(0.0), place: None, time: 0.0, noise: 0.0 }
     }
 
     /// Has them shaken by noise of this standard deviation, m/s.
     pub(super) fn shake(&mut self, noise: f64) {
-        self.shaken = noise * std::f64::consts::FRAC_2_PI.sqrt();
+        self.noise = noise;
     }
 
     /// The share of the sliding force they carry with the table at `displacement` (m) at `time` (s).
     pub(super) fn share(&self, displacement: S, time: f64) -> S {
         let travel = displacement - self.place.unwrap_or(displacement);
-        let shaken = self.shaken * (time - self.time).max(0.0);
-        // The mean of |v| over the noise, from below: right where either is all there is.
+        let shaken = self.noise * (time - self.time).max(0.0);
         let (way, end) = if shaken > 0.0 {
-            let way = (travel * travel + shaken * shaken).sqrt();
+            let way = magnitude(travel, S::from(shaken));
             (way, travel / way)
         } else {
             (travel.abs(), S::from(if travel.value() < 0.0 { -1.0 } else { 1.0 }))

@@ -1,11 +1,11 @@
 //! Overlap of the spool's lands: commands smaller than it pass no flow.
 //!
 //! The noise of the displacement sensor reaches the spool through the controller and shakes it over the edges, as a
-//! dither does; what passes on average is the deadband's mean over that noise. The noise is taken as logistic, whose mean
-//! has a closed form: `s ln(1 + exp((u - d)/s)) - s ln(1 + exp((-u - d)/s))`, with `s` the noise times sqrt(3)/pi. Lands have
-//! clearance and worn edges, which let a little through before they part and less than all of it after: that rounds the
-//! corner as noise of a share `r` of the half width does.
+//! dither does; what passes on average is the deadband's mean over that noise, which is normal. Lands have clearance and
+//! worn edges, which let a little through before they part and less than all of it after: that rounds the corner as noise
+//! of a share `r` of the half width does.
 
+use super::shaken::positive_part;
 use super::{Dither, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
@@ -53,33 +53,25 @@ pub const ENTRY: Entry = Entry {
 pub struct ValveDeadband<S> {
     half_width: S,
     rounding: S,
-    /// Scale over which a corner is rounded, unit of u.
-    scale: S,
+    /// Standard deviation of the noise that rounds a corner, unit of u.
+    blur: S,
 }
 
-/// Scale of the logistic whose variance is that of the edge's rounding and of the noise together.
-fn scale<S: Scalar>(edge: S, noise: f64) -> S {
-    let deviation = (edge * edge + noise * noise).sqrt();
-    (deviation * (3.0_f64.sqrt() / std::f64::consts::PI)).max(S::from(f64::MIN_POSITIVE))
+/// Standard deviation of the edge's rounding and of the noise together.
+fn blur<S: Scalar>(edge: S, noise: f64) -> S {
+    (edge * edge + noise * noise).sqrt().max(S::from(f64::MIN_POSITIVE))
 }
 
 impl<S: Scalar> ValveDeadband<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
         let &[half_width, rounding] = parameters else { return None };
-        Some(Self { half_width, rounding, scale: scale(rounding * half_width, 0.0) })
+        Some(Self { half_width, rounding, blur: blur(rounding * half_width, 0.0) })
     }
 
     /// What of `above`, the command beyond an edge, passes on average.
     fn passed(&self, above: S) -> S {
-        let ratio = above / self.scale;
-        if ratio.value() > 30.0 {
-            above
-        } else if ratio.value() < -30.0 {
-            S::from(0.0)
-        } else {
-            (ratio.exp() + 1.0).ln() * self.scale
-        }
+        positive_part(above, self.blur)
     }
 }
 
@@ -88,7 +80,7 @@ impl<S: Scalar> Effect<S> for ValveDeadband<S> {
         Hooks { valve: true, ..Hooks::default() }
     }
     fn dither(&mut self, dither: Dither) {
-        self.scale = scale(self.rounding * self.half_width, dither.command);
+        self.blur = blur(self.rounding * self.half_width, dither.command);
     }
     fn valve(&self, u: S, _y: &[S], _dy: &mut [S]) -> S {
         self.passed(u - self.half_width) - self.passed(-u - self.half_width)
