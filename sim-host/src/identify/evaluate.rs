@@ -231,6 +231,7 @@ pub(super) fn normal(
     keep: Option<&mut Rows>,
 ) -> Result<Normal, SimulateError> {
     let count = model.values().chain(local.values()).filter(|v| v.free).count();
+    // By the four: see [`Dual`].
     match count {
         0..=4 => normal_of::<4>(model, run, local, count, keep),
         5..=8 => normal_of::<8>(model, run, local, count, keep),

@@ -60,8 +60,7 @@ struct Term<S> {
 impl<S: Scalar> Row<S> {
     /// From the factors of `states` states, of the spools and of one.
     fn of(mut factors: Vec<S>, states: usize) -> Self {
-        let nothing = |factor: &S| (0..S::PARTS).all(|i| factor.part(i) == 0.0);
-        let constant = factors.pop().filter(|factor| !nothing(factor));
+        let constant = factors.pop().filter(|factor| !is_plain(factor) || factor.value() != 0.0);
         let spools = factors.split_off(states);
         Self { states: terms(&factors), spools: terms(&spools), constant }
     }
@@ -73,14 +72,21 @@ impl<S: Scalar> Row<S> {
     }
 }
 
+/// True where a factor has no derivatives.
+fn is_plain<S: Scalar>(factor: &S) -> bool {
+    (1..S::PARTS).all(|i| factor.part(i) == 0.0)
+}
+
+/// Those of a row's factors that are not zero.
 fn terms<S: Scalar>(factors: &[S]) -> Vec<Term<S>> {
     let term = |(input, &factor): (usize, &S)| {
-        let plain = (1..S::PARTS).all(|i| factor.part(i) == 0.0);
+        let plain = is_plain(&factor);
         (!plain || factor.value() != 0.0).then_some(Term { input, factor, plain })
     };
     factors.iter().enumerate().filter_map(term).collect()
 }
 
+/// `sum` and the terms' factors times their inputs.
 #[inline(always)]
 fn summed<S: Scalar>(mut sum: S, terms: &[Term<S>], inputs: &[S]) -> S {
     for term in terms {

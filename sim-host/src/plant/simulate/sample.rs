@@ -23,7 +23,8 @@ pub(super) struct Sample<S> {
     /// Motion at the sample, and force per table mass there (m/s2), where they are asked for.
     start: Instant<S>,
     force: S,
-    /// Sensed and true velocity in the middle of the sample before, m/s, and of this one.
+    /// Sensed and true velocity in the middle of the sample before, m/s, and of this one; set one by one, since what is
+    /// copied as a pair waits for what was written in parts.
     before: (S, S),
     middle: (S, S),
 }
@@ -77,6 +78,7 @@ impl<S: Scalar> Sample<S> {
             return;
         }
         for i in 0..self.steps {
+            // A single step finds the spool where it was just put.
             if self.steps > 1 {
                 state.spool = self.spools[i];
             }
