@@ -15,24 +15,32 @@ mod app {
     use crate::tasks::{control::Control, link::Link, start};
 
     #[shared]
-    struct Shared {}
+    struct Shared {
+        #[lock_free]
+        control: Control,
+    }
 
     #[local]
     struct Local {
-        control: Control,
         link: &'static mut Link,
     }
 
     #[init(local = [queues: Queues = Queues::new()])]
     fn init(context: init::Context) -> (Shared, Local) {
         let (control, link) = start::start(context.device, context.local.queues);
-        (Shared {}, Local { control, link })
+        (Shared { control }, Local { link })
     }
 
     /// The converter has sampled every input of this tick.
-    #[task(binds = DMA2_STREAM0, priority = 15, local = [control])]
+    #[task(binds = DMA2_STREAM0, priority = 15, shared = [control])]
     fn tick(context: tick::Context) {
-        context.local.control.tick();
+        context.shared.control.tick();
+    }
+
+    /// The converter overran: this tick has no sample.
+    #[task(binds = ADC, priority = 15, shared = [control])]
+    fn lost(context: lost::Context) {
+        context.shared.control.tick_without_sample();
     }
 
     /// Bytes have come and the line fell idle, or one of the others below asks for it.

@@ -7,7 +7,7 @@ use core::cell::UnsafeCell;
 
 use shakedown_firmware::converters::{Converters, INPUTS};
 use stm32f4xx_hal::{
-    pac::{ADC_COMMON, ADC1, DAC, DMA2},
+    pac::{ADC_COMMON, ADC1, DAC, DMA2, Interrupt, NVIC},
     rcc::{Enable, Rcc, Reset},
 };
 
@@ -73,7 +73,7 @@ impl OnChip {
 
         self.adc.cr2().write(|w| w.adon().disabled());
         self.adc.sr().write(|w| unsafe { w.bits(0) });
-        self.adc.cr1().write(|w| w.scan().enabled().res().twelve_bit());
+        self.adc.cr1().write(|w| w.scan().enabled().res().twelve_bit().ovrie().enabled());
         self.adc.smpr2().write(|w| unsafe { w.bits(SAMPLE_TIME * 0o1111) });
         self.adc.sqr1().write(|w| w.l().set(INPUTS as u8 - 1));
         // Channel n at place n, five bits each.
@@ -84,18 +84,20 @@ impl OnChip {
         });
     }
 
-    /// Acknowledges the sample; whether the converter failed and needs [`Self::arm`].
+    /// Acknowledges the sample; whether the DMA failed and needs [`Self::arm`]. An overrun of the converter stops the DMA,
+    /// so that it comes as an interrupt of its own.
     #[inline]
     pub(crate) fn failed(&mut self) -> bool {
         let flags = self.dma.lisr().read();
         self.dma.lifcr().write(|w| unsafe { w.bits(0x3D) });
-        flags.teif0().bit_is_set() | self.adc.sr().read().ovr().bit_is_set()
+        flags.teif0().bit_is_set()
     }
 
-    /// Whether the next tick has come already; asked at the end of a tick.
+    /// Whether the next tick has come already; asked at the end of a tick. The processor's own register, for one of the
+    /// DMA's takes the bus.
     #[inline]
-    pub(crate) fn late(&self) -> bool {
-        self.dma.lisr().read().tcif0().bit_is_set()
+    pub(crate) fn late() -> bool {
+        NVIC::is_pending(Interrupt::DMA2_STREAM0)
     }
 
     /// Lets the last code written out, if it is not out yet.
@@ -111,7 +113,7 @@ impl Converters for OnChip {
 
     #[inline]
     fn read(&mut self) -> Result<[u16; INPUTS], Fault> {
-        if self.failed() {
+        if self.failed() | self.adc.sr().read().ovr().bit_is_set() {
             self.arm();
             return Err(Fault::Lost);
         }

@@ -38,6 +38,8 @@ pub(crate) struct Line {
     usart: USART3,
     dma: DMA1,
     taken: usize,
+    /// How far the DMA had come when last asked: asking costs as much as several bytes.
+    written: usize,
 }
 
 impl Line {
@@ -47,7 +49,7 @@ impl Line {
         USART3::reset(rcc);
         DMA1::enable(rcc);
         DMA1::reset(rcc);
-        let line = Self { usart, dma, taken: 0 };
+        let line = Self { usart, dma, taken: 0, written: 0 };
         line.usart.brr().write(|w| unsafe { w.bits(DIVIDER) });
         line.usart.cr3().write(|w| w.dmar().enabled().dmat().enabled());
         line.listen();
@@ -69,8 +71,10 @@ impl Line {
 
     /// The next byte that has come.
     pub(crate) fn take(&mut self) -> Option<u8> {
-        let written = (RING - usize::from(self.dma.st(1).ndtr().read().ndt().bits())) % RING;
-        if written == self.taken {
+        if self.written == self.taken {
+            self.written = (RING - usize::from(self.dma.st(1).ndtr().read().ndt().bits())) % RING;
+        }
+        if self.written == self.taken {
             return None;
         }
         let place = self.taken % RING;

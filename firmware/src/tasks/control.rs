@@ -36,6 +36,12 @@ impl Control {
         }
     }
 
+    /// A tick whose sample the converter lost: it is set up again, and the loop is told.
+    #[cold]
+    pub(crate) fn tick_without_sample(&mut self) {
+        self.tick_noticing(true);
+    }
+
     /// A tick that is no ordinary one of a guard.
     #[inline(never)]
     fn tick_in_full(&mut self) {
@@ -68,7 +74,7 @@ impl Control {
     #[inline(always)]
     fn put(&mut self, output: u16) {
         let _ = self.converters.write(output);
-        if self.converters.late() {
+        if OnChip::late() {
             self.decide.overrun();
         }
     }

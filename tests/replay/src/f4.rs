@@ -5,6 +5,7 @@
 //! that software would set), and codes finer than a millivolt (the reference is set to 4095 "mV", so that a millivolt is
 //! a code). The part is an STM32F427, whose first megabyte of flash, RAM, timers, converters and DMA are the F407's.
 
+mod board;
 mod count;
 mod driver;
 mod wire;
@@ -14,23 +15,17 @@ use std::sync::{Arc, Mutex};
 
 use rigless::emulator::{self, Start};
 use rigless::image::Image;
-use rigless::machine::stm32f427_bench::Stm32f427Bench;
 use rigless::session::Session;
-use rigless::soc::stm32f427::peripherals::adc::Channel;
 use rigless::time::VirtualNanos;
 
 use crate::{ReplayError, World};
+use board::Board;
 pub use count::{Mark, marks};
 use driver::Lockstep;
 pub use driver::Stack;
-use wire::Wire;
 
 /// Virtual time in which the firmware must start its timer, ms.
 const BOOT_LIMIT: u64 = 2000;
-/// USART3 in the emulator's list of ports.
-const PORT: usize = 2;
-/// Inputs of ADC1 that the firmware scans.
-const INPUTS: [u8; 4] = [0, 1, 2, 3];
 
 /// What a run leaves behind.
 #[derive(Debug)]
@@ -43,7 +38,8 @@ pub struct Ran<W> {
     pub time: u64,
     /// Resets, with the virtual time of each, ns.
     pub resets: Vec<u64>,
-    /// Addresses that the firmware touched and the emulator has nothing at; a list that grows is a new blind spot.
+    /// What the firmware touched and the emulator has nothing at, by address, or no model for, by name; a list that grows is
+    /// a new blind spot.
     pub blind_spots: Vec<String>,
     /// The stack, which the firmware paints at reset.
     pub stack: Stack,
@@ -82,13 +78,8 @@ fn start<W: World>(
         images.push(content.map_err(|error| unreadable(error.to_string()))?);
     }
     let emulator = |error: &dyn std::error::Error| ReplayError::Emulator(error.to_string());
-    let mut board = Box::new(Stm32f427Bench::new().map_err(|error| emulator(&error))?);
-    for channel in INPUTS.iter().filter_map(|&number| Channel::new(number)) {
-        board.mcu.adc[0].set_input(channel, 0);
-    }
-    board.mcu.adc[0].set_reference(4095);
     let wire = Arc::new(Mutex::new(crate::Line::default()));
-    board.mcu.usart[PORT].attach(Wire(Arc::clone(&wire)));
+    let board = Box::new(Board::new(Arc::clone(&wire)).map_err(|error| emulator(&error))?);
     let until = VirtualNanos(BOOT_LIMIT * 1_000_000);
     let session = Session::new(board, 0, until).map_err(|error| emulator(&error))?;
     let finished = emulator::run(session, &Start::new(&images), driver(wire)).map_err(|error| emulator(&error))?;
@@ -96,9 +87,8 @@ fn start<W: World>(
     if !finished.driver.ticked() {
         return Err(ReplayError::NoTick(BOOT_LIMIT));
     }
-    let (resets, blind_spots) = (finished.session.resets(), finished.session.unmapped());
-    let (resets, blind_spots) =
-        (resets.iter().map(|reset| reset.at.0).collect(), blind_spots.iter().map(ToString::to_string).collect());
+    let (resets, blind_spots) = (finished.session.resets(), blind_spots(&finished.session));
+    let resets = resets.iter().map(|reset| reset.at.0).collect();
     let stack = finished.driver.stack();
     let (world, followed) = finished.driver.into_world();
     Ok(Ran {
@@ -110,4 +100,9 @@ fn start<W: World>(
         instructions: stop.map_or(0, |stop| stop.instruction_count),
         time: stop.map_or(0, |stop| stop.at.0),
     })
+}
+
+fn blind_spots(session: &Session<Board>) -> Vec<String> {
+    let unmodeled = session.unimplemented().values().map(|spot| format!("{}.{}", spot.instance, spot.register));
+    session.unmapped().iter().map(ToString::to_string).chain(unmodeled).collect()
 }

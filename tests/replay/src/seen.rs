@@ -45,6 +45,8 @@ pub struct Seen {
     pub limit: usize,
     /// Tick from which the converter is dead, until the next reset.
     pub dead_from: Option<usize>,
+    /// Tick whose sample is lost.
+    pub lost_at: Option<usize>,
     /// Resets since power-on.
     pub resets: usize,
     relay: bool,
@@ -66,6 +68,7 @@ impl Seen {
             after: 100,
             limit,
             dead_from: None,
+            lost_at: None,
             resets: 0,
             relay: false,
         }
@@ -106,5 +109,9 @@ impl World for Seen {
 
     fn converts(&self) -> bool {
         self.resets > 0 || self.dead_from.is_none_or(|from| self.codes.len() < from)
+    }
+
+    fn overruns(&self) -> bool {
+        self.lost_at == Some(self.codes.len())
     }
 }

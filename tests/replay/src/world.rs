@@ -45,4 +45,9 @@ pub trait World: Send + 'static {
     fn converts(&self) -> bool {
         true
     }
+
+    /// Whether the DMA is off when this update's conversion ends, so that the converter overruns.
+    fn overruns(&self) -> bool {
+        false
+    }
 }

@@ -64,7 +64,7 @@ impl World for Wired {
         match device.checked_sub(wall) {
             Some(ahead) => std::thread::sleep(ahead),
             // Later than this it stays late: a device that made up for it would ask more of the host than any real one.
-            None if wall - device > CATCH_UP => self.start += wall - device - CATCH_UP,
+            None if wall > device + CATCH_UP => self.start += wall.saturating_sub(device + CATCH_UP),
             None => {}
         }
         !self.over.load(Ordering::Relaxed)

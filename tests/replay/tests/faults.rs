@@ -120,6 +120,23 @@ fn an_accelerometer_that_contradicts_the_lvdt_trips() {
     trips(inputs(move |codes| codes[2] = codes[2].saturating_add(tilt).min(4094)), &expected, 1500);
 }
 
+/// What the firmware touches and the emulator has no model for: the converter's output, which the driver watches instead.
+#[test]
+fn the_emulator_is_blind_to_the_dac_alone() {
+    let ran = shakedown_replay::run(&image(), Seen::new(setup(Mode::Controller), near_field(2))).unwrap();
+    assert_eq!(ran.blind_spots, ["DAC.CR", "DAC.DHR12R1"]);
+}
+
+/// The DMA's stream is off for one conversion: the converter overruns, is set up again, and the test goes on.
+#[test]
+fn a_lost_sample_is_coasted_over() {
+    let mut seen = Seen::new(setup(Mode::Controller), near_field(12));
+    seen.lost_at = Some(AT);
+    let seen = shakedown_replay::run(&image(), seen).unwrap().world;
+    assert_eq!((seen.progress, seen.resets), (Progress::Done, 0));
+    assert!(seen.codes[1000..12_000].iter().all(|codes| codes.relay));
+}
+
 #[test]
 fn the_emergency_stop_trips() {
     let stop: Mischief = Box::new(|tick, _| *tick.circuit_closed = (tick.index as usize) < AT);

@@ -81,9 +81,9 @@ pub(super) const FIGURES: &[Figure] = &[
     figure(DEVICE, "the core's laws beside the same in C, in instructions", "ratio at most 1.1", "cargo xtask beside"),
     figure(
         DEVICE,
-        "replay speed on one core",
+        "replay speed on one core, once the image is translated",
         "50,000 ticks/s or more",
-        "cargo run --release --ignore-rust-version -p shakedown-replay --example speed",
+        "cargo run --profile replay --ignore-rust-version -p shakedown-replay --example speed",
     ),
     figure(IDENTIFY, "Eq. 7 and 0.242 m/s from simulated sweeps", "within 2 % (b1 5 %)", FITTED),
     figure(

@@ -1,13 +1,14 @@
 //! Instructions between marks: an image that writes numbers to the converter's data register, and when.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use rigless::emulator::{self, Access, AccessKind, Driver, Host, Settled, Start, Stop};
 use rigless::image::Image;
-use rigless::machine::stm32f427_bench::Stm32f427Bench;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
+use super::board::Board;
 use crate::ReplayError;
 
 const DAC_DHR12R1: u64 = 0x4000_7408;
@@ -35,8 +36,8 @@ impl Marks {
     }
 }
 
-impl Driver<Stm32f427Bench> for Marks {
-    fn on_settled(&mut self, _: &mut Session<Stm32f427Bench>, _: &mut dyn Host, settled: Settled) {
+impl Driver<Board> for Marks {
+    fn on_settled(&mut self, _: &mut Session<Board>, _: &mut dyn Host, settled: Settled) {
         if let Settled::Access { access: Access { kind: AccessKind::Write, address, .. }, value } = settled
             && address == DAC_DHR12R1
             && let Settled::Access { access, .. } = settled
@@ -45,7 +46,7 @@ impl Driver<Stm32f427Bench> for Marks {
         }
     }
 
-    fn on_stop(&mut self, _: &mut Session<Stm32f427Bench>, stop: Stop, _: &mut dyn Host) -> Option<VirtualNanos> {
+    fn on_stop(&mut self, _: &mut Session<Board>, stop: Stop, _: &mut dyn Host) -> Option<VirtualNanos> {
         (!self.ended() && stop.at.0 < LIMIT).then_some(VirtualNanos(stop.at.0 + STRIDE))
     }
 }
@@ -55,7 +56,7 @@ pub fn marks(elf: &Path) -> Result<Vec<Mark>, ReplayError> {
     let image = Image::read(elf, None)
         .map_err(|error| ReplayError::Image { path: elf.to_owned(), reason: error.to_string() })?;
     let emulator = |error: &dyn std::error::Error| ReplayError::Emulator(error.to_string());
-    let board = Box::new(Stm32f427Bench::new().map_err(|error| emulator(&error))?);
+    let board = Box::new(Board::new(Arc::default()).map_err(|error| emulator(&error))?);
     let session = Session::new(board, 0, VirtualNanos(STRIDE)).map_err(|error| emulator(&error))?;
     let images = [image];
     let finished = emulator::run(session, &Start::new(&images), Marks::default()).map_err(|error| emulator(&error))?;

@@ -4,7 +4,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop, Watch};
-use rigless::machine::stm32f427_bench::Stm32f427Bench;
 use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
@@ -12,6 +11,7 @@ use rigless::soc::stm32f427::peripherals::adc::Channel;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::time::VirtualNanos;
 
+use super::board::Board;
 use crate::{Line, Tick, World};
 
 const TIM2_CR1: u64 = 0x4000_0000;
@@ -20,9 +20,10 @@ const DAC_DHR12R1: u64 = 0x4000_7408;
 const GPIOB_BSRR: u64 = 0x4002_0418;
 const ADC1_CR2: u64 = 0x4001_2008;
 const SWSTART: u64 = 1 << 30;
+const DMA2_S0CR: u64 = 0x4002_6410;
 const ADON: u64 = 1;
-/// Timer clock, Hz.
-const TIMER_HZ: u128 = 84_000_000;
+/// Nanoseconds to so many counts of the timer, which has 84 MHz.
+const NANOSECONDS: (u64, u64) = (250, 21);
 /// How long to wait before looking again while the timer stands, ns.
 const PATIENCE: u64 = 1_000_000;
 /// Port B, and the emergency stop on it.
@@ -42,13 +43,13 @@ struct Timer {
     updates: u64,
     reload: u64,
     /// Counts before the first update of this start and since, at the reload in force then.
-    counts: u128,
+    counts: u64,
 }
 
 impl Timer {
     fn next(&mut self) -> u64 {
-        self.counts += u128::from(self.reload) + 1;
-        self.started + (self.counts * 1_000_000_000 / TIMER_HZ) as u64
+        self.counts += self.reload + 1;
+        self.started + self.counts * NANOSECONDS.0 / NANOSECONDS.1
     }
 }
 
@@ -127,7 +128,7 @@ impl<W: World> Lockstep<W> {
         self
     }
 
-    fn watch(&self, session: &mut Session<Stm32f427Bench>) {
+    fn watch(&self, session: &mut Session<Board>) {
         let Some((tick, addresses)) = &self.follow else { return };
         for &address in addresses {
             if self.timer.updates == *tick {
@@ -139,7 +140,7 @@ impl<W: World> Lockstep<W> {
     }
 
     /// A reset, which may be over and the timer started again before the next stop.
-    fn note_resets(&mut self, session: &Session<Stm32f427Bench>) -> bool {
+    fn note_resets(&mut self, session: &Session<Board>) -> bool {
         let resets = session.resets().len();
         let new = resets != self.resets;
         if new {
@@ -151,7 +152,7 @@ impl<W: World> Lockstep<W> {
     }
 
     /// A write of the firmware's that the emulator has no model for, or that moves the timer.
-    fn notice(&mut self, session: &mut Session<Stm32f427Bench>, access: Access, value: u64) {
+    fn notice(&mut self, session: &mut Session<Board>, access: Access, value: u64) {
         match access.address {
             DAC_DHR12R1 => self.output = Some((value & 0xFFF) as u16),
             GPIOB_BSRR if value & 1 != 0 => self.relay = true,
@@ -178,18 +179,19 @@ impl<W: World> Lockstep<W> {
         }
     }
 
-    fn circuit(&self, session: &mut Session<Stm32f427Bench>, at: VirtualNanos) {
+    fn circuit(&self, session: &mut Session<Board>, at: VirtualNanos) {
         let level = if self.circuit_closed { Level::Low } else { Level::High };
         if let Some(pin) = Pin::new(STOP_PIN) {
             session
                 .board_mut()
-                .mcu
+                .part
+                .whole
                 .drive_port(at, PORT_B, |port, registers, context| port.drive(pin, Some(level), registers, context));
         }
     }
 
     /// Asks the world, then starts the conversion. None ends the run.
-    fn update(&mut self, session: &mut Session<Stm32f427Bench>, stop: Stop) -> Option<()> {
+    fn update(&mut self, session: &mut Session<Board>, stop: Stop) -> Option<()> {
         let wire = Arc::clone(&self.wire);
         let mut line = wire.lock().unwrap_or_else(PoisonError::into_inner);
         let (was_closed, supply, inputs) = (self.circuit_closed, self.supply, self.inputs);
@@ -211,27 +213,30 @@ impl<W: World> Lockstep<W> {
         if self.circuit_closed != was_closed {
             self.circuit(session, stop.at);
         }
-        let mcu = &mut session.board_mut().mcu;
+        let part = &mut session.board_mut().part;
         if self.supply != supply {
-            mcu.set_supply(self.supply);
+            part.whole.set_supply(self.supply);
         }
         for (number, (&code, was)) in (0..).zip(self.inputs.iter().zip(inputs)) {
             if let Some(channel) = Channel::new(number).filter(|_| code != was || self.timer.updates == 1) {
-                mcu.adc[0].set_input(channel, u32::from(code));
+                part.whole.adc[0].set_input(channel, u32::from(code));
             }
         }
+        if self.world.overruns() {
+            let _ = part.write(stop.at, DMA2_S0CR, Width::W32, 0);
+        }
         if self.world.converts() {
-            let control = mcu.read(stop.at, ADC1_CR2, Width::W32).unwrap_or(0);
+            let control = part.read(stop.at, ADC1_CR2, Width::W32).unwrap_or(0);
             if control & ADON != 0 {
-                let _ = mcu.write(stop.at, ADC1_CR2, Width::W32, control | SWSTART);
+                let _ = part.write(stop.at, ADC1_CR2, Width::W32, control | SWSTART);
             }
         }
         go_on.then_some(())
     }
 }
 
-impl<W: World> Driver<Stm32f427Bench> for Lockstep<W> {
-    fn on_settled(&mut self, session: &mut Session<Stm32f427Bench>, _: &mut dyn Host, settled: Settled) {
+impl<W: World> Driver<Board> for Lockstep<W> {
+    fn on_settled(&mut self, session: &mut Session<Board>, _: &mut dyn Host, settled: Settled) {
         match settled {
             Settled::Access { access, value } if access.kind == AccessKind::Write => {
                 self.notice(session, access, value);
@@ -245,12 +250,7 @@ impl<W: World> Driver<Stm32f427Bench> for Lockstep<W> {
         }
     }
 
-    fn on_stop(
-        &mut self,
-        session: &mut Session<Stm32f427Bench>,
-        stop: Stop,
-        host: &mut dyn Host,
-    ) -> Option<VirtualNanos> {
+    fn on_stop(&mut self, session: &mut Session<Board>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
         if self.note_resets(session) {
             self.circuit(session, stop.at);
         }
