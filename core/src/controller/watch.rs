@@ -218,6 +218,10 @@ impl Watch {
                 if ALL || parts.detector {
                     self.detect(mode, velocity, config, readings, drive);
                 }
+                let judged = mode != Mode::Modifier && (ALL || parts.guard);
+                if judged && config.guard.valve.creeps(&mut self.valve) {
+                    return Word::Unusual(Some(Trip::ValveStuck));
+                }
                 Word::Nothing
             }
             1 => {

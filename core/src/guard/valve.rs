@@ -3,9 +3,12 @@
 //! ```text
 //! w[k] = lag(clamp(gain u, -V, +V), valve lag)                 the velocity that the command asks for, m/s
 //! r[k] = r[k-1] + dt (v - w) - (dt / memory) r[k-1]            displacement that it does not explain, m
+//! c[k] = c[k-1] + dt (v - w) - (dt / 25 memory) c[k-1]         the same over a longer time, m, as r and what r forgot
 //! s[k] = s[k-1] + dt clamp(gain u, -V, +V) - (dt / 5 memory) s[k-1]     while the LVDT stays within mismatch / 20, else 0
 //! ```
 //! u is the command beyond zero flow (m), V the velocity limit in force. `|r| > mismatch` trips, and so does
+//! `|c| > 2 mismatch`: an LVDT that creeps, of which neither the accelerometer nor a loop that is closed over it sees
+//! anything. An even speed below 8 % of mismatch / memory may be an unknown null. So does
 //! `|s| > mismatch / 2`: a table that is told to move and by its LVDT does not. That is a valve that is shut, or an LVDT that
 //! stands still while the table moves evenly, of which the accelerometer sees nothing; an even speed below a tenth of
 //! mismatch / memory is not seen, so that an unknown null does not trip a table at rest. No command stops a valve stuck hard
@@ -18,6 +21,9 @@ use crate::filter::Lag;
 use crate::filter::lag::LagState;
 use crate::math::Magnitude;
 use crate::scalar::Scalar;
+
+/// How much longer what creeps is remembered, and how much farther it may go.
+const SLOW: (f32, f32) = (25.0, 2.0);
 
 /// When the valve is not believed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -42,6 +48,10 @@ pub struct ValveMonitor {
     dt: f32,
     keep: f32,
     mismatch: Magnitude,
+    /// The same for what creeps: what is kept from turn to turn, what is kept of what r forgets, and limit, m.
+    slow_keep: f32,
+    slow_gain: f32,
+    slow_limit: Magnitude,
     /// The same for a table that stands still: what is kept from turn to turn, band and limit, m.
     still_keep: f32,
     still_band: Magnitude,
@@ -53,6 +63,7 @@ pub struct ValveMonitor {
 pub struct ValveMonitorState {
     velocity: LagState,
     unexplained: f32,
+    forgotten: f32,
     /// Where the LVDT has stood since it last moved, m, and what it was told to move since, m.
     stood: f32,
     told: f32,
@@ -61,19 +72,35 @@ pub struct ValveMonitorState {
 impl ValveMonitor {
     /// No monitor: no valve is believed.
     pub(crate) fn none() -> Self {
-        let (lag, none) = (Lag::none(), Magnitude::ZERO);
-        Self { lag, dt: 0.0, keep: 0.0, mismatch: none, still_keep: 0.0, still_band: none, still_limit: none }
+        let none = Magnitude::ZERO;
+        Self {
+            lag: Lag::none(),
+            dt: 0.0,
+            keep: 0.0,
+            mismatch: none,
+            slow_keep: 0.0,
+            slow_gain: 0.0,
+            slow_limit: none,
+            still_keep: 0.0,
+            still_band: none,
+            still_limit: none,
+        }
     }
 
     /// A monitor of a valve with the given `lag` (s) at ticks of `dt` (s).
     pub fn new(settings: &ValveMonitorSettings, lag: f32, dt: f32) -> Result<Self, BlockError> {
         let memory = require("guard.valve.memory", settings.memory, 0.01, 100.0)?;
         let mismatch = require("guard.valve.mismatch", settings.mismatch, 1e-5, 10.0)?;
+        let keep = 1.0 - (dt / memory).min(1.0);
+        let slow_keep = 1.0 - (dt / (SLOW.0 * memory)).min(1.0);
         Ok(Self {
             lag: Lag::new(lag, dt)?,
             dt,
-            keep: 1.0 - (dt / memory).min(1.0),
+            keep,
             mismatch: Magnitude::new(mismatch),
+            slow_keep,
+            slow_gain: slow_keep - keep,
+            slow_limit: Magnitude::new(SLOW.1 * mismatch),
             still_keep: 1.0 - (0.2 * dt / memory).min(1.0),
             still_band: Magnitude::new(0.05 * mismatch),
             still_limit: Magnitude::new(0.5 * mismatch),
@@ -101,5 +128,12 @@ impl ValveMonitor {
             state.told = 0.0;
         }
         !(self.mismatch.holds(state.unexplained) && self.still_limit.holds(state.told))
+    }
+
+    /// Between two of these: true where the LVDT creeps.
+    #[inline(always)]
+    pub fn creeps(&self, state: &mut ValveMonitorState) -> bool {
+        state.forgotten = self.slow_keep * state.forgotten + self.slow_gain * state.unexplained;
+        !self.slow_limit.holds(state.unexplained + state.forgotten)
     }
 }

@@ -273,6 +273,39 @@ fn stuck_lvdt_at_an_even_speed() {
     assert_eq!(stuck_while_even(&Settings { guard: deaf, ..settings(Mode::Guard) }, 0.02).0, None);
 }
 
+/// An LVDT that creeps away at `speed` (m/s) from the third second of a swing on: what tripped, and how far the table went
+/// from its swing, m.
+fn creeping_lvdt(settings: &Settings, speed: f64) -> (Option<Trip>, f64) {
+    let mut rig = Rig::running(settings);
+    rig.swing(3.0, |_| ());
+    while rig.t < 11.0 && rig.tripped.is_none() {
+        let crept = speed * (rig.t - 3.0);
+        let reference = swing(rig.t);
+        rig.tick(reference, |s| {
+            s.displacement += crept as f32;
+            s.external -= 10.0 * crept as f32;
+        });
+    }
+    (rig.tripped.map(|(_, cause)| cause), speed.abs() * (rig.t - 3.0))
+}
+
+#[test]
+fn creeping_lvdt_in_a_closed_loop() {
+    // The loop carries the table along, so that LVDT, accelerometer and reference agree: the valve is what knows.
+    for mode in [Mode::Guard, Mode::Controller] {
+        for speed in [0.02, -0.03, 0.1] {
+            let (cause, way) = creeping_lvdt(&settings(mode), speed);
+            assert_eq!(cause, Some(Trip::ValveStuck), "{mode:?} at {speed} m/s after {way} m");
+            assert!(way < 0.07, "{mode:?} at {speed} m/s: {way} m");
+        }
+        assert_eq!(creeping_lvdt(&settings(mode), 0.005).0, None);
+    }
+    let deaf = settings(Mode::Guard)
+        .guard
+        .map(|guard| GuardSettings { valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve }, ..guard });
+    assert_eq!(creeping_lvdt(&Settings { guard: deaf, ..settings(Mode::Guard) }, 0.02).0, None);
+}
+
 /// A swing of which `length` ticks from the fourth second on lack `fault`'s reading: how far the modified reference strays, m.
 fn strays(mode: Mode, length: u32, fault: impl Fn(&mut Sample)) -> f64 {
     let (mut whole, mut gapped) = (Rig::running(&settings(mode)), Rig::running(&settings(mode)));
