@@ -74,7 +74,7 @@ pub enum Trip {
     DisplacementNoisy,
     /// The accelerometer is noisier than it can be.
     AccelerationNoisy,
-    /// The table does not do what the valve is told: stuck, shut or hard over.
+    /// The table does not do what the valve is told: stuck, shut or hard over; or its LVDT creeps.
     ValveStuck,
     /// The law's own state was not a number: it was reset.
     Internal,

@@ -236,6 +236,13 @@ fn valve_stuck_shut() {
     }
 }
 
+/// Guard mode with a valve monitor that believes any valve.
+fn without_valve_monitor() -> Settings {
+    let deaf =
+        |guard: GuardSettings| GuardSettings { valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve }, ..guard };
+    Settings { guard: settings(Mode::Guard).guard.map(deaf), ..settings(Mode::Guard) }
+}
+
 /// A table that goes evenly at `speed` (m/s) when its LVDT sticks: what tripped, and how far it went unseen, m.
 fn stuck_while_even(settings: &Settings, speed: f64) -> (Option<Trip>, f64) {
     let mut rig = Rig::running(settings);
@@ -267,10 +274,7 @@ fn stuck_lvdt_at_an_even_speed() {
             assert!(way < 0.03, "{mode:?} at {speed} m/s: {way} m");
         }
     }
-    let deaf = settings(Mode::Guard)
-        .guard
-        .map(|guard| GuardSettings { valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve }, ..guard });
-    assert_eq!(stuck_while_even(&Settings { guard: deaf, ..settings(Mode::Guard) }, 0.02).0, None);
+    assert_eq!(stuck_while_even(&without_valve_monitor(), 0.02).0, None);
 }
 
 /// An LVDT that creeps away at `speed` (m/s) from the third second of a swing on: what tripped, and how far the table went
@@ -300,10 +304,7 @@ fn creeping_lvdt_in_a_closed_loop() {
         }
         assert_eq!(creeping_lvdt(&settings(mode), 0.005).0, None);
     }
-    let deaf = settings(Mode::Guard)
-        .guard
-        .map(|guard| GuardSettings { valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve }, ..guard });
-    assert_eq!(creeping_lvdt(&Settings { guard: deaf, ..settings(Mode::Guard) }, 0.02).0, None);
+    assert_eq!(creeping_lvdt(&without_valve_monitor(), 0.02).0, None);
 }
 
 /// A swing of which `length` ticks from the fourth second on lack `fault`'s reading: how far the modified reference strays, m.

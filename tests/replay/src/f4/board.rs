@@ -7,7 +7,7 @@
 use std::num::{NonZeroU32, NonZeroU64};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rigless::cpu::armv7m as core;
+use rigless::cpu::armv7m::windows;
 use rigless::device::{ErasedDevice, ResetCause};
 use rigless::machine::{self, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
@@ -21,9 +21,8 @@ use super::wire::Wire;
 use crate::Line;
 
 /// What has a model.
-const CARRIED: [&str; 17] = [
-    "RCC", "PWR", "FLASH", "IWDG", "DBG", "DWT", "TIM2", "ADC1", "C_ADC", "DMA1", "DMA2", "USART3", "GPIOA", "GPIOB",
-    "GPIOC", "GPIOD", "GPIOH",
+const CARRIED: [&str; 14] = [
+    "RCC", "PWR", "FLASH", "IWDG", "DWT", "TIM2", "ADC1", "C_ADC", "DMA1", "DMA2", "USART3", "GPIOA", "GPIOB", "GPIOD",
 ];
 /// USART3 in the part's list of ports.
 const PORT: usize = 2;
@@ -134,7 +133,7 @@ impl machine::Board for Board {
             instructions_per_second: armv7m::INSTRUCTIONS_PER_SECOND,
             boot: "flash",
         }
-        .spec_with_parts(&core::windows(self.part.bus()), armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
+        .spec_with_parts(&windows(self.part.bus()), armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
         vec![Target::new(NAME, &mut self.part, core)]
     }
 }
