@@ -311,7 +311,12 @@ impl Controller {
     /// What the sensors say of the table, the valve and themselves.
     #[inline(never)]
     fn watch(&mut self, missing: Channels) -> Option<Trip> {
-        let drive = self.drive();
+        let mut drive = self.drive();
+        if !self.supervisor.moves() {
+            // What the test asked for is asked for no more, as far as the safe ramp has come.
+            drive.excess *= self.supervisor.command();
+            drive.reference = self.readings.displacement;
+        }
         if missing.is_empty() {
             self.watch.step_again(&self.config, &self.readings, drive)
         } else {

@@ -18,7 +18,7 @@ use crate::sample::{Channels, Sample};
 use crate::saturation::{DetectorState, Evidence};
 use crate::settings::Mode;
 pub(super) use words::Drive;
-use words::Word;
+use words::{Cause, Word};
 
 /// Ticks from one turn of a monitor to its next.
 pub(crate) const TURNS: u8 = 3;
@@ -41,7 +41,7 @@ pub(super) struct Watch {
     valve: ValveMonitorState,
     lost: u32,
     turn: u8,
-    cause: Option<Trip>,
+    cause: Cause,
 }
 
 impl Watch {
@@ -57,7 +57,7 @@ impl Watch {
             valve: ValveMonitorState::default(),
             lost: 0,
             turn: 0,
-            cause: Some(Trip::SensorLost),
+            cause: Cause::of(Trip::SensorLost),
         }
     }
 
@@ -109,9 +109,9 @@ impl Watch {
         }
     }
 
-    /// Why the guard would trip, as of the last tick.
+    /// Why the guard would trip: as of the last tick, or of the last turn of a monitor.
     pub(super) fn cause(&self) -> Option<Trip> {
-        self.cause
+        self.cause.standing()
     }
 
     /// One tick with every needed reading there, under a [`Config::complete`] configuration where `ALL`, in guard mode where
@@ -137,7 +137,7 @@ impl Watch {
             Word::Nothing if ALL => {
                 let left = config.guard.envelope.left_by(readings.displacement, self.observer.velocity);
                 if left.is_some() {
-                    self.cause = left;
+                    self.cause.now = left;
                 }
                 left
             }
@@ -151,8 +151,7 @@ impl Watch {
     #[inline(never)]
     fn blame(&mut self, config: &Config, readings: &Sample, doubt: Option<Trip>) -> Option<Trip> {
         let left = config.guard.envelope.left_by(readings.displacement, self.velocity(config, readings));
-        self.cause = if left.is_some() { left } else { doubt };
-        self.cause
+        self.cause.hear(left, doubt)
     }
 
     /// The same under any configuration.
@@ -189,8 +188,8 @@ impl Watch {
         if !config.parts.guard {
             return None;
         }
-        self.cause = seen.or((lost > config.guard.lost).then_some(Trip::SensorLost));
-        self.cause
+        self.cause.now = seen.or((lost > config.guard.lost).then_some(Trip::SensorLost));
+        self.cause.now
     }
 
     /// Velocity and low-passed acceleration of the table. A reading that is not there stands at zero.

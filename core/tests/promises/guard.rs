@@ -562,6 +562,49 @@ fn a_reset_waits_for_the_ramp_and_arming_for_the_cause() {
     assert_eq!(controller.request(Request::Arm), Ok(()));
 }
 
+/// What a test asked for when it tripped is no longer asked for: the table that stands where it stopped, away from its
+/// reference, is armed again.
+#[test]
+fn a_table_that_tripped_in_motion_can_be_armed_again() {
+    for mode in [Mode::Guard, Mode::Modifier, Mode::Controller] {
+        let mut settings = settings(mode);
+        // The swing is followed within 25 mm, or the test would not get as far.
+        settings.guard.as_mut().unwrap().envelope.tracking = 0.025;
+        let mut rig = Rig::running(&settings);
+        rig.swing(3.4, |_| ());
+        assert!(rig.tripped.is_none() && rig.table.v.abs() > 0.05);
+        rig.controller.request(Request::Trip).unwrap();
+        for _ in 0..1000 {
+            rig.tick(0.05, |_| ());
+        }
+        assert!((rig.table.x - 0.05).abs() > 0.025, "the reference is where the table stands");
+        rig.controller.request(Request::Reset).unwrap();
+        assert_eq!(rig.controller.request(Request::Arm), Ok(()), "{mode:?}");
+        for _ in 0..1000 {
+            let held = rig.tick(0.05, |_| ());
+            assert_eq!((held.status.state, held.status.trip), (State::Ready, None), "{mode:?}");
+        }
+    }
+}
+
+/// A monitor has its turn at every third tick; what it found stands in between.
+#[test]
+fn a_cause_refuses_arming_at_every_tick() {
+    let mut rig = Rig::running(&settings(Mode::Guard));
+    let off = |sample: &mut Sample| sample.acceleration += 5.0;
+    assert_eq!(rig.swing(3.0, off).status.state, State::Tripped);
+    rig.controller.request(Request::Reset).unwrap();
+    for _ in 0..12 {
+        rig.tick(0.0, off);
+        assert!(matches!(rig.controller.request(Request::Arm), Err(Refused::Cause(_))));
+    }
+    // And no longer than it stands.
+    for _ in 0..3000 {
+        rig.tick(0.0, |_| ());
+    }
+    assert_eq!(rig.controller.request(Request::Arm), Ok(()));
+}
+
 /// The hazards again with monitors deaf: each must then go unseen, or the tests above show nothing.
 #[test]
 fn deaf_monitors_would_be_seen() {

@@ -146,6 +146,61 @@ fn what_is_no_number_is_refused_in_every_field_by_name() {
     }
 }
 
+/// What `settings` say of `field` when it holds `value`: none where it is not this field that does not hold.
+fn refusal(settings: &Settings, (name, field): &Field, value: f32) -> Option<(f32, f32)> {
+    let mut settings = *settings;
+    *field(&mut settings) = value;
+    match settings.validate() {
+        Err(SettingsError::OutOfRange { field, low, high, .. }) if field == *name => Some((low, high)),
+        _ => None,
+    }
+}
+
+/// The range of `field`: that of a check which comes later where it is narrower.
+fn range(settings: &Settings, field: &Field) -> (f32, f32) {
+    let (low, high) = refusal(settings, field, f32::NAN).unwrap();
+    (
+        refusal(settings, field, low).map_or(low, |later| later.0),
+        refusal(settings, field, high).map_or(high, |later| later.1),
+    )
+}
+
+/// The settings above at another rate, stroke and limit, which ranges depend on.
+fn other() -> Settings {
+    let mut settings = Settings { rate: 4000.0, stroke: 0.3, velocity_limit: 0.8, ..full() };
+    settings.modification = Modification::Preview { seconds: 0.01 };
+    settings.valve.lag = 0.03;
+    tracking(&mut settings).spacing = 0.001;
+    settings
+}
+
+/// Every field's range, its ends included and the next number beyond them not; `tests/golden/ranges.txt` has them all, for
+/// two settings. `UPDATE_GOLDEN=1 cargo test -p shakedown-core --test promises ranges` writes them down.
+#[test]
+fn every_field_has_its_range_and_the_ends_belong_to_it() {
+    let mut text = String::new();
+    for field in FIELDS {
+        text += &format!("{:<40}", field.0);
+        for settings in [full(), other()] {
+            assert_eq!(settings.validate(), Ok(()));
+            let (low, high) = range(&settings, field);
+            for (value, holds) in [(low, true), (high, true), (low.next_down(), false), (high.next_up(), false)] {
+                let refused = refusal(&settings, field, value);
+                assert_eq!(refused.is_none(), holds, "{} = {value:e} of {low:e} to {high:e}: {refused:?}", field.0);
+            }
+            text += &format!(" {low:>14e} to {high:<14e}");
+        }
+        text = text.trim_end().to_owned() + "\n";
+    }
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ranges.txt");
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(&path, &text).unwrap();
+    }
+    let written = std::fs::read_to_string(path).unwrap_or_default();
+    let changed: Vec<&str> = text.lines().filter(|line| !written.lines().any(|old| old == *line)).collect();
+    assert!(text == written, "ranges are not those written down: {changed:#?}");
+}
+
 #[test]
 fn the_list_above_misses_no_number() {
     // Postcard writes each f32 in four bytes; what is not a number in the list must be an enum or an option's tag.

@@ -1,0 +1,144 @@
+//! A test with everything in it: what the operator asks for, what breaks, and a table that answers.
+
+use crate::tape::{Noise, Tape};
+use shakedown_core::control::InnerLoop;
+use shakedown_core::math;
+use shakedown_core::{Controller, Course, Mode, Relay, Request, Sample, Settings};
+
+/// A table of four operations: a valve that lags, a limit, two sensors.
+#[derive(Debug)]
+struct Table {
+    x: f32,
+    v: f32,
+    a: f32,
+    limit: f32,
+    stuck: Option<f32>,
+    noise: Noise,
+}
+
+impl Table {
+    fn sample(&mut self, reference: f32, before: f32) -> Sample {
+        let displacement = math::floor(self.x * 25_000.0) / 25_000.0;
+        let acceleration = self.a + 0.1 * self.noise.next();
+        Sample {
+            velocity: self.v,
+            pressure_difference: 2e5 * self.a,
+            reference_velocity: (reference - before) * 1000.0,
+            reference_acceleration: 0.2 * self.noise.next(),
+            // An existing controller's, if there is one.
+            external: 8.0 * (reference - displacement),
+            ..Sample::new(reference, displacement, acceleration)
+        }
+    }
+
+    fn advance(&mut self, command: f32, relay: Relay) {
+        let before = self.v;
+        let flow = if relay == Relay::Closed { 2.4 * self.stuck.unwrap_or(command) } else { 0.0 };
+        self.v += 0.06 * (flow - self.v);
+        self.v = self.v.clamp(-self.limit, self.limit);
+        self.x += 1e-3 * self.v;
+        self.a = 1000.0 * (self.v - before);
+    }
+}
+
+/// What an operator asks for, and when: what applies and what does not.
+const ACTS: &[(u32, Request)] = &[
+    (1, Request::Start),
+    (3, Request::Arm),
+    (4, Request::Arm),
+    (5, Request::Start),
+    (300, Request::Reset),
+    (900, Request::Hold),
+    (1000, Request::Hold),
+    (1150, Request::Resume),
+    (1300, Request::Off),
+    (2100, Request::Stop),
+    (2150, Request::Resume),
+    (2400, Request::Off),
+    (2410, Request::Arm),
+    (2420, Request::Start),
+    (2500, Request::Hold),
+    (2510, Request::Stop),
+    (2800, Request::Start),
+    (3300, Request::Reset),
+    (3301, Request::Arm),
+    (3310, Request::Reset),
+    (3700, Request::Reset),
+    (3710, Request::Arm),
+    (3720, Request::Start),
+    (4100, Request::Trip),
+    (4101, Request::Reset),
+    (4300, Request::Reset),
+    (4310, Request::Arm),
+];
+
+/// How long it takes.
+const TICKS: u32 = 4500;
+
+/// What is spoilt of a sample, and when.
+fn spoil(k: u32, sample: &mut Sample) {
+    match k {
+        0 | 1500..=1501 => (sample.reference, sample.external) = (f32::NAN, f32::INFINITY),
+        1560..=1563 => sample.displacement = f32::NAN,
+        1620..=1628 => sample.acceleration = 1e4,
+        1700 => sample.external = 3.0,
+        1760..=1765 => sample.velocity = f32::NAN,
+        1800 => sample.pressure_difference = f32::NAN,
+        1840 => sample.reference_velocity = 21.0,
+        1850 => sample.reference_acceleration = 1001.0,
+        3200..=3240 => sample.displacement = f32::NAN,
+        4200 => (sample.reference, sample.external) = (0.5, 0.0),
+        4400..=4425 => sample.reference = f32::NAN,
+        _ => {}
+    }
+}
+
+/// Goes through the script under `settings`, exchanged for `other` from 1900 to 2300, and notes all that can be seen.
+pub(crate) fn play(tape: &mut Tape, settings: &Settings, other: &Settings) {
+    let mut controller = Controller::new(settings).unwrap();
+    let mut table = Table { x: 0.002, v: 0.0, a: 0.0, limit: 0.2, stuck: None, noise: Noise::new(103) };
+    let mut before = 0.0;
+    for k in 0..TICKS {
+        for (_, request) in ACTS.iter().filter(|(at, _)| *at == k) {
+            tape.word(&controller.request(*request));
+        }
+        if k == 1900 || k == 2300 {
+            tape.word(&controller.retune(if k == 1900 { other } else { settings }));
+        }
+        if k == 3000 || k == 3290 {
+            table.stuck = (k == 3000).then_some(0.06);
+        }
+        let reference = 0.04 * libm::sinf(k as f32 * 0.0075) + 0.01 * libm::sinf(k as f32 * 0.041);
+        let mut sample = table.sample(reference, before);
+        before = reference;
+        spoil(k, &mut sample);
+        tape.count(controller.passes(&sample));
+        let course = controller.advance(&sample);
+        note(tape, &controller, course);
+        let now = if (1900..2300).contains(&k) { other } else { settings };
+        table.advance(answer(now, &controller, &table), controller.relay());
+    }
+}
+
+/// What the valve gets of the output.
+fn answer(settings: &Settings, controller: &Controller, table: &Table) -> f32 {
+    let output = controller.valve();
+    match (settings.mode, settings.inner_loop) {
+        (Mode::Modifier, _) => 8.0 * (output - table.x),
+        (_, InnerLoop::Hardwired) => output - table.x,
+        (_, InnerLoop::Absent) => output,
+    }
+}
+
+fn note(tape: &mut Tape, controller: &Controller, course: Course) {
+    let command = controller.command(course.missing());
+    assert_eq!(command.valve.to_bits(), controller.valve().to_bits());
+    assert_eq!((command.status.relay, command.status.state), (controller.relay(), controller.state()));
+    assert_eq!(command.status.trip, controller.trip());
+    assert_eq!(command.status.held, !course.missing().is_empty());
+    tape.note_all([command.valve, command.reference, command.status.velocity_limit]);
+    tape.count(command.status.bits());
+    tape.count(course.missing().bits());
+    tape.count(controller.changes());
+    tape.count(u32::from(course == Course::Whole));
+}
