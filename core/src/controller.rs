@@ -299,7 +299,7 @@ impl Controller {
     /// What pushes the table since the last tick.
     #[inline]
     fn drive(&self) -> Drive {
-        Drive { reference: self.reference, reference_velocity: self.law.reference_velocity(), excess: self.excess }
+        Drive { reference: self.reference, excess: self.excess }
     }
 
     /// What they say where some parts that look on are not in use.

@@ -8,16 +8,21 @@
 //! collapsed = |a| <= plateau
 //! pushed    = e sgn(v) > error
 //! near      = |v| >= 0.92 V(side)
-//! wanting   = d sgn(v) > (1 + shortfall) |v|
+//! wanting   = (d - lag a) sgn(v) > (1 + shortfall) |v|
 //! evidence  = collapsed and pushed and |v| >= floor V0 and (near or wanting),     saturated once it lasts `hold`
 //! ```
-//! a is the observer's acceleration, low-passed (m/s2); e the displacement error (m; in guard mode the external command beyond zero flow), d the speed that is asked for
-//! (m/s): the command through the valve's linear model, or in modifier mode the reference's own velocity. At the crest of
-//! an unsaturated swing the acceleration also passes zero, but there d equals v: wanting is what tells.
+//! a is the observer's acceleration, low-passed (m/s2); e the displacement error (m; in guard mode the external command
+//! beyond zero flow), d the speed that is asked for (m/s): the command times the valve's gain, or in modifier mode what the
+//! [`existing`] controller is found to make of its error; lag the valve's (s). At the crest of an unsaturated swing the
+//! acceleration also passes zero, but there d - lag a equals v: wanting is what tells.
 //!
 //! The limit in force is estimated for each direction by itself (m/s): while saturated it moves to |v| with time
 //! constant `follow`; a speed above it raises it at once; otherwise it recovers to the set limit V0 with time constant
 //! `recovery`, as an accumulator refills. It never leaves `floor V0` to V0.
+
+pub mod existing;
+
+pub use existing::{Existing, ExistingState};
 
 use serde::{Deserialize, Serialize};
 
@@ -60,7 +65,7 @@ pub struct Evidence {
     pub acceleration: f32,
     /// What pushes it, m: displacement error, or external command beyond zero flow.
     pub error: f32,
-    /// Speed that is asked for, m/s.
+    /// Speed that is asked for, m/s: what the command settles at behind the valve's lag.
     pub demand: f32,
 }
 
@@ -72,6 +77,8 @@ pub struct Detector {
     excess: f32,
     slowest: f32,
     limit: f32,
+    lag: f32,
+    existing: Existing,
     hold: u32,
     follow: f32,
     recovery: f32,
@@ -84,12 +91,19 @@ pub struct DetectorState {
     positive: f32,
     negative: f32,
     blocked: Blocked,
+    existing: ExistingState,
 }
 
 impl DetectorState {
     /// A state that has seen nothing of a table of `limit` (m/s).
     pub fn at(limit: f32) -> Self {
-        Self { lasted: 0, positive: limit, negative: limit, blocked: Blocked::Neither }
+        Self {
+            lasted: 0,
+            positive: limit,
+            negative: limit,
+            blocked: Blocked::Neither,
+            existing: ExistingState::default(),
+        }
     }
 
     /// The direction in which the table is at its limit.
@@ -119,14 +133,16 @@ impl Detector {
             excess: 1.0,
             slowest: 0.0,
             limit: 0.0,
+            lag: 0.0,
+            existing: Existing::none(),
             hold: u32::MAX,
             follow: 0.0,
             recovery: 0.0,
         }
     }
 
-    /// A detector for a table of `velocity_limit` (m/s) at ticks of `dt` (s).
-    pub fn new(settings: &Detection, velocity_limit: f32, dt: f32) -> Result<Self, BlockError> {
+    /// A detector for a table of `velocity_limit` (m/s) whose valve has a time constant of `lag` (s, finite), at ticks of `dt` (s).
+    pub fn new(settings: &Detection, velocity_limit: f32, lag: f32, dt: f32) -> Result<Self, BlockError> {
         let limit = require("velocity_limit", velocity_limit, 1e-3, 10.0)?;
         let floor = require("saturation.floor", settings.floor, 0.05, 1.0)?;
         let hold = require("saturation.hold", settings.hold, 0.0, 1.0)?;
@@ -138,6 +154,8 @@ impl Detector {
             excess: 1.0 + require("saturation.shortfall", settings.shortfall, 0.0, 10.0)?,
             slowest: floor * limit,
             limit,
+            lag,
+            existing: Existing::new(lag, settings.plateau, dt),
             hold: (hold / dt) as u32,
             follow: (dt / follow).min(1.0),
             recovery: (dt / recovery).min(1.0),
@@ -149,15 +167,22 @@ impl Detector {
         DetectorState::at(self.limit)
     }
 
+    /// The speed that an existing controller asks for of a table with this `velocity` (m/s), `acceleration` (m/s2) and
+    /// displacement `error` (m), as far as it is known yet, m/s.
+    pub fn existing(&self, state: &mut DetectorState, velocity: f32, acceleration: f32, error: f32) -> f32 {
+        self.existing.advance(&mut state.existing, velocity, acceleration, error)
+    }
+
     /// One tick.
     #[inline(always)]
     pub fn advance(&self, state: &mut DetectorState, seen: Evidence) {
         let speed = seen.velocity.abs();
         let forward = seen.velocity >= 0.0;
+        let demand = seen.demand - self.lag * seen.acceleration;
         let (error, demand, limit) = if forward {
-            (seen.error, seen.demand, &mut state.positive)
+            (seen.error, demand, &mut state.positive)
         } else {
-            (-seen.error, -seen.demand, &mut state.negative)
+            (-seen.error, -demand, &mut state.negative)
         };
         let pushed = error > self.error && self.plateau.holds(seen.acceleration) && speed >= self.slowest;
         if pushed && (speed >= 0.92 * *limit || demand > self.excess * speed) {

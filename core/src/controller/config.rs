@@ -144,14 +144,14 @@ impl Config {
             observer: Fusion::new(s.observer.frequency, dt).map_err(|error| error.named("observer.frequency"))?,
             smoothing: Lag::new(s.observer.smoothing, dt).map_err(|error| error.named("observer.smoothing"))?,
             detector: match &s.saturation {
-                Some(detection) => Detector::new(detection, s.velocity_limit, f32::from(TURNS) * dt)?,
+                Some(detection) => Detector::new(detection, s.velocity_limit, s.valve.lag, f32::from(TURNS) * dt)?,
                 None => Detector::none(),
             },
             modifier: Modifier::new(s)?,
             displacement: DisplacementLoop::new(loop_gains(s.displacement), dt, limit),
             velocity: s.velocity.act().then(|| VelocityLoop::new(loop_gains(s.velocity), dt, limit)),
             acceleration: if s.acceleration.act() { acceleration } else { None },
-            uses_rates: s.velocity.act() || s.acceleration.act() || s.mode == Mode::Modifier,
+            uses_rates: s.velocity.act() || s.acceleration.act(),
             rates: rates(s.reference_rates, s.rate, dt)?,
             // An existing position controller subtracts the LVDT, and its own null bias is not ours to know.
             cancellation: if s.mode == Mode::Modifier { 1.0 } else { s.inner_loop.cancellation(1.0) },

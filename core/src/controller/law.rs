@@ -24,12 +24,6 @@ impl Law {
         Self { first: DifferentiatorState::at(displacement), ..Self::default() }
     }
 
-    /// Velocity of the modified reference, m/s.
-    #[inline]
-    pub(super) fn reference_velocity(&self) -> f32 {
-        self.reference_velocity
-    }
-
     /// Works out the rates of the modified `reference` (m).
     #[inline]
     pub(super) fn see_reference(&mut self, config: &Config, reference: f32, readings: &Sample) {

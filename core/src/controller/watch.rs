@@ -250,12 +250,13 @@ impl Watch {
     #[inline(always)]
     fn detect(&mut self, mode: Mode, velocity: f32, config: &Config, readings: &Sample, drive: Drive) {
         let acceleration = config.smoothing.last(&self.acceleration);
-        let seen = Evidence {
-            velocity,
-            acceleration,
-            error: if mode == Mode::Guard { drive.excess } else { drive.reference - readings.displacement },
-            demand: if mode == Mode::Modifier { drive.reference_velocity } else { drive.excess * config.valve_gain },
+        let error = if mode == Mode::Guard { drive.excess } else { drive.reference - readings.displacement };
+        let demand = if mode == Mode::Modifier {
+            config.detector.existing(&mut self.detector, velocity, acceleration, error)
+        } else {
+            drive.excess * config.valve_gain
         };
+        let seen = Evidence { velocity, acceleration, error, demand };
         config.detector.advance(&mut self.detector, seen);
         self.velocity_limit = self.detector.limit();
     }

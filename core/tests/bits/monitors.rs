@@ -13,7 +13,7 @@ const LIMIT: f32 = 0.25;
 /// Evidence that lasts for a while, changes a little, or is another altogether.
 fn detected(settings: Detection) -> impl FnOnce(&mut Tape) {
     move |tape| {
-        let detector = Detector::new(&settings, LIMIT, DT).unwrap();
+        let detector = Detector::new(&settings, LIMIT, 0.017, DT).unwrap();
         let mut state = detector.start();
         let mut noise = Noise::new(83);
         let mut seen = Evidence { velocity: 0.0, acceleration: 0.0, error: 0.0, demand: 0.0 };

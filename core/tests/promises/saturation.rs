@@ -31,8 +31,8 @@ fn sine(settings: &Settings, mut table: Table, amplitude: f64, frequency: f64) -
     let mut controller = Controller::new(settings).unwrap();
     let mut run = Run::default();
     let mut at_limit = 0;
-    // In guard and modifier mode an existing proportional controller closes the loop.
-    let existing = 10.0;
+    // In guard and modifier mode an existing proportional controller closes the loop, of the same gain.
+    let existing = f64::from(settings.displacement.proportional);
     for k in 0..6000 {
         let reference = amplitude * (std::f64::consts::TAU * frequency * f64::from(k) * 1e-3).sin();
         let mut sample = table.sample(reference);
@@ -58,12 +58,18 @@ fn sine(settings: &Settings, mut table: Table, amplitude: f64, frequency: f64) -
     run
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40))]
+const MODES: [Mode; 3] = [Mode::Controller, Mode::Guard, Mode::Modifier];
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// However the loop lags that follows the reference: ours, or one whose command is not ours to see.
     #[test]
-    fn a_table_below_its_limit_is_never_held_to_be_at_it(frequency in 0.1..5.0f64, speed in 0.01..0.15f64, kp in 3.0..10.0f32) {
-        let settings = Settings { displacement: Gains::new(kp, 1.0), ..settings() };
+    fn a_table_below_its_limit_is_never_held_to_be_at_it(
+        frequency in 0.1..5.0f64, speed in 0.01..0.15f64, kp in 3.0..10.0f32, mode in 0..3_usize,
+    ) {
+        let mode = MODES[mode];
+        let settings = Settings { displacement: Gains::new(kp, 1.0), mode, ..settings() };
         let run = sine(&settings, Table::new(1000.0).noisy(), speed / (std::f64::consts::TAU * frequency), frequency);
         prop_assume!(run.fastest < 0.8 * 0.242);
         prop_assert_eq!(run.invented, 0);
@@ -74,7 +80,7 @@ proptest! {
     fn a_table_at_its_limit_is_seen_whatever_the_limit_is(
         frequency in 0.4..2.0f64, excess in 2.0..4.0f64, share in 0.6..1.0f64, mode in 0..3_usize,
     ) {
-        let mode = [Mode::Controller, Mode::Guard, Mode::Modifier][mode];
+        let mode = MODES[mode];
         let limit = 0.242 * share;
         let mut table = Table::new(1000.0).noisy();
         table.limits = (limit, limit);
@@ -92,7 +98,7 @@ proptest! {
 fn unequal_limits_are_told_apart() {
     let mut table = Table::new(1000.0).noisy();
     table.limits = (0.242, 0.17);
-    let detector = Detector::new(&Detection::default(), 0.242, 1e-3).unwrap();
+    let detector = Detector::new(&Detection::default(), 0.242, 0.017, 1e-3).unwrap();
     let mut state = detector.start();
     for k in 0..6000 {
         let reference = 0.1 * (std::f64::consts::TAU * f64::from(k) * 1e-3).sin();
@@ -123,7 +129,7 @@ fn a_detector_blind_to_demand_would_be_seen() {
 
 #[test]
 fn the_limit_recovers_once_the_supply_does() {
-    let detector = Detector::new(&Detection::default(), 0.242, 1e-3).unwrap();
+    let detector = Detector::new(&Detection::default(), 0.242, 0.017, 1e-3).unwrap();
     let mut state = detector.start();
     let sagging = Evidence { velocity: 0.15, acceleration: 0.0, error: 0.05, demand: 1.0 };
     for _ in 0..500 {
@@ -172,7 +178,7 @@ fn integrators_stop_while_the_table_is_at_its_limit() {
 
 #[test]
 fn any_evidence_leaves_a_limit_between_floor_and_set() {
-    let detector = Detector::new(&Detection::default(), 0.242, 1e-3).unwrap();
+    let detector = Detector::new(&Detection::default(), 0.242, 0.017, 1e-3).unwrap();
     let mut state = detector.start();
     let mut seed = 1_u32;
     let mut next = || {

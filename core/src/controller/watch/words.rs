@@ -49,8 +49,6 @@ impl Cause {
 pub(crate) struct Drive {
     /// Reference after modification, m.
     pub(crate) reference: f32,
-    /// Its velocity, m/s.
-    pub(crate) reference_velocity: f32,
     /// Command beyond zero flow, m.
     pub(crate) excess: f32,
 }
