@@ -198,6 +198,9 @@ fn at_a_limit_nothing_is_said() {
     assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 0.1, 2.1e-3)]), [None, Some(Trip::SensorsDisagree)]);
     assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 3.0, 0.0)]), [None, None]);
     assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 3.1, 0.0)]), [None, Some(Trip::AccelerationNoisy)]);
+    // Where something else is in doubt: what is at its limit is not.
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.1, 3.1, 5e-4)]), [None, Some(Trip::AccelerationNoisy)]);
+    assert_eq!(told([(0.1, 0.0, 0.0), (0.2, 3.0, 6e-4)]), [None, None]);
     let first = |mismatch: f32, asked: f32, velocity: f32| {
         let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch, memory: 100.0 }, 0.0, DT).unwrap();
         monitor.advance(&mut ValveMonitorState::default(), asked, 10.0, velocity, 0.0)

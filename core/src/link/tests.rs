@@ -54,6 +54,27 @@ fn an_endless_frame_is_refused_and_the_next_one_heard() {
     assert_eq!(hear(&mut assembler, &bytes[..length])[..], [Ok(Request::Stop)]);
 }
 
+/// The first numbers of splitmix64 from 1234567, as its authors' code gives them.
+#[test]
+fn the_answer_is_the_published_function() {
+    let mut challenge = 1_234_567_u64;
+    for expected in [6_457_827_717_110_365_317, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423] {
+        assert_eq!(answer(Challenge(challenge)), expected);
+        challenge = challenge.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    }
+}
+
+#[test]
+fn a_buffer_that_could_be_too_short_is_refused() {
+    let (_, length) = wire(&Request::Stop);
+    let needed = cobs::max_encoding_length(length - 2) + 1;
+    let mut buffer = [0; MAX_FRAME];
+    for (room, fits) in [(needed, true), (needed + 1, true), (needed - 1, false), (0, false)] {
+        let written = encode(&Request::Stop, &mut buffer[..room]);
+        assert_eq!(written, if fits { Ok(length) } else { Err(LinkError::TooLong) }, "{room} of {needed}");
+    }
+}
+
 #[test]
 fn answers_differ_from_challenges_and_from_each_other() {
     let answers = [answer(Challenge(0)), answer(Challenge(1)), answer(Challenge(2))];

@@ -138,6 +138,9 @@ fn ranges_include_their_ends() {
     assert!(within_range(RANGE) && within_range(-RANGE) && !within_range(RANGE.next_up()) && !within_range(f32::NAN));
     assert!(!within_range(-f64::from(RANGE) - 1.0) && within_range(f64::from(RANGE)));
     assert_eq!((3.0_f32.within(-1.0, 2.0), (-3.0_f32).within(-1.0, 2.0), 0.5_f32.within(-1.0, 2.0)), (2.0, -1.0, 0.5));
+    // What lies at a limit is left as it is, the sign of a zero with it.
+    assert_eq!((-0.0_f32).within(-1.0, 0.0).to_bits(), (-0.0_f32).to_bits());
+    assert_eq!(0.0_f32.within(-0.0, 1.0).to_bits(), 0.0_f32.to_bits());
     assert_eq!((3.0_f64.bounded(2.0), (-3.0_f64).bounded(2.0), 1.5_f64.bounded(2.0)), (2.0, -2.0, 1.5));
     assert_eq!((3.0_f32.bounded(2.0), (-3.0_f32).bounded(2.0), 1.5_f32.bounded(2.0)), (2.0, -2.0, 1.5));
     assert!(f32::NAN.bounded(1.0).is_nan() && f64::from_f32(0.1) == f64::from(0.1_f32));

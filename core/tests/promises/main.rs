@@ -23,3 +23,5 @@ mod table;
 mod tracking;
 #[cfg(test)]
 mod units;
+#[cfg(test)]
+mod wiring;

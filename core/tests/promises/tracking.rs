@@ -10,7 +10,7 @@ use shakedown_core::control::tracking::pressure::PressureSettings;
 use shakedown_core::control::tracking::trajectory::{History, Stencil};
 use shakedown_core::control::tracking::valve::{Valve, ValveState};
 use shakedown_core::settings::Gains;
-use shakedown_core::{Channels, Controller, Sample, Settings};
+use shakedown_core::{Channels, Controller, Sample, Settings, SettingsError};
 
 use crate::table::any_sample;
 
@@ -212,6 +212,17 @@ fn retuning_makes_no_bump() {
     }
     // Ten times the gain on an error of millimetres would be a jump of centimetres.
     assert!(steepest[1] < 2.0 * steepest[0], "{steepest:?}");
+}
+
+/// Eight ticks of spacing and fifteen of delay reach as far back as the history goes.
+#[test]
+fn a_stencil_does_not_look_beyond_its_history() {
+    let at = |spacing: f32, delay: f32| {
+        Controller::new(&settings(TrackingSettings { spacing, delay, ..TrackingSettings::default() })).map(|_| ())
+    };
+    assert_eq!((at(0.008, 0.015), at(0.0083, 0.014)), (Ok(()), Ok(())));
+    let Err(SettingsError::OutOfRange { field, high, .. }) = at(0.0083, 0.015) else { panic!("too far back") };
+    assert_eq!((field, high), ("tracking.spacing", 0.008));
 }
 
 #[test]
