@@ -228,6 +228,12 @@ fn a_sample_lost_costs_no_jerk() {
     }
 }
 
+/// Little more than a third of a byte a sample beside the four that it takes itself.
+#[test]
+fn a_window_keeps_no_more_than_its_runs_need() {
+    assert_eq!([8, 64, 512].map(preview::places), [2, 22, 176]);
+}
+
 #[test]
 fn says_when_an_input_was_not_followed() {
     let config = causal::Config::new(&limits(), &causal::Config::WASHOUT, causal::Config::MEMORY).unwrap();

@@ -217,8 +217,8 @@ impl Watch {
                 if ALL || parts.detector {
                     self.detect(mode, velocity, config, readings, drive);
                 }
-                let judged = mode != Mode::Modifier && (ALL || parts.guard);
-                if judged && config.guard.valve.creeps(&mut self.valve) {
+                // In modifier mode there is nothing to explain, and so nothing unexplained.
+                if (ALL || parts.guard) && config.guard.valve.creeps(&mut self.valve) {
                     return Word::Unusual(Some(Trip::ValveStuck));
                 }
                 Word::Nothing
