@@ -120,11 +120,9 @@ impl Controller {
             (true, false) if self.supervisor.state() != State::Off => {
                 return Err(SettingsError::Contradiction { field: "guard", with: "a test that is not off" });
             }
-            (true, false) => self.supervisor = Supervisor::unguarded(),
+            (_, false) => self.supervisor = Supervisor::unguarded(),
             (false, true) => self.supervisor = Supervisor::off(),
-            // Without a guard only a controller that was inert is off.
-            (false, false) if self.supervisor.state() == State::Off => self.supervisor = Supervisor::unguarded(),
-            _ => {}
+            (true, true) => {}
         }
         if !self.begun {
             self.output = config.null_bias;

@@ -262,6 +262,9 @@ fn refuses_what_makes_no_sense() {
     assert!(refused(|l| l.stroke = -0.1));
     assert!(refused(|l| l.braking = f32::INFINITY));
     assert!(refused(|l| l.leap = 0.1));
+    // A hundredth of the rate, itself included.
+    let washes = |frequency| Washout { frequency, damping: 0.5 }.validate(RATE).is_ok();
+    assert!(washes(1e-3) && washes(10.0) && !washes(9e-4) && !washes(10.01));
     let washout = Washout { frequency: 0.4, damping: 0.0 };
     assert!(causal::Config::new(&limits(), &washout, 4.0).is_err());
     assert!(causal::Config::new(&limits(), &causal::Config::WASHOUT, f32::NAN).is_err());

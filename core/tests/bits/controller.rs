@@ -81,6 +81,7 @@ fn parts() -> Vec<Pair> {
         (strong.envelope.force, weak.envelope.force) = (force(3e4), force(4e3));
         slow.plausibility = PlausibilitySettings { lost: 0.5, ..slow.plausibility };
     }
+    let limited = ValveSettings { command_limit: 0.06, ..ValveSettings::default() };
     let unguarded = Settings { guard: None, saturation: None, ..loops() };
     vec![
         ("three loops", loops(), rates(ReferenceRates::Zero)),
@@ -94,6 +95,7 @@ fn parts() -> Vec<Pair> {
         ("patient guard", patient, Settings { mode: Mode::Guard, ..forced }),
         ("loops alone", unguarded, Settings { velocity: Gains::default(), ..unguarded }),
         ("sensor alone", Settings { guard: None, saturation: None, ..sensor }, unguarded),
+        ("limited loops", Settings { valve: limited, ..loops() }, loops()),
         ("wound up", Settings { anti_windup: false, ..loops() }, loops()),
     ]
 }
