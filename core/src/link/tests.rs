@@ -66,12 +66,17 @@ fn the_answer_is_the_published_function() {
 
 #[test]
 fn a_buffer_that_could_be_too_short_is_refused() {
-    let (_, length) = wire(&Request::Stop);
-    let needed = cobs::max_encoding_length(length - 2) + 1;
-    let mut buffer = [0; MAX_FRAME];
-    for (room, fits) in [(needed, true), (needed + 1, true), (needed - 1, false), (0, false)] {
-        let written = encode(&Request::Stop, &mut buffer[..room]);
-        assert_eq!(written, if fits { Ok(length) } else { Err(LinkError::TooLong) }, "{room} of {needed}");
+    // A frame full of zeros takes a byte less than the longest of its length.
+    let zeros = Request::Reference(Points { first: 0, points: (0..MAX_POINTS).map(|_| 0.0).collect(), last: false });
+    for (frame, spare) in [(Request::Stop, 0), (zeros, 1)] {
+        let (_, length) = wire(&frame);
+        let needed = cobs::max_encoding_length(length - 2) + 1;
+        assert_eq!(needed, length + spare);
+        let mut buffer = [0; MAX_FRAME];
+        for (room, fits) in [(needed, true), (needed + 1, true), (needed - 1, false), (0, false)] {
+            let written = encode(&frame, &mut buffer[..room]);
+            assert_eq!(written, if fits { Ok(length) } else { Err(LinkError::TooLong) }, "{room} of {needed}");
+        }
     }
 }
 
