@@ -504,6 +504,19 @@ fn the_envelope_judges_what_lasts() {
     assert!(far.tripped.is_some_and(|(_, cause)| cause == Trip::Tracking), "{:?}", far.tripped);
 }
 
+/// Behind an existing controller the reference is not ours to know: how far the table is from it is not judged, whether the
+/// guard goes its short way or, detecting nothing, the way of all others.
+#[test]
+fn in_guard_mode_no_distance_from_a_reference_trips() {
+    for saturation in [None, Some(Detection::default())] {
+        let mut settings = Settings { saturation, ..settings(Mode::Guard) };
+        settings.guard.as_mut().unwrap().envelope.tracking = 1e-4;
+        let mut rig = Rig::running(&settings);
+        rig.swing(3.0, |_| ());
+        assert!(rig.farthest > 0.02 && rig.tripped.is_none(), "{:?}", rig.tripped);
+    }
+}
+
 #[test]
 fn acceleration_and_jerk_have_their_limits() {
     for (acceleration, jerk, cause) in [(0.8, 1e6, Trip::Acceleration), (30.0, 60.0, Trip::Jerk)] {

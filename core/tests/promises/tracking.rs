@@ -1,14 +1,14 @@
 //! The tracking law: each part against its closed form, and the whole against any input.
 
 use proptest::prelude::*;
-use shakedown_core::control::TrackingSettings;
-use shakedown_core::control::tracking::NotchSettings;
 use shakedown_core::control::tracking::flow::{FlowMap, FlowSettings, FlowState};
 use shakedown_core::control::tracking::kalman::{Kalman, KalmanState};
 use shakedown_core::control::tracking::oil::OilSettings;
 use shakedown_core::control::tracking::pressure::PressureSettings;
 use shakedown_core::control::tracking::trajectory::{History, Stencil};
 use shakedown_core::control::tracking::valve::{Valve, ValveState};
+use shakedown_core::control::tracking::{NotchSettings, Seen, Surroundings};
+use shakedown_core::control::{TrackingSettings, TrackingState};
 use shakedown_core::settings::Gains;
 use shakedown_core::{Channels, Controller, Sample, Settings, SettingsError};
 
@@ -212,6 +212,16 @@ fn retuning_makes_no_bump() {
     }
     // Ten times the gain on an error of millimetres would be a jump of centimetres.
     assert!(steepest[1] < 2.0 * steepest[0], "{steepest:?}");
+}
+
+/// At rest there is nothing to take over, and a law without feedback has nothing to take it up with.
+#[test]
+fn a_law_without_feedback_takes_over_at_rest() {
+    let around = Surroundings { dt: DT, valve: [2.4, 0.017], command_limit: 10.0, velocity_limit: 0.242 };
+    let law = TrackingSettings { bandwidth: 0.0, ..TrackingSettings::default() }.law(&around).unwrap();
+    let mut state = TrackingState::at(0.0);
+    law.meet(&mut state);
+    assert_eq!(law.advance(&mut state, &Seen::default()), 0.0);
 }
 
 /// Eight ticks of spacing and fifteen of delay reach as far back as the history goes.
