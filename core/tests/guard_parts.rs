@@ -387,4 +387,7 @@ fn walls_let_through_what_is_within_and_name_what_is_not() {
     let (missing, kept) = take(&settings, &Sample { acceleration: f32::NAN, ..odd });
     assert_eq!(missing, Channels::VELOCITY.and(Channels::REFERENCE_RATES));
     assert_eq!((kept.velocity, kept.reference_velocity), (0.0, 0.5));
+    // Two readings of one channel, both lost, are one channel lost.
+    let none = Sample { reference_velocity: f32::NAN, reference_acceleration: f32::NAN, velocity: 0.5, ..edge };
+    assert_eq!(take(&settings, &none).0, Channels::REFERENCE_RATES);
 }

@@ -517,6 +517,17 @@ fn in_guard_mode_no_distance_from_a_reference_trips() {
     }
 }
 
+/// A sensor that is not fitted stands at zero for ever, and is not stuck.
+#[test]
+fn without_an_accelerometer_none_is_missed() {
+    let mut settings = without_valve_monitor();
+    settings.observer.accelerometer = false;
+    let mut rig = Rig::running(&settings);
+    rig.swing(5.0, |sample| sample.acceleration = f32::NAN);
+    assert_eq!(rig.tripped, None);
+    assert!(rig.farthest > 0.02, "{}", rig.farthest);
+}
+
 #[test]
 fn acceleration_and_jerk_have_their_limits() {
     for (acceleration, jerk, cause) in [(0.8, 1e6, Trip::Acceleration), (30.0, 60.0, Trip::Jerk)] {
