@@ -4,6 +4,7 @@ pub mod json;
 
 use std::io::{Result, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Temporary files that are being written. Whoever makes, renames or removes one holds this lock meanwhile.
@@ -14,11 +15,45 @@ fn under_way() -> MutexGuard<'static, Vec<PathBuf>> {
     UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Whether the next interrupt ends the process or only asks for it, and whether one has asked.
+static WAITS: AtomicBool = AtomicBool::new(false);
+static ASKED: AtomicBool = AtomicBool::new(false);
+
+/// Work that is brought to an end and not cut off, such as a test on a table: while this lives, the first interrupt only asks.
+/// The second ends the process as ever.
+#[derive(Debug)]
+pub struct Unfinished(());
+
+impl Unfinished {
+    /// From here on. Of two at a time the later one hears of it.
+    pub fn begin() -> Self {
+        ASKED.store(false, Ordering::SeqCst);
+        WAITS.store(true, Ordering::SeqCst);
+        Self(())
+    }
+
+    /// Whether an interrupt has asked for the end.
+    #[expect(clippy::unused_self, reason = "only unfinished work is asked")]
+    pub fn asked_to_end(&self) -> bool {
+        ASKED.load(Ordering::SeqCst)
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        WAITS.store(false, Ordering::SeqCst);
+    }
+}
+
 /// From now on an interrupt (Ctrl-C), a hang-up or a request to end removes what is half written, and ends the process with
-/// status 130. Without it the files written stay whole as well, but a part of one may stay beside its place.
+/// status 130, unless work is [`Unfinished`]. Without it the files written stay whole as well, but a part of one may stay beside its place.
 pub fn clean_up_when_interrupted() {
     // Refused where another handler stands already, which then decides.
     let _ = ctrlc::set_handler(|| {
+        if WAITS.swap(false, Ordering::SeqCst) {
+            ASKED.store(true, Ordering::SeqCst);
+            return;
+        }
         let parts = under_way();
         for part in parts.iter() {
             let _ = std::fs::remove_file(part);

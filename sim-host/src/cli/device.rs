@@ -19,6 +19,7 @@ use std::path::PathBuf;
   shakedown device --port /dev/ttyACM0 get --out setup.toml
   shakedown device --port /dev/ttyACM0 set setup.toml --save
   shakedown device --port /dev/ttyACM0 run reference.csv --out run/
+  shakedown device --port /dev/ttyACM0 run --seconds 60 --out run/
   shakedown diagnose run/experiment.toml
   shakedown device --port /dev/ttyACM0 commission --out commissioning.toml")]
 pub(crate) struct Args {
@@ -41,7 +42,7 @@ enum Action {
     Get(setup::Get),
     /// Writes a setup, whole or not at all.
     Set(setup::Set),
-    /// Streams a record and saves the telemetry as a recording that `diagnose` reads.
+    /// Runs a test, streamed or of what stands at the converter; its telemetry is a recording that `diagnose` reads.
     Run(record::Run),
     /// Saves telemetry without a run.
     Listen(record::Listen),

@@ -1,15 +1,20 @@
-//! A run of a record on a device, as a machine that is fed reports and the time, and says what to send.
+//! A run of a test on a device, as a machine that is fed reports and the time, and says what to send.
 //!
 //! `identify, setup, clear trip, challenge, arm, fill the buffer, start, stream, wait for the stand, disarm`. One request is under
 //! way at a time and is repeated when no answer comes; the stream goes back to the point that the device wants next, so a
-//! lost or garbled frame costs time and never a point.
+//! lost or garbled frame costs time and never a point. Where the reference, or an existing controller's command, stands at the
+//! converter there is nothing to stream: the run is attended for its time, and then stopped.
 
 use shakedown_core::State;
-use shakedown_core::link::{
-    Cause, MAX_POINTS, Points, RefusedBecause, Report, Request, Setup, VERSION, Vitals, answer,
-};
+use shakedown_core::link::{Cause, MAX_POINTS, Points, RefusedBecause, Report, Request, Setup, Vitals, answer};
 
 use super::{Talker, Telemetry};
+
+mod progress;
+mod step;
+
+pub use progress::{DriveError, Progress};
+use step::Step;
 
 /// Time after which a request is repeated, ms; for points of the reference, of which a second's worth waits in the
 /// device while a third of its frames may be lost, less.
@@ -20,69 +25,24 @@ const REPEATS: u32 = 30;
 /// Points in the buffer before the run starts, at most.
 const PREFILL: u32 = 768;
 
-/// Why a run ended early.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum DriveError {
-    /// Nothing answers.
-    #[error("the device does not answer {0}; check port, cable and power")]
-    Silent(&'static str),
-    /// The device speaks another version.
-    #[error("the device speaks version {theirs} of the link, this tool version {VERSION}; flash the matching firmware")]
-    Version {
-        /// The device's version.
-        theirs: u8,
-    },
-    /// The device refused a request.
-    #[error("the device refuses {request}: {because:?}")]
-    Refused {
-        /// What was asked.
-        request: &'static str,
-        /// Why not.
-        because: RefusedBecause,
-    },
-    /// The device tripped, stopped by itself, or does not arm.
-    #[error("the device stopped the run at tick {tick}: {cause:?}")]
-    Stopped {
-        /// Why.
-        cause: Cause,
-        /// When.
-        tick: u32,
-    },
+/// What a run plays.
+#[derive(Debug)]
+enum Play {
+    /// A record through the link, m, one point a tick.
+    Streamed(Vec<f32>),
+    /// What stands at the converter, for so long, ms.
+    Attended(u64),
 }
 
-/// How far a run is.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Progress {
-    /// Under way; so many points sent.
-    Points(u32),
-    /// Over, at rest.
-    Done,
-    /// Ended early.
-    Failed(DriveError),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Step {
-    Identify,
-    Setup,
-    Vitals,
-    ClearTrip,
-    Challenge,
-    Arm(u64),
-    Fill,
-    Start,
-    Stream,
-    Stand,
-    Disarm,
-    Done,
-}
-
-/// A run of a record.
+/// A run of a test.
 #[derive(Debug)]
 pub struct Drive {
     setup: Option<Setup>,
-    record: Vec<f32>,
+    play: Play,
     step: Step,
+    /// To be ended as soon as it can be.
+    ending: bool,
+    now: u64,
     asked: Option<u64>,
     repeats: u32,
     wanted: u32,
@@ -93,18 +53,34 @@ pub struct Drive {
 
 impl Drive {
     /// A run of `record`, m, one point a tick; `setup` is written first where given.
-    pub fn new(setup: Option<Setup>, record: Vec<f32>) -> Self {
+    pub const fn new(setup: Option<Setup>, record: Vec<f32>) -> Self {
+        Self::playing(setup, Play::Streamed(record))
+    }
+
+    /// A test of what stands at the device's converter, for `time`, ms; `setup` is written first where given.
+    pub const fn attended(setup: Option<Setup>, time: u64) -> Self {
+        Self::playing(setup, Play::Attended(time))
+    }
+
+    const fn playing(setup: Option<Setup>, play: Play) -> Self {
         Self {
             setup,
-            record,
+            play,
             step: Step::Identify,
+            ending: false,
+            now: 0,
             asked: None,
             repeats: 0,
             wanted: 0,
             room: 0,
-            telemetry: Telemetry::default(),
+            telemetry: Telemetry::new(),
             failed: None,
         }
+    }
+
+    /// Fades the test out, if it runs, and disarms: the way to end it before its time.
+    pub const fn end(&mut self) {
+        self.ending = true;
     }
 
     /// What the device reported of its ticks.
@@ -114,6 +90,7 @@ impl Drive {
 
     /// Takes every report heard, and puts on the line what is due at `now`, ms.
     pub fn advance(&mut self, line: &mut Talker, now: u64) -> Progress {
+        self.now = now;
         while let Some(report) = line.report() {
             self.take(report);
         }
@@ -123,11 +100,38 @@ impl Drive {
         if let Some(error) = &self.failed {
             return Progress::Failed(error.clone());
         }
+        self.see_to_the_end();
         if self.step == Step::Done {
             return Progress::Done;
         }
         self.speak(line, now);
-        self.failed.clone().map_or(Progress::Points(self.wanted), Progress::Failed)
+        self.failed.clone().map_or_else(|| Progress::Going(self.gone()), Progress::Failed)
+    }
+
+    /// A test that has had its time, or is to end before it, is stopped; one that is not armed yet is not armed any more.
+    fn see_to_the_end(&mut self) {
+        let over = match (&self.play, self.step) {
+            (Play::Attended(time), Step::Attend(begun)) => self.now >= begun.saturating_add(*time),
+            _ => false,
+        };
+        match self.step {
+            Step::Identify | Step::Setup | Step::Vitals | Step::ClearTrip | Step::Challenge if self.ending => {
+                self.go(Step::Done);
+            }
+            Step::Arm(_) | Step::Fill | Step::Start | Step::Stream | Step::Attend(_) if self.ending || over => {
+                self.go(Step::Stop);
+            }
+            _ => {}
+        }
+    }
+
+    fn gone(&self) -> u32 {
+        match (&self.play, self.step) {
+            (Play::Streamed(_), _) => self.wanted,
+            (Play::Attended(_), Step::Attend(begun)) => (self.now - begun) as u32,
+            (Play::Attended(time), Step::Stop | Step::Stand | Step::Disarm | Step::Done) => *time as u32,
+            (Play::Attended(_), _) => 0,
+        }
     }
 
     fn speak(&mut self, line: &mut Talker, now: u64) {
@@ -138,7 +142,7 @@ impl Drive {
         if self.asked.is_some() {
             self.repeats += 1;
             if u64::from(self.repeats) * patience > u64::from(REPEATS) * PATIENCE {
-                self.failed = Some(DriveError::Silent(self.name()));
+                self.failed = Some(DriveError::Silent(self.step.name()));
                 return;
             }
         }
@@ -153,11 +157,12 @@ impl Drive {
         Some(match self.step {
             Step::Identify => Request::Identify,
             Step::Setup => self.setup.map_or(Request::ReadSetup, Request::WriteSetup),
-            Step::Vitals | Step::Stand => Request::ReadVitals,
+            Step::Vitals | Step::Attend(_) | Step::Stand => Request::ReadVitals,
             Step::ClearTrip => Request::ClearTrip,
             Step::Challenge => Request::RequestArming,
             Step::Arm(answer) => Request::Arm(answer),
             Step::Start => Request::Start,
+            Step::Stop => Request::Stop,
             Step::Disarm => Request::Disarm,
             Step::Fill | Step::Stream => self.points(),
             Step::Done => return None,
@@ -165,24 +170,25 @@ impl Drive {
     }
 
     fn points(&self) -> Request {
+        let record = self.record();
         let from = self.wanted as usize;
-        let to = self.record.len().min(from + (self.room.max(1) as usize).min(MAX_POINTS));
-        let points = heapless::Vec::from_slice(self.record.get(from..to).unwrap_or_default()).unwrap_or_default();
-        Request::Reference(Points { first: self.wanted, points, last: to == self.record.len() })
+        let to = record.len().min(from + (self.room.max(1) as usize).min(MAX_POINTS));
+        let points = heapless::Vec::from_slice(record.get(from..to).unwrap_or_default()).unwrap_or_default();
+        Request::Reference(Points { first: self.wanted, points, last: to == record.len() })
     }
 
-    const fn name(&self) -> &'static str {
-        match self.step {
-            Step::Identify => "who it is",
-            Step::Setup => "its setup",
-            Step::Vitals | Step::Stand => "how it fares",
-            Step::ClearTrip => "clearing the trip",
-            Step::Challenge | Step::Arm(_) => "arming",
-            Step::Fill | Step::Stream => "the reference",
-            Step::Start => "the start",
-            Step::Disarm => "disarming",
-            Step::Done => "nothing",
-        }
+    fn record(&self) -> &[f32] {
+        if let Play::Streamed(record) = &self.play { record } else { &[] }
+    }
+
+    /// Armed: what comes before the start.
+    const fn armed(&self) -> Step {
+        if let Play::Streamed(_) = self.play { Step::Fill } else { Step::Start }
+    }
+
+    /// Started: what the test is kept going by.
+    const fn started(&self) -> Step {
+        if let Play::Streamed(_) = self.play { Step::Stream } else { Step::Attend(self.now) }
     }
 
     fn go(&mut self, step: Step) {
@@ -199,21 +205,25 @@ impl Drive {
             (Step::Setup, Report::Setup(_) | Report::Done) => self.go(Step::Vitals),
             (Step::ClearTrip, Report::Done) => self.go(Step::Vitals),
             (Step::Challenge, Report::Challenge(challenge)) => self.go(Step::Arm(answer(challenge))),
-            (Step::Start, Report::Done) => self.go(Step::Stream),
+            (Step::Start, Report::Done) => self.go(self.started()),
+            (Step::Stop, Report::Done | Report::Refused(RefusedBecause::State(_))) => self.go(Step::Stand),
             (Step::Disarm, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Done),
             (Step::Fill | Step::Stream, Report::Credit { next, room }) => self.credit(next, u32::from(room)),
             // The answer to an earlier asking was lost on the way.
             (Step::ClearTrip, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Vitals),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::State(State::Ready))) => {
-                self.go(Step::Fill);
+                self.go(self.armed());
             }
-            (Step::Start, Report::Refused(RefusedBecause::State(State::Running))) => self.go(Step::Stream),
+            (Step::Start, Report::Refused(RefusedBecause::State(State::Running))) => self.go(self.started()),
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::Challenge)) => self.go(Step::Challenge),
             (Step::Stream, Report::Refused(RefusedBecause::State(_))) => self.go(Step::Stand),
             // It is armed; this answers the asking once more.
-            (Step::Fill | Step::Start | Step::Stream, Report::Refused(RefusedBecause::Challenge)) => {}
+            (
+                Step::Fill | Step::Start | Step::Stream | Step::Attend(_) | Step::Stop | Step::Stand,
+                Report::Refused(RefusedBecause::Challenge),
+            ) => {}
             (_, Report::Refused(because)) => {
-                self.failed = Some(DriveError::Refused { request: self.name(), because });
+                self.failed = Some(DriveError::Refused { request: self.step.name(), because });
             }
             _ => {}
         }
@@ -221,25 +231,30 @@ impl Drive {
 
     /// The device says where it stands: the answer to a question, or because it changed.
     fn vitals(&mut self, step: Step, vitals: Vitals) {
-        let moving = matches!(step, Step::Fill | Step::Start | Step::Stream | Step::Stand | Step::Disarm);
+        use Step::{Arm, Attend, Challenge, Disarm, Done, Fill, Stand, Start, Stop, Stream};
+        let moving = matches!(step, Fill | Start | Stream | Attend(_) | Stop | Stand | Disarm);
         let stopped = |cause: Option<Cause>| {
             let cause = cause.unwrap_or(Cause::Asked);
             DriveError::Stopped { cause, tick: vitals.ticks }
         };
         match (step, vitals.state) {
             (Step::Vitals, State::Tripped) => self.go(Step::ClearTrip),
-            (Step::Vitals, State::Off) => self.go(Step::Challenge),
-            (Step::Vitals | Step::Challenge | Step::Arm(_), State::Ready) => self.go(Step::Fill),
-            (Step::Arm(_), State::Off) if vitals.cause.is_some() => self.failed = Some(stopped(vitals.cause)),
-            (Step::Start, State::Running) => self.go(Step::Stream),
-            (Step::Stream | Step::Stand, State::Ready) if vitals.cause.is_some() => {
+            (Step::Vitals, State::Off) => self.go(Challenge),
+            (Step::Vitals | Challenge | Arm(_), State::Ready) => self.go(self.armed()),
+            (Arm(_), State::Off) if vitals.cause.is_some() => self.failed = Some(stopped(vitals.cause)),
+            (Start, State::Running) => self.go(self.started()),
+            (Stream | Attend(_) | Stand, State::Ready) if vitals.cause.is_some() => {
                 self.failed = Some(stopped(vitals.cause));
             }
-            (Step::Stream | Step::Stand, State::Ready) => self.go(Step::Disarm),
-            (Step::Disarm, State::Off) => self.go(Step::Done),
+            (Stream | Attend(_) | Stand, State::Ready) => self.go(Disarm),
+            (Disarm, State::Off) => self.go(Done),
+            // It was to be ended before it was armed.
+            (Stand, State::Off) if self.ending => self.go(Done),
+            // What was done was the start.
+            (Stand, State::Running) if self.ending || matches!(self.play, Play::Attended(_)) => self.go(Stop),
             (_, State::Tripped) if moving => self.failed = Some(stopped(vitals.cause)),
-            // It answers: the stand may take as long as it takes.
-            (Step::Stand, _) => self.repeats = 0,
+            // It answers: the test, and the stand, may take as long as they take.
+            (Attend(_) | Stand, _) => self.repeats = 0,
             _ => {}
         }
     }
@@ -248,7 +263,7 @@ impl Drive {
         self.wanted = next;
         self.room = room;
         self.repeats = 0;
-        let all = next as usize >= self.record.len();
+        let all = next as usize >= self.record().len();
         let step = match self.step {
             Step::Fill if all || next >= PREFILL => Step::Start,
             Step::Stream if all => Step::Stand,

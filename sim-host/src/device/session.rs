@@ -1,6 +1,7 @@
 //! Questions and answers over a line, by the clock on the wall.
 
 use std::io;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use shakedown_core::link::{RefusedBecause, Report, Request, Setup, VERSION, Vitals};
@@ -112,13 +113,22 @@ impl<L: Line> Session<L> {
         Ok(std::mem::take(&mut self.telemetry))
     }
 
-    /// Runs a record to its end; `tell` hears how many points were sent.
-    pub fn drive(&mut self, drive: &mut Drive, mut tell: impl FnMut(u32)) -> Result<(), SessionError> {
+    /// Runs a test to its end. `tell` hears how many points were sent, or how many ms of an attended test are gone; where it
+    /// breaks, the test is faded out and the device disarmed.
+    pub fn drive(
+        &mut self,
+        drive: &mut Drive,
+        mut tell: impl FnMut(u32) -> ControlFlow<()>,
+    ) -> Result<(), SessionError> {
         loop {
             self.pump()?;
             let now = self.start.elapsed().as_millis() as u64;
             match drive.advance(&mut self.talker, now) {
-                Progress::Points(points) => tell(points),
+                Progress::Going(gone) => {
+                    if tell(gone).is_break() {
+                        drive.end();
+                    }
+                }
                 Progress::Done => return Ok(()),
                 Progress::Failed(error) => return Err(error.into()),
             }

@@ -83,7 +83,7 @@ fn replay(arguments: &Arguments) -> Result<(), Failed> {
     match &ran.world.progress {
         Progress::Done => Ok(()),
         Progress::Failed(error) => Err((1, error.to_string())),
-        Progress::Points(points) => Err((1, format!("the run did not end; {points} points were sent"))),
+        Progress::Going(points) => Err((1, format!("the run did not end; {points} points were sent"))),
     }
 }
 

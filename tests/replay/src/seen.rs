@@ -63,7 +63,7 @@ impl Seen {
             codes: Vec::new(),
             instructions: Vec::new(),
             times: Vec::new(),
-            progress: Progress::Points(0),
+            progress: Progress::Going(0),
             mischief: None,
             after: 100,
             limit,
@@ -101,7 +101,7 @@ impl World for Seen {
         self.codes.push(Codes { inputs: *tick.inputs, output: 0, relay: false });
         self.instructions.push(tick.instructions);
         self.times.push(tick.time);
-        if !matches!(self.progress, Progress::Points(_)) {
+        if !matches!(self.progress, Progress::Going(_)) {
             self.after -= 1;
         }
         self.after > 0 && self.codes.len() < self.limit

@@ -11,7 +11,7 @@ mod common;
 use std::fs::File;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -22,7 +22,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use shakedown::recording::{Channel, Experiment, file};
 use shakedown_core::Mode;
-use shakedown_core::link::Setup;
+use shakedown_core::link::{Setup, Source};
 use shakedown_replay::{Tick, World};
 
 /// Most that the board makes up for when it was kept from running.
@@ -39,6 +39,8 @@ struct Wired {
     over: Arc<AtomicBool>,
     /// It ticks, and has sent telemetry: what a host will ask is not the first that the emulator has to translate.
     up: Arc<AtomicBool>,
+    /// The relay is closed.
+    armed: Arc<AtomicBool>,
 }
 
 impl World for Wired {
@@ -46,6 +48,10 @@ impl World for Wired {
         if let (Some(output), Some(last)) = (tick.output, self.codes.last_mut()) {
             (last.output, last.relay) = (output, tick.relay);
             self.bench.advance(output, tick.relay);
+            self.armed.store(tick.relay, Ordering::Relaxed);
+        }
+        if tick.relay && self.bench.played.is_none() {
+            self.bench.played = Some(0);
         }
         *tick.inputs = self.bench.codes();
         self.codes.push(Codes { inputs: *tick.inputs, output: 0, relay: false });
@@ -74,8 +80,13 @@ impl World for Wired {
 /// One device at a time: the host's patience is by the clock on the wall, so the board must keep up with it.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// Runs `host` while the image runs at the other end of the port that it is given.
+/// Runs `host` while the image runs at the other end of the port that it is given, the paper's table wired to it.
 fn with_device(host: impl FnOnce(&Path)) -> Wired {
+    with_bench(Bench::new(setup(Mode::Controller), Vec::new()), |port, _| host(port))
+}
+
+/// The same with that bench; `host` is told of the relay too.
+fn with_bench(bench: Bench, host: impl FnOnce(&Path, &AtomicBool)) -> Wired {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
     grantpt(&master).unwrap();
@@ -87,36 +98,36 @@ fn with_device(host: impl FnOnce(&Path)) -> Wired {
     tcsetattr(&master, OptionalActions::Now, &terminal).unwrap();
     // Held open, so that the line does not hang up between two commands.
     let _held = File::options().read(true).write(true).open(&port).unwrap();
-    let (over, up) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+    let [over, up, armed] = [(); 3].map(|()| Arc::new(AtomicBool::new(false)));
     let world = Wired {
         master: File::from(master),
-        bench: Bench::new(setup(Mode::Controller), Vec::new()),
+        bench,
         codes: Vec::new(),
         start: Instant::now(),
         begun: 0,
         over: Arc::clone(&over),
         up: Arc::clone(&up),
+        armed: Arc::clone(&armed),
     };
     let device = std::thread::spawn(move || shakedown_replay::run(&image(), world).unwrap().world);
     while !up.load(Ordering::Relaxed) {
         assert!(!device.is_finished(), "the image did not run");
         std::thread::sleep(Duration::from_millis(10));
     }
-    host(&port);
+    host(&port, &armed);
     over.store(true, Ordering::Relaxed);
     device.join().unwrap()
 }
 
-fn shakedown(words: &[&str], typed: &str) -> Output {
+fn begun(words: &[&str]) -> Child {
     let tool = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/debug/shakedown");
     assert!(tool.exists(), "{} is missing: run `cargo build -p shakedown`", tool.display());
-    let mut child = Command::new(tool)
-        .args(words)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut command = Command::new(tool);
+    command.args(words).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn shakedown(words: &[&str], typed: &str) -> Output {
+    let mut child = begun(words);
     child.stdin.take().unwrap().write_all(typed.as_bytes()).unwrap();
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -162,6 +173,84 @@ fn written(folder: &Path, record: &[f32]) -> PathBuf {
     let path = folder.join("reference.csv");
     std::fs::write(&path, text).unwrap();
     path
+}
+
+/// The setup of a device in front of the valve of an existing controller, and the file that it is written to.
+fn guarding(folder: &Path) -> (Setup, PathBuf) {
+    let mut guarding = setup(Mode::Guard);
+    guarding.wiring.source = Source::Analog;
+    let path = folder.join("guard.toml");
+    std::fs::write(&path, toml::to_string(&guarding).unwrap()).unwrap();
+    (guarding, path)
+}
+
+/// What was recorded of the table's displacement, m, and the longest it was from where it began.
+fn recorded(out: &Path) -> (Vec<f64>, f64) {
+    let table = file::read(&out.join("recording.csv"), &["displacement"]).unwrap();
+    let x = table.columns[0].clone();
+    let farthest = x.iter().map(|x| (x - table.columns[0][0]).abs()).fold(0.0, f64::max);
+    (x, farthest)
+}
+
+/// An existing controller moves the table for as long as the device is armed; the host arms it, listens, and disarms it.
+#[test]
+fn a_test_of_what_stands_at_the_converter_runs_for_its_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let ((guarding, file), out) = (guarding(folder.path()), folder.path().join("run"));
+    let record: Vec<f32> = near_field(12).split_off(6000);
+    let world = with_bench(Bench::new(guarding, record), |port, _| {
+        let (port, file, out) = (port.to_str().unwrap(), file.to_str().unwrap(), out.to_str().unwrap());
+        shakedown(&["device", "--port", port, "run", "--seconds", "2.5", "--setup", file, "--out", out], "");
+    });
+    let (x, farthest) = recorded(&out);
+    // The stop comes with the first answer after the time is up, and what is asked of a board lies in a queue for a while.
+    assert!((2500..3000).contains(&x.len()), "{} records", x.len());
+    assert!(farthest > 0.01, "the table stood: {farthest} m");
+    assert!(!world.codes.iter().rev().nth(1).unwrap().relay, "it was left armed");
+}
+
+/// An interrupt stops the test, disarms and keeps what was heard: a lab that wants its table to stop gets all of that.
+#[test]
+fn an_interrupt_stops_a_test_and_keeps_its_telemetry() {
+    let folder = tempfile::tempdir().unwrap();
+    let ((guarding, file), out) = (guarding(folder.path()), folder.path().join("run"));
+    let world = with_bench(Bench::new(guarding, near_field(12).split_off(6000)), |port, armed| {
+        let (port, file, out) = (port.to_str().unwrap(), file.to_str().unwrap(), out.to_str().unwrap());
+        let child = begun(&["device", "--port", port, "run", "--seconds", "3600", "--setup", file, "--out", out]);
+        while !armed.load(Ordering::Relaxed) {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        std::thread::sleep(Duration::from_secs(1));
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(String::from_utf8_lossy(&output.stdout).contains("until the end was asked for"));
+    });
+    let (x, _) = recorded(&out);
+    assert!((300..3000).contains(&x.len()), "{} records", x.len());
+    assert!(!world.codes.iter().rev().nth(1).unwrap().relay, "it was left armed");
+}
+
+/// A record that the device would not play, and a test without one that it would not run: refused before anything moves.
+#[test]
+fn a_run_of_what_the_device_does_not_listen_to_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, file) = guarding(folder.path());
+    let (reference, out) = (written(folder.path(), &near_field(1)), folder.path().join("run"));
+    let (file, reference, out) = (file.to_str().unwrap(), reference.to_str().unwrap(), out.to_str().unwrap());
+    let world = with_device(|port| {
+        let run = ["device", "--port", port.to_str().unwrap(), "run", "--out", out];
+        for (words, says) in [
+            (&[reference, "--setup", file][..], "streamed"),
+            (&["--seconds", "1"], "analog"),
+            (&["--seconds", "0", "--setup", file], "--seconds"),
+        ] {
+            let output = begun(&[&run[..], words].concat()).wait_with_output().unwrap();
+            assert_eq!(output.status.code(), Some(2), "{words:?}");
+            assert!(String::from_utf8_lossy(&output.stderr).contains(says), "{words:?}");
+        }
+    });
+    assert!(world.codes.iter().all(|codes| !codes.relay));
 }
 
 #[test]

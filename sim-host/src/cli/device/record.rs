@@ -1,21 +1,36 @@
-//! A record streamed, and telemetry saved.
+//! A test run, and its telemetry saved.
 
 use super::{failed, setup};
 use crate::cli::output::{Outputs, print, write_whole};
 use crate::cli::{Failure, progress};
-use serde_json::json;
+use serde_json::{Value, json};
 use shakedown::device::{Drive, Port, Row, Session, Telemetry, csv, experiment};
+use shakedown::files::Unfinished;
 use shakedown::recording::file;
-use shakedown_core::link::Setup;
+use shakedown_core::link::{Setup, Source};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+/// Longest test that is attended, ms.
+const DAY: u128 = 86_400_000;
+
 /// `device run`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  shakedown device --port /dev/ttyACM0 run reference.csv --out run/      the device takes its reference through the link
+  shakedown device --port /dev/ttyACM0 run --seconds 60 --out run/       its reference, or in guard mode the existing
+                                                                         controller's command, stands at its converter
+
+Ctrl-C fades the test out, disarms and saves what was heard; a second one leaves the device as it is.")]
 pub(super) struct Run {
-    /// The reference: text with a header line, columns `time` (s) and `reference` (m), as `shakedown run --trace` writes.
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
+    /// The reference, streamed: text with a header line, columns `time` (s) and `reference` (m), as `shakedown run --trace`
+    /// writes.
+    #[arg(value_name = "FILE", required_unless_present = "seconds")]
+    file: Option<PathBuf>,
+    /// Runs a test of what stands at the converter, for so long, s.
+    #[arg(long, value_name = "S", conflicts_with_all = ["file", "column"])]
+    seconds: Option<f64>,
     /// The column with the reference.
     #[arg(long, value_name = "NAME", default_value = "reference")]
     column: String,
@@ -29,31 +44,79 @@ pub(super) struct Run {
     outputs: Outputs,
 }
 
+/// What a run plays, what that is counted in, and how many of them there are.
+struct Planned {
+    drive: Drive,
+    what: &'static str,
+    total: u64,
+}
+
 impl Run {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
         let new = self.setup.as_deref().map(setup::read).transpose()?;
         let setup = new.map_or_else(|| session.setup().map_err(failed), Ok)?;
-        let record = resampled(&self.file, &self.column, f64::from(setup.control.rate))?;
-        let points = record.len() as u64;
-        let bar = progress::bar(points, "points");
-        let mut drive = Drive::new(new, record);
-        let ended = session.drive(&mut drive, |sent| bar.set_position(u64::from(sent)));
+        let Planned { mut drive, what, total } = self.planned(new, &setup)?;
+        let bar = progress::bar(total, what);
+        let unfinished = Unfinished::begin();
+        let ended = session.drive(&mut drive, |gone| {
+            bar.set_position(u64::from(gone));
+            if unfinished.asked_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
         bar.finish_and_clear();
-        let telemetry = drive.telemetry();
-        let rows: Vec<Row> = telemetry.run().copied().collect();
-        save(&self.out, &rows, telemetry.rows(), &setup)?;
-        let missing: u32 = telemetry.gaps().iter().map(|gap| gap.records).sum();
-        let value = json!({ "points": points, "records": rows.len(), "missing": missing,
-                            "dropped": telemetry.dropped(), "ended": ended.as_ref().err().map(ToString::to_string) });
-        self.outputs.write_json(value, std::slice::from_ref(&self.file))?;
+        let how = json!({ "points": self.file.is_some().then_some(total), "asked_to_end": unfinished.asked_to_end(),
+                          "ended": ended.as_ref().err().map(ToString::to_string) });
+        self.keep(drive.telemetry(), &setup, how)?;
+        ended.map_err(failed)
+    }
+
+    /// A run of what the device listens to; a record that it would not play, or a test without one, is refused.
+    fn planned(&self, new: Option<Setup>, setup: &Setup) -> Result<Planned, Failure> {
+        match (&self.file, self.seconds, setup.wiring.source) {
+            (Some(file), _, Source::Streamed) => {
+                let record = resampled(file, &self.column, f64::from(setup.control.rate))?;
+                let total = record.len() as u64;
+                Ok(Planned { drive: Drive::new(new, record), what: "points", total })
+            }
+            (None, Some(seconds), Source::Analog) => {
+                let time =
+                    Duration::try_from_secs_f64(seconds).ok().filter(|time| (1..=DAY).contains(&time.as_millis()));
+                let wrong = || Failure::Input(format!("--seconds {seconds}: between 0.001 and 86400, please"));
+                let total = time.ok_or_else(wrong)?.as_millis() as u64;
+                Ok(Planned { drive: Drive::attended(new, total), what: "ms", total })
+            }
+            (Some(file), _, Source::Analog) => Err(Failure::Input(format!(
+                "{}: the device takes its reference from its converter and would not play it; set `wiring.source = \"streamed\"` in \
+                 its setup, or play the record into the converter and give `--seconds`",
+                file.display()
+            ))),
+            (None, _, Source::Streamed) => Err(Failure::Input(
+                "--seconds: the device takes its reference through the link; give a FILE with one, or set \
+                 `wiring.source = \"analog\"` in its setup"
+                    .into(),
+            )),
+            (None, None, Source::Analog) => Err(Failure::Input("--seconds: how long?".into())),
+        }
+    }
+
+    /// Saves what was heard, and says so beside `how` it went.
+    fn keep(&self, heard: &Telemetry, setup: &Setup, mut how: Value) -> Result<(), Failure> {
+        let rows: Vec<Row> = heard.run().copied().collect();
+        save(&self.out, &rows, heard.rows(), setup)?;
+        let missing: u32 = heard.gaps().iter().map(|gap| gap.records).sum();
+        let early = how["asked_to_end"] == true;
+        how["records"] = json!(rows.len());
+        how["missing"] = json!(missing);
+        how["dropped"] = json!(heard.dropped());
+        self.outputs.write_json(how, self.file.as_slice())?;
         if !self.outputs.quiet() {
             print(&format!(
-                "{} records of {points} ticks in {}; {missing} missing\n",
+                "{} records{} in {}; {missing} missing\n",
                 rows.len(),
+                if early { " until the end was asked for" } else { "" },
                 self.out.join("experiment.toml").display()
             ));
         }
-        ended.map_err(failed)
+        Ok(())
     }
 }
 

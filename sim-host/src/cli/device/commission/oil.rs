@@ -4,9 +4,10 @@ use super::{failed, inputs, prompted};
 use crate::cli::Failure;
 use shakedown::device::{Drive, Port, Row, Session, SessionError};
 use shakedown_core::control::InnerLoop;
-use shakedown_core::link::{Report, Request, Setup, answer};
+use shakedown_core::link::{Report, Request, Setup, Source, answer};
 use shakedown_core::{Mode, State};
 use std::fmt::Write as _;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// Step 10: how far (m), and how long the way and the stand after it (s).
@@ -15,6 +16,8 @@ const WAY: f64 = 2.0;
 const STAND: f64 = 1.0;
 /// Shares of the record that step 12 plays.
 const SHARES: [(&str, f32); 3] = [("tenth", 0.1), ("third", 1.0 / 3.0), ("full", 1.0)];
+/// Why nothing is played.
+const AT_THE_CONVERTER: &str = "the reference stands at the converter: play it there, and `device run --seconds`";
 /// Flag of a record of telemetry: the table is at its velocity limit.
 const SATURATED: u16 = 1;
 
@@ -29,12 +32,15 @@ impl Oil<'_> {
     /// All of the steps, as far as they are agreed to.
     pub(super) fn walk(&mut self, text: &mut String) -> Result<(), Failure> {
         let guards = self.setup.control.mode == Mode::Guard;
+        let streamed = self.setup.wiring.source == Source::Streamed;
         if !agreed(text, "9", "Pressure at its least, a soft stop either side. Arm, and hold for three seconds")? {
             return Ok(());
         }
         self.creep(text)?;
         if guards {
             let _ = writeln!(text, "\n[step-10]\nleft_out = \"in guard mode the existing controller moves the table\"");
+        } else if !streamed {
+            let _ = writeln!(text, "\n[step-10]\nleft_out = {AT_THE_CONVERTER:?}");
         } else if !agreed(text, "10", "Polarity: a slow +2 mm")? {
             return Ok(());
         } else {
@@ -45,8 +51,9 @@ impl Oil<'_> {
             let _ = writeln!(text, "\n[step-{number}]\ninstruction = {what:?}\ntyped = {typed:?}");
             inputs(self.session, text)?;
         }
-        let Some(record) = self.record.take() else {
-            let _ = writeln!(text, "\n[step-12]\nleft_out = \"no record was given (--record)\"");
+        let Some(record) = self.record.take().filter(|_| streamed) else {
+            let why = if streamed { "no record was given (--record)" } else { AT_THE_CONVERTER };
+            let _ = writeln!(text, "\n[step-12]\nleft_out = {why:?}");
             return Ok(());
         };
         for (name, share) in SHARES {
@@ -110,7 +117,7 @@ impl Oil<'_> {
     /// Plays `record`, m, and says how it went; its telemetry.
     fn play(&mut self, record: Vec<f32>, text: &mut String) -> Result<Vec<Row>, Failure> {
         let mut drive = Drive::new(None, record);
-        let ended = match self.session.drive(&mut drive, |_| {}) {
+        let ended = match self.session.drive(&mut drive, |_| ControlFlow::Continue(())) {
             Ok(()) => "done".to_owned(),
             Err(SessionError::Drive(error)) => error.to_string(),
             Err(error) => return Err(failed(error)),

@@ -1,0 +1,40 @@
+//! The steps of a run.
+
+/// What is asked next; what is behind it has been answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Step {
+    Identify,
+    Setup,
+    Vitals,
+    ClearTrip,
+    Challenge,
+    /// With the answer to the challenge.
+    Arm(u64),
+    Fill,
+    Start,
+    Stream,
+    /// Started, of a test that is attended, at this time, ms.
+    Attend(u64),
+    Stop,
+    Stand,
+    Disarm,
+    Done,
+}
+
+impl Step {
+    /// What is asked, for whom it is not answered.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Identify => "who it is",
+            Self::Setup => "its setup",
+            Self::Vitals | Self::Attend(_) | Self::Stand => "how it fares",
+            Self::ClearTrip => "clearing the trip",
+            Self::Challenge | Self::Arm(_) => "arming",
+            Self::Fill | Self::Stream => "the reference",
+            Self::Start => "the start",
+            Self::Stop => "the stop",
+            Self::Disarm => "disarming",
+            Self::Done => "nothing",
+        }
+    }
+}
