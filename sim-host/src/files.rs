@@ -33,7 +33,6 @@ impl Unfinished {
     }
 
     /// Whether an interrupt has asked for the end.
-    #[expect(clippy::unused_self, reason = "only unfinished work is asked")]
     pub fn asked_to_end(&self) -> bool {
         ASKED.load(Ordering::SeqCst)
     }

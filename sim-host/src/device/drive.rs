@@ -53,18 +53,18 @@ pub struct Drive {
 
 impl Drive {
     /// A run of `record`, m, one point a tick; `setup` is written first where given.
-    pub const fn new(setup: Option<Setup>, record: Vec<f32>) -> Self {
-        Self::playing(setup, Play::Streamed(record))
+    pub fn new(setup: Option<Setup>, record: Vec<f32>) -> Self {
+        Self { setup, ..Self::playing(Play::Streamed(record)) }
     }
 
     /// A test of what stands at the device's converter, for `time`, ms; `setup` is written first where given.
-    pub const fn attended(setup: Option<Setup>, time: u64) -> Self {
-        Self::playing(setup, Play::Attended(time))
+    pub fn attended(setup: Option<Setup>, time: u64) -> Self {
+        Self { setup, ..Self::playing(Play::Attended(time)) }
     }
 
-    const fn playing(setup: Option<Setup>, play: Play) -> Self {
+    fn playing(play: Play) -> Self {
         Self {
-            setup,
+            setup: None,
             play,
             step: Step::Identify,
             ending: false,
@@ -73,7 +73,7 @@ impl Drive {
             repeats: 0,
             wanted: 0,
             room: 0,
-            telemetry: Telemetry::new(),
+            telemetry: Telemetry::default(),
             failed: None,
         }
     }
@@ -222,6 +222,8 @@ impl Drive {
                 Step::Fill | Step::Start | Step::Stream | Step::Attend(_) | Step::Stop | Step::Stand,
                 Report::Refused(RefusedBecause::Challenge),
             ) => {}
+            // A device that is busy with what was asked before is asked again when patience is at an end.
+            (_, Report::Refused(RefusedBecause::Full)) => {}
             (_, Report::Refused(because)) => {
                 self.failed = Some(DriveError::Refused { request: self.step.name(), because });
             }

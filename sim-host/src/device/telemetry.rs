@@ -34,11 +34,6 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// Of a session in which nothing was heard yet.
-    pub const fn new() -> Self {
-        Self { rows: Vec::new(), gaps: Vec::new(), dropped: 0, every: 0, expected: None }
-    }
-
     /// Takes a batch.
     pub fn take(&mut self, batch: &Batch) {
         let every = u32::from(batch.every.max(1));

@@ -53,9 +53,11 @@ struct Planned {
 
 impl Run {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
-        let new = self.setup.as_deref().map(setup::read).transpose()?;
-        let setup = new.map_or_else(|| session.setup().map_err(failed), Ok)?;
-        let Planned { mut drive, what, total } = self.planned(new, &setup)?;
+        let setup = match &self.setup {
+            Some(file) => setup::read(file)?,
+            None => session.setup().map_err(failed)?,
+        };
+        let Planned { mut drive, what, total } = self.planned(&setup)?;
         let bar = progress::bar(total, what);
         let unfinished = Unfinished::begin();
         let ended = session.drive(&mut drive, |gone| {
@@ -70,7 +72,8 @@ impl Run {
     }
 
     /// A run of what the device listens to; a record that it would not play, or a test without one, is refused.
-    fn planned(&self, new: Option<Setup>, setup: &Setup) -> Result<Planned, Failure> {
+    fn planned(&self, setup: &Setup) -> Result<Planned, Failure> {
+        let new = self.setup.is_some().then_some(*setup);
         match (&self.file, self.seconds, setup.wiring.source) {
             (Some(file), _, Source::Streamed) => {
                 let record = resampled(file, &self.column, f64::from(setup.control.rate))?;

@@ -3,6 +3,7 @@
 use super::{failed, inputs, prompted};
 use crate::cli::Failure;
 use shakedown::device::{Drive, Port, Row, Session, SessionError};
+use shakedown::files::Unfinished;
 use shakedown_core::control::InnerLoop;
 use shakedown_core::link::{Report, Request, Setup, Source, answer};
 use shakedown_core::{Mode, State};
@@ -71,6 +72,7 @@ impl Oil<'_> {
     /// Armed, the table should stand. What it creeps by, and what the law asks for against it, is the valve's null bias:
     /// v = gain (command - null).
     fn creep(&mut self, text: &mut String) -> Result<(), Failure> {
+        let unfinished = Unfinished::begin();
         let challenge = self
             .session
             .ask(&Request::RequestArming, |report| if let Report::Challenge(c) = report { Some(*c) } else { None })
@@ -83,6 +85,7 @@ impl Oil<'_> {
         // Whatever the state is, the relay opens.
         let order = if state == State::Ready { Request::Disarm } else { Request::Trip };
         self.session.order(&order).map_err(failed)?;
+        on(&unfinished)?;
         let rows: Vec<Row> = heard.rows().iter().copied().filter(|row| row.state == State::Ready).collect();
         let not_held = || {
             let (rows, cause) = (heard.rows().len(), vitals.cause);
@@ -117,7 +120,9 @@ impl Oil<'_> {
     /// Plays `record`, m, and says how it went; its telemetry.
     fn play(&mut self, record: Vec<f32>, text: &mut String) -> Result<Vec<Row>, Failure> {
         let mut drive = Drive::new(None, record);
-        let ended = match self.session.drive(&mut drive, |_| ControlFlow::Continue(())) {
+        let unfinished = Unfinished::begin();
+        let go_on = |_| if unfinished.asked_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let ended = match self.session.drive(&mut drive, go_on) {
             Ok(()) => "done".to_owned(),
             Err(SessionError::Drive(error)) => error.to_string(),
             Err(error) => return Err(failed(error)),
@@ -131,6 +136,7 @@ impl Oil<'_> {
             rows.len(),
             number(error.fold(0.0, f64::max))
         );
+        on(&unfinished)?;
         Ok(rows)
     }
 
@@ -176,6 +182,12 @@ impl Oil<'_> {
         let both: f64 = rows.iter().map(|row| (time(row) - t0) * (self.displacement(row) - x0)).sum();
         (spread > 0.0).then(|| both / spread)
     }
+}
+
+/// Whether to go on, now that the relay is open.
+fn on(unfinished: &Unfinished) -> Result<(), Failure> {
+    let ended = || Failure::Work("interrupted: the test was ended and the relay opened".into());
+    if unfinished.asked_to_end() { Err(ended()) } else { Ok(()) }
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
