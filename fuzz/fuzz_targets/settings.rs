@@ -15,7 +15,8 @@ fuzz_target!(|bytes: &[u8]| {
     assert!(!refused, "what can be run validates");
     for tick in 0..200_u16 {
         let x = 0.01 * f32::from(tick % 17) - 0.08;
-        let sample = Sample { external: x, velocity: x, pressure_difference: 1e5 * x, ..Sample::new(x, 0.5 * x, 10.0 * x) };
+        let sample =
+            Sample { external: x, velocity: x, pressure_difference: 1e5 * x, ..Sample::new(x, 0.5 * x, 10.0 * x) };
         if tick == 5 {
             let _ = controller.request(Request::Arm);
             let _ = controller.request(Request::Start);

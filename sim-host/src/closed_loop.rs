@@ -38,6 +38,9 @@ pub struct Clock {
     half_steps: usize,
 }
 
+/// Most plant steps in a tick: a microsecond each at 1 kHz, where ten are exact.
+const MOST_STEPS: usize = 1000;
+
 /// Why a [`Clock`] was refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClockError {
@@ -45,7 +48,7 @@ pub enum ClockError {
     #[error("control rate {0} Hz: it must lie between 1 and 1,000,000")]
     Rate(f64),
     /// A tick must hold an even number of plant steps, so that one ends half way through.
-    #[error("{0} plant steps a tick: the number must be even and at least 2")]
+    #[error("{0} plant steps a tick: the number must be even and between 2 and {MOST_STEPS}")]
     Steps(usize),
 }
 
@@ -55,7 +58,7 @@ impl Clock {
         if !(1.0..=1e6).contains(&rate) {
             return Err(ClockError::Rate(rate));
         }
-        if steps == 0 || !steps.is_multiple_of(2) {
+        if !(2..=MOST_STEPS).contains(&steps) || !steps.is_multiple_of(2) {
             return Err(ClockError::Steps(steps));
         }
         Ok(Self { rate, half_steps: steps / 2 })
@@ -112,6 +115,20 @@ pub struct Trace {
     pub measured_acceleration: Vec<f64>,
     /// What happened at each tick.
     pub flags: Vec<Flags>,
+}
+
+impl Trace {
+    /// The first tick at which the table's motion, or what is measured of it, is no number.
+    fn first_without_number(&self) -> Option<usize> {
+        let signals = [
+            &self.displacement,
+            &self.velocity,
+            &self.acceleration,
+            &self.measured_displacement,
+            &self.measured_acceleration,
+        ];
+        signals.into_iter().filter_map(|signal| signal.iter().position(|value| !value.is_finite())).min()
+    }
 }
 
 /// What happened at one tick.
@@ -226,6 +243,7 @@ mod tests {
         assert_eq!(Clock::new(f64::NAN, 10).map_err(|e| e.to_string()).unwrap_err().split(':').count(), 2);
         assert_eq!(Clock::new(1000.0, 3), Err(ClockError::Steps(3)));
         assert_eq!(Clock::new(1000.0, 0), Err(ClockError::Steps(0)));
+        assert_eq!(Clock::new(1000.0, 1002), Err(ClockError::Steps(1002)));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Files that are whole or not there at all.
 
+pub mod bounded;
 pub mod json;
 
 use std::io::{Result, Write as _};

@@ -114,6 +114,53 @@ fn a_gigabyte_is_refused_unread() {
     every_reader_refuses(&folder, "a.AT2", &[], &["1073741824 bytes"]);
 }
 
+/// A file of a gigabyte where a person's own is expected.
+#[test]
+fn a_gigabyte_is_refused_by_whoever_reads_what_people_write() {
+    let folder = TempDir::new().unwrap();
+    fs::File::create(folder.path().join("large.toml")).unwrap().set_len(1 << 30).unwrap();
+    write(&folder, "settings.toml", "settings = \"large.toml\"\n");
+    write(&folder, "table.toml", "table = \"large.toml\"\n");
+    let readers: [&[&str]; 7] = [
+        &["run", "large.toml"],
+        &["run", "settings.toml"],
+        &["run", "table.toml"],
+        &["run", "--table", "large.toml"],
+        &["identify", "large.toml"],
+        &["diagnose", "large.toml"],
+        &["design", "large.toml"],
+    ];
+    for command in readers {
+        let message = refusal(&folder, command);
+        assert!(message.contains("large.toml") && message.contains("16777216 bytes"), "{command:?}: {message}");
+    }
+}
+
+/// What a scenario or a table states out of all proportion is an error and no result.
+#[test]
+fn what_leaves_the_numbers_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let servo = "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n";
+    write(
+        &folder,
+        "negative.toml",
+        &format!("{servo}effects = [\"leakage\"]\n[effects.leakage]\ncoefficient = -1.0\n"),
+    );
+    write(&folder, "noise.toml", "[sensors]\nacceleration_noise = nan\n");
+    write(&folder, "huge.toml", "conditioning = [{ do = \"scale\", factor = 1e300 }]\n");
+    for (command, part) in [
+        (
+            &["run", "--table", "negative.toml"][..],
+            "line 8, `effects.leakage.coefficient`: is -1; it cannot be negative",
+        ),
+        (&["run", "noise.toml"], "acceleration_noise = NaN"),
+        (&["run", "huge.toml"], "step 1 makes the motion larger"),
+    ] {
+        let message = refusal(&folder, command);
+        assert!(message.contains(part), "{command:?}: {message}");
+    }
+}
+
 #[test]
 fn a_scenario_is_refused_with_its_line() {
     let folder = TempDir::new().unwrap();

@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use serde_json::json;
 use shakedown::closed_loop::named;
 use shakedown::closed_loop::scenario::{Conditioning, NamedRecipe, RecordSource, Scenario};
-use shakedown::closed_loop::trial::{Scores, Seen, Setup, Trial};
+use shakedown::closed_loop::trial::{Scores, Seen, Setup, Trial, TrialError};
 use shakedown::motion::Motion;
 use shakedown::motion::condition::{Step, peak_acceleration};
 use shakedown::motion::fit::FitError;
@@ -161,13 +161,12 @@ fn motion(scenario: &Scenario, setup: &Setup) -> Result<Played, Failure> {
     let record = source.load()?;
     let place = source.record.as_ref().map_or_else(|| record.name.clone(), |path| path.display().to_string());
     let refuse = |what: &str, e: String| Failure::Input(format!("{place}: {what}{e}"));
-    let mut original =
-        scenario.recipe(setup.rate()).apply(&record).map_err(|e| refuse("conditioning: ", e.to_string()))?;
+    let mut recipe = scenario.recipe(setup.rate());
     if let Some(text) = &scenario.scale_to {
         let peak = peak_acceleration(text).map_err(|e| Failure::Input(format!("--scale-to: {e}")))?;
-        let step = Step::ScaleToPeak { peak };
-        original = step.apply(original).map_err(|e| refuse("", e.to_string()))?;
+        recipe.steps.push(Step::ScaleToPeak { peak });
     }
+    let original = recipe.apply(&record).map_err(|e| refuse("conditioning: ", e.to_string()))?;
     let fitted = match scenario.fit {
         None => original.clone(),
         Some(fit) => fitted(fit, &original, setup, &record.name).map_err(|e| refuse("fit: ", e.to_string()))?,
@@ -195,7 +194,10 @@ struct Outcome {
 }
 
 fn test(played: Played, setup: &Setup) -> Result<Outcome, Failure> {
-    let failed = |e: shakedown::closed_loop::trial::TrialError| Failure::Work(format!("run: {e}"));
+    let failed = |e: TrialError| match e {
+        TrialError::NotFinite { .. } => Failure::Input(format!("run: {e}")),
+        _ => Failure::Work(format!("run: {e}")),
+    };
     let bar = progress::spinner(format!("testing with {}", played.name));
     let ideal_setup = Setup { sensors: SensorModel::default(), ..setup.clone() };
     let started = Instant::now();

@@ -26,6 +26,7 @@
 use super::named;
 use super::trial::Setup;
 use super::twin::Twin;
+use crate::files::bounded;
 use crate::motion::condition::Recipe;
 use crate::motion::fit::named::Fit;
 use crate::plant::paper::Paper;
@@ -146,9 +147,13 @@ impl ScenarioError {
 
 /// Reads a TOML file into what is asked for; a key that nobody knows is refused with its line.
 fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
-    let text = std::fs::read_to_string(path)
+    let text = bounded::text(path, bounded::BY_HAND)
         .map_err(|e| ScenarioError::of(path, String::new(), format!("{e}: expected a readable TOML file")))?;
-    toml::from_str(&text).map_err(|e| {
+    parse_toml(path, &text)
+}
+
+fn parse_toml<T: serde::de::DeserializeOwned>(path: &Path, text: &str) -> Result<T, ScenarioError> {
+    toml::from_str(text).map_err(|e| {
         let line = e.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
         ScenarioError::of(path, line.map_or(String::new(), |line| format!(", line {line}")), e.message().to_owned())
     })
@@ -157,19 +162,28 @@ fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, ScenarioE
 impl Scenario {
     /// Reads a scenario; its paths become relative to the working folder.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
-        let mut scenario: Self = read_toml(path)?;
+        read_toml(path).and_then(|scenario: Self| scenario.placed(path))
+    }
+
+    /// The same from text at hand; `path` is what messages call it and what its own paths are relative to.
+    pub fn from_text(path: &Path, text: &str) -> Result<Self, ScenarioError> {
+        parse_toml(path, text).and_then(|scenario: Self| scenario.placed(path))
+    }
+
+    /// With what follows from where it was read.
+    fn placed(mut self, path: &Path) -> Result<Self, ScenarioError> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        for file in [&mut scenario.record.file, &mut scenario.settings, &mut scenario.table].into_iter().flatten() {
+        for file in [&mut self.record.file, &mut self.settings, &mut self.table].into_iter().flatten() {
             *file = folder.join(&*file);
         }
-        if scenario.controller.is_some() && scenario.settings.is_some() {
+        if self.controller.is_some() && self.settings.is_some() {
             let problem = "controller and settings exclude each other: leave one out";
             return Err(ScenarioError::of(path, String::new(), problem.into()));
         }
-        if scenario.name.is_empty() {
-            scenario.name = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+        if self.name.is_empty() {
+            self.name = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
         }
-        Ok(scenario)
+        Ok(self)
     }
 
     /// The loop that the scenario describes, checked.
@@ -196,6 +210,9 @@ impl Scenario {
         }
         if let Err(e) = self.plant.validate() {
             return refuse("plant", e.to_string());
+        }
+        if let Err(e) = self.sensors.validate() {
+            return refuse("sensors", e.to_string());
         }
         if let Err(e) = super::Clock::new(f64::from(settings.rate), self.steps) {
             return refuse("steps", e.to_string());
@@ -269,6 +286,13 @@ mod tests {
         let setup = |text: &str| read(text).unwrap().setup().unwrap_err().to_string();
         assert!(setup("controller = \"fast\"").contains("`fast`: expected one of current strong"));
         assert!(setup("steps = 3").contains("even"));
+        assert!(setup("steps = 200000000").contains("between 2 and 1000"));
+        assert!(
+            setup("[sensors]\nacceleration_noise = nan").contains("acceleration_noise = NaN: it must be zero or more")
+        );
+        assert!(setup("[sensors]\ndisplacement_step = inf").contains("displacement_step = inf"));
+        let line = "[[sensors.displacement_lines]]\nshape = \"sine\"\nfrequency_hz = 50.0\namplitude = inf";
+        assert!(setup(line).contains("amplitude = inf: it must be a finite number"));
         assert!(setup("rate_hz = 1.0").contains("rate"));
         assert!(setup("[plant]\na1 = -1.0").contains("a1 = -1"));
     }

@@ -56,6 +56,9 @@ impl Setup {
         let start = played.displacement.first().copied().unwrap_or(0.0);
         let mut sensors = Sensors::new(self.sensors.clone());
         let trace = self.table.run(law, &mut sensors, &played.displacement, start, clock)?;
+        if let Some(tick) = trace.first_without_number() {
+            return Err(TrialError::NotFinite { time: tick as f64 * trace.dt });
+        }
         Ok(Trial { wanted, played, lag, trace })
     }
 
@@ -80,6 +83,14 @@ pub enum TrialError {
     /// The motion could not be fitted to the table.
     #[error("fit: {0}")]
     Fit(#[from] crate::motion::fit::FitError),
+    /// The test left the numbers.
+    #[error(
+        "the table's motion is no number from {time:.3} s on: what the settings, the table or the sensors state is out of all proportion"
+    )]
+    NotFinite {
+        /// From when on, s.
+        time: f64,
+    },
     /// A signal could not be filtered.
     #[error("response: {0}")]
     Filter(#[from] crate::motion::filter::FilterError),

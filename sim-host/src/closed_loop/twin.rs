@@ -157,6 +157,9 @@ mod tests {
     fn what_is_no_table_is_refused_by_name() {
         let missing = twin(&format!("{SERVO}effects = [\"leakage\"]\n")).unwrap_err();
         assert!(matches!(missing, TwinError::Missing { key: "coefficient", .. }), "{missing}");
+        let negative = twin(&format!("{SERVO}effects = [\"command_delay\"]\n[effects.command_delay]\ntime = -0.02\n"));
+        let message = negative.unwrap_err().to_string();
+        assert!(message.contains("line 8, `effects.command_delay.time`: is -0.02; it cannot be negative"), "{message}");
         let rigid = twin("[model]\nkind = \"rigid-mass\"\nmass = 1.0\nviscous = 1.0\n").unwrap_err();
         assert!(matches!(rigid, TwinError::Kind("rigid-mass")), "{rigid}");
     }

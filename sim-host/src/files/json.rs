@@ -1,6 +1,6 @@
 //! JSON files that long work leaves behind and finds again.
 
-use super::write_whole;
+use super::{bounded, write_whole};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -45,6 +45,6 @@ pub fn write(path: &Path, text: serde_json::Result<String>) -> Result<(), JsonEr
 
 /// Reads a value.
 pub fn read<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, JsonError> {
-    let text = std::fs::read(path).map_err(JsonError::file(path))?;
+    let text = bounded::bytes(path, bounded::BY_WORK).map_err(JsonError::file(path))?;
     serde_json::from_slice(&text).map_err(JsonError::content(path))
 }

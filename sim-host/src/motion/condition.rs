@@ -116,6 +116,12 @@ pub enum ConditionError {
         /// How many are left.
         samples: usize,
     },
+    /// Numbers that no table and no controller can hold.
+    #[error("step {step} makes the motion larger than any number that a controller holds (3.4e38), or none at all")]
+    NotFinite {
+        /// The step's number, from one.
+        step: usize,
+    },
     /// More samples than memory should be spent on.
     #[error("{what} makes {samples:.0} samples: expected at most {MAX_SAMPLES}")]
     TooLong {
@@ -178,7 +184,13 @@ impl Recipe {
 
     /// Applies the steps to a motion.
     pub fn apply_to(&self, motion: Motion) -> Result<Motion, ConditionError> {
-        self.steps.iter().try_fold(motion, |motion, step| step.apply(motion))
+        self.steps.iter().zip(1..).try_fold(motion, |motion, (step, number)| {
+            let made = step.apply(motion)?;
+            let signals = [&made.acceleration, &made.velocity, &made.displacement];
+            // The core reads the reference in f32.
+            let holds = signals.into_iter().flatten().all(|value| (*value as f32).is_finite());
+            if holds { Ok(made) } else { Err(ConditionError::NotFinite { step: number }) }
+        })
     }
 }
 
@@ -299,11 +311,11 @@ fn resampled(motion: Motion, rate_hz: f64, between: Interpolation) -> Result<Mot
     if ((to - motion.dt) / motion.dt).abs() < 1e-9 {
         return Ok(motion);
     }
-    let acceleration = resample(&motion.acceleration, motion.dt, to, between);
-    if acceleration.len() < 2 {
-        return Err(ConditionError::TooShort { what: "resampling", samples: acceleration.len() });
+    // Before and not after: the sinc of a rate far below one sample in the whole motion has no end.
+    if motion.duration() * rate_hz < 1.0 - 1e-6 {
+        return Err(ConditionError::TooShort { what: "resampling", samples: 1 });
     }
-    Ok(Motion::from_acceleration(to, acceleration))
+    Ok(Motion::from_acceleration(to, resample(&motion.acceleration, motion.dt, to, between)))
 }
 
 /// The high-pass on acceleration and then velocity. What the second pass takes out of the velocity is slow, so that its

@@ -43,6 +43,14 @@ pub enum ParameterError {
         /// What was given.
         value: f64,
     },
+    /// A parameter must not be negative, and finite.
+    #[error("{name} = {value}: it must be zero or more, and finite")]
+    Negative {
+        /// The parameter's name.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
     /// A parameter must be finite.
     #[error("{name} = {value}: it must be a finite number")]
     NotFinite {
@@ -61,6 +69,11 @@ pub(super) fn positive(name: &'static str, value: f64) -> Result<(), ParameterEr
 /// Refuses a parameter that is infinite or not a number.
 pub(super) fn finite(name: &'static str, value: f64) -> Result<(), ParameterError> {
     if value.is_finite() { Ok(()) } else { Err(ParameterError::NotFinite { name, value }) }
+}
+
+/// Refuses a parameter that is negative, infinite or not a number.
+pub(super) fn not_negative(name: &'static str, value: f64) -> Result<(), ParameterError> {
+    if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(ParameterError::Negative { name, value }) }
 }
 
 /// Where the plant is.

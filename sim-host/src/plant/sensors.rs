@@ -1,6 +1,7 @@
 //! What the sensors make of the motion: the LVDT's quantisation, the accelerometer's noise, and the mains hum and
 //! saw-tooth that the cables pick up (the noise source of Fig. 7). Everything is seeded: the same seed, the same noise.
 
+use super::paper::{ParameterError, finite, not_negative};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -57,6 +58,16 @@ impl SensorModel {
             acceleration_lines: lines(0.5 * noise),
             seed,
         }
+    }
+
+    /// Checks every number.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        not_negative("displacement_step", self.displacement_step)?;
+        not_negative("acceleration_noise", self.acceleration_noise)?;
+        self.displacement_lines.iter().chain(&self.acceleration_lines).try_for_each(|line| {
+            not_negative("frequency_hz", line.frequency_hz)?;
+            finite("amplitude", line.amplitude)
+        })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::document::{Entry, Section, Source, parse, unknown_key};
 use super::error::{Place, Problem, RecordingError, nearest};
+use crate::files::bounded;
 use crate::plant::effects;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -51,9 +52,13 @@ pub struct StatedEffect {
 impl Model {
     /// Reads a `table.toml`: a file with `[model]` and `[effects]` alone.
     pub fn load(path: &Path) -> Result<Self, RecordingError> {
-        let text = read_text(path)?;
-        let source = Source::new(path, &text);
-        let document = parse(&source, &text)?;
+        Self::from_text(path, &read_text(path)?)
+    }
+
+    /// The same from text at hand; `path` is what messages call it.
+    pub fn from_text(path: &Path, text: &str) -> Result<Self, RecordingError> {
+        let source = Source::new(path, text);
+        let document = parse(&source, text)?;
         let root = Section::root(&source, &document);
         let model = Self::stated(&root, &model_section(&root)?)?;
         root.string("name")?;
@@ -109,9 +114,10 @@ impl Model {
     fn check_library(&self) -> Result<(), RecordingError> {
         self.check_effects(&effects::identifiers())?;
         for effect in &self.effects {
-            let keys: Vec<&str> =
-                effects::entry(&effect.id).iter().flat_map(|e| e.parameters).map(|parameter| parameter.key).collect();
+            let parameters = effects::entry(&effect.id).map_or(&[][..], |entry| entry.parameters);
+            let keys: Vec<&str> = parameters.iter().map(|parameter| parameter.key).collect();
             self.check_effect_keys(&effect.id, &keys)?;
+            effect.check_signs(parameters)?;
             let own = self.fit.iter().filter_map(|f| f.strip_prefix(effect.id.as_str())?.strip_prefix('.'));
             if let Some(key) = own.into_iter().find(|key| !keys.contains(key)) {
                 return Err(effect.place.clone().refuse(unknown_key(key, &keys)));
@@ -171,17 +177,22 @@ impl Model {
     }
 }
 
+impl StatedEffect {
+    /// Refuses a negative value of what is a size, a time or a rate.
+    fn check_signs(&self, parameters: &[effects::Parameter]) -> Result<(), RecordingError> {
+        for parameter in parameters.iter().filter(|parameter| parameter.positive) {
+            if let Some(&value) = self.parameters.get(parameter.key).filter(|value| **value < 0.0) {
+                let place = self.place.clone().column(&format!("effects.{}.{}", self.id, parameter.key));
+                return Err(place.refuse(Problem::OutOfRange { value, expected: "it cannot be negative" }));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Reads a small text file.
 pub(crate) fn read_text(path: &Path) -> Result<String, RecordingError> {
-    const LIMIT: u64 = 16 << 20;
-    let refuse = |e: std::io::Error| Place::file(path).refuse(Problem::Unreadable(e));
-    let file = std::fs::File::open(path).map_err(refuse)?;
-    let mut text = String::new();
-    let read = std::io::Read::read_to_string(&mut std::io::Read::take(file, LIMIT + 1), &mut text).map_err(refuse)?;
-    if read as u64 > LIMIT {
-        return Err(Place::file(path).refuse(Problem::TooLarge { what: "bytes", limit: LIMIT as usize }));
-    }
-    Ok(text)
+    bounded::text(path, bounded::BY_HAND).map_err(|e| Place::file(path).refuse(Problem::Unreadable(e)))
 }
 
 fn model_section<'a>(root: &Section<'a>) -> Result<Section<'a>, RecordingError> {

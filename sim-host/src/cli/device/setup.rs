@@ -4,6 +4,7 @@ use super::failed;
 use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use shakedown::device::{Port, Session};
+use shakedown::files::bounded;
 use shakedown_core::link::{Request, Setup};
 use std::path::{Path, PathBuf};
 
@@ -52,7 +53,7 @@ impl Set {
 /// Reads a setup and checks it by the very check that the device makes.
 pub(super) fn read(path: &Path) -> Result<Setup, Failure> {
     let refuse = |why: &dyn std::fmt::Display| Failure::Input(format!("{}: {why}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|e| refuse(&e))?;
+    let text = bounded::text(path, bounded::BY_HAND).map_err(|e| refuse(&e))?;
     let setup: Setup = toml::from_str(&text).map_err(|e| refuse(&e))?;
     setup.validate().map_err(|e| refuse(&e))?;
     Ok(setup)

@@ -106,6 +106,28 @@ fn a_recipe_reads_from_text() {
     assert!(serde_json::from_str::<Recipe>(r#"[{"do":"rest","before":3,"after_s":5}]"#).is_err());
 }
 
+#[test]
+fn a_motion_beyond_what_the_core_holds_is_refused_at_its_step() {
+    let motion = Motion::from_acceleration(0.01, vec![1.0; 100]);
+    let steps = vec![Step::Scale { factor: 2.0 }, Step::ScaleToPeak { peak: 1e39 }];
+    let refused = Recipe { steps }.apply_to(motion.clone()).unwrap_err();
+    assert_eq!(refused, ConditionError::NotFinite { step: 2 });
+    assert!(Recipe { steps: vec![Step::ScaleToPeak { peak: 1e38 }] }.apply_to(motion).is_ok());
+}
+
+/// A rate of less than a sample in the whole motion is refused before its sinc, which has no end, is summed.
+#[test]
+fn a_rate_that_leaves_one_sample_is_refused_at_once() {
+    let motion = Motion::from_acceleration(0.01, vec![1.0; 101]);
+    for between in [Interpolation::Linear, Interpolation::BandLimited] {
+        let at = |rate_hz: f64| Step::Resample { rate_hz, between }.apply(motion.clone());
+        for rate_hz in [1e-300, 1e-12, 0.9] {
+            assert_eq!(at(rate_hz).unwrap_err(), ConditionError::TooShort { what: "resampling", samples: 1 });
+        }
+        assert_eq!(at(1.0).unwrap().len(), 2);
+    }
+}
+
 fn any_step() -> impl Strategy<Value = Step> {
     prop_oneof![
         (0..=6usize).prop_map(|degree| Step::Baseline { degree }),

@@ -64,10 +64,10 @@ impl<S: Scalar> Effect<S> for CommandDelay<S> {
         let whole = steps.value().floor().max(0.0);
         let fraction = steps - whole;
         self.past.push_front(u);
-        self.past.truncate(whole as usize + 2);
+        self.past.truncate((whole as usize).saturating_add(2));
         let at_rest = S::from(0.0);
         let newer = self.past.get(whole as usize).copied().unwrap_or(at_rest);
-        let older = self.past.get(whole as usize + 1).copied().unwrap_or(at_rest);
+        let older = self.past.get((whole as usize).saturating_add(1)).copied().unwrap_or(at_rest);
         newer + (older - newer) * fraction
     }
 }
