@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// What a signal is taken to be between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,6 +19,8 @@ pub enum Interpolation {
 const CROSSINGS: f64 = 32.0;
 /// Shape of the Kaiser window: 81 dB.
 const BETA: f64 = 8.0;
+/// The window before it is scaled to one in the middle.
+static WINDOW_PEAK: LazyLock<f64> = LazyLock::new(|| bessel_i0(BETA));
 /// Where samples become fewer, the cut-off is this share of the new Nyquist frequency, so that the transition ends there.
 const CUT: f64 = 0.92;
 
@@ -67,7 +70,7 @@ pub(super) fn kernel(distance: f64) -> f64 {
         return 0.0;
     }
     let sinc = if distance.abs() < 1e-12 { 1.0 } else { (PI * distance).sin() / (PI * distance) };
-    sinc * bessel_i0(BETA * edge.sqrt()) / bessel_i0(BETA)
+    sinc * bessel_i0(BETA * edge.sqrt()) / *WINDOW_PEAK
 }
 
 /// Crossings of the kernel to each side.
