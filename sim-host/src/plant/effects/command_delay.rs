@@ -71,3 +71,19 @@ impl<S: Scalar> Effect<S> for CommandDelay<S> {
         newer + (older - newer) * fraction
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_arrives_later_by_any_share_of_a_step_or_not_at_all() {
+        let arrived = |time: f64| {
+            let mut delay = CommandDelay::new(&[time]).unwrap();
+            [1.0, 2.0, 3.0].map(|u| delay.command(u, 0.5))
+        };
+        assert_eq!(arrived(0.0), [1.0, 2.0, 3.0]);
+        assert_eq!(arrived(0.75), [0.0, 0.5, 1.5]);
+        assert_eq!(arrived(1e300), [0.0; 3]);
+    }
+}
