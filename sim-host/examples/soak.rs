@@ -1,23 +1,22 @@
 //! A day in the loop: `cargo run --release -p shakedown --example soak [HOURS [FOLDER]]`.
 //!
 //! The core drives the paper's plant at 1 kHz through one record after another, each armed, started, now and then held, and
-//! stopped; every twentieth tick goes as telemetry, in the link's own frames, to a file in FOLDER and through the host's end
-//! of the link. The memory of the process is read after every simulated hour and must not grow after the first.
+//! stopped; every twentieth tick goes as telemetry, in the link's own frames, through the host's end of the link to a recording
+//! in FOLDER, as `shakedown device run` keeps it. The memory of the process is read after every simulated hour and must not grow after the first.
 #![allow(clippy::print_stdout, reason = "what an example has to say")]
 
-use shakedown::device::{Talker, Telemetry};
+use shakedown::device::{Kept, Recorder, RecorderError, Talker, Telemetry};
 use shakedown::faults::Motions;
 use shakedown::plant::Plant as _;
 use shakedown::plant::paper::{FixedStep, Paper};
 use shakedown::plant::sensors::{SensorModel, Sensors};
 use shakedown_core::guard::GuardSettings;
-use shakedown_core::link::{Batch, MAX_BATCH, MAX_FRAME, Record, Report, encode};
+use shakedown_core::link::{Batch, MAX_BATCH, MAX_FRAME, Record, Report, Scale, Setup, Source, Wiring, encode};
 use shakedown_core::saturation::Detection;
 use shakedown_core::settings::Gains;
 use shakedown_core::{Controller, Modification, Request, Sample, Settings, State};
 use std::error::Error;
-use std::io::{BufWriter, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const RATE: f64 = 1000.0;
 /// Plant steps a tick.
@@ -33,6 +32,21 @@ fn resident() -> i64 {
     line.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)
 }
 
+/// Converters of which a code is a thousandth of everything.
+fn wiring() -> Wiring {
+    let scale = Scale { zero: 2048.0, per_code: 1e-3 };
+    Wiring {
+        source: Source::Streamed,
+        reference: scale,
+        displacement: scale,
+        acceleration: scale,
+        external: scale,
+        output: scale,
+        full_scale: 4095,
+        rails_are_faults: true,
+    }
+}
+
 struct Day {
     controller: Controller,
     plant: FixedStep,
@@ -41,16 +55,15 @@ struct Day {
     command: f64,
     tick: u64,
     batch: Batch,
-    file: BufWriter<std::fs::File>,
-    bytes: u64,
     talker: Talker,
-    rows: u64,
+    telemetry: Telemetry,
+    recorder: Recorder,
     tests: u64,
     trips: u64,
 }
 
 impl Day {
-    fn new(file: std::fs::File) -> Result<Self, Box<dyn Error>> {
+    fn new(folder: &Path) -> Result<Self, Box<dyn Error>> {
         let settings = Settings {
             displacement: Gains::new(8.0, 0.6),
             modification: Modification::Causal,
@@ -59,6 +72,7 @@ impl Day {
             guard: Some(GuardSettings::default()),
             ..Settings::default()
         };
+        let setup = Setup { telemetry_every: EVERY, wiring: wiring(), control: settings };
         Ok(Self {
             controller: Controller::new(&settings)?,
             plant: FixedStep::new(Paper::default(), 1.0 / (RATE * STEPS as f64), 0.0)?,
@@ -67,16 +81,15 @@ impl Day {
             command: 0.0,
             tick: 0,
             batch: Batch { first: 0, every: EVERY, state: State::Off, dropped: 0, records: heapless::Vec::new() },
-            file: BufWriter::new(file),
-            bytes: 0,
             talker: Talker::new(),
-            rows: 0,
+            telemetry: Telemetry::default(),
+            recorder: Recorder::begin(folder, &setup, Kept::All)?,
             tests: 0,
             trips: 0,
         })
     }
 
-    fn tick(&mut self, reference: f64) -> std::io::Result<()> {
+    fn tick(&mut self, reference: f64) -> Result<(), RecorderError> {
         let time = self.tick as f64 / RATE;
         let v = self.plant.velocity(self.command);
         let x = self.sensors.displacement(time, self.plant.displacement());
@@ -96,8 +109,8 @@ impl Day {
         Ok(())
     }
 
-    /// Telemetry as the device sends it, kept in a file and taken in by the host's end.
-    fn report(&mut self, record: Record) -> std::io::Result<()> {
+    /// Telemetry as the device sends it, taken in and recorded by the host's end.
+    fn report(&mut self, record: Record) -> Result<(), RecorderError> {
         if self.batch.records.is_empty() {
             self.batch.first = self.tick as u32;
             self.batch.state = self.controller.state();
@@ -109,21 +122,17 @@ impl Day {
         let mut wire = [0; MAX_FRAME];
         let length = encode(&Report::Telemetry(self.batch.clone()), &mut wire).unwrap_or(0);
         self.batch.records.clear();
-        self.file.write_all(&wire[..length])?;
-        self.bytes += length as u64;
         self.talker.hear(wire[..length].iter().copied());
-        let mut telemetry = Telemetry::default();
         while let Some(report) = self.talker.report() {
             if let Report::Telemetry(batch) = report {
-                telemetry.take(&batch);
+                self.telemetry.take(&batch);
             }
         }
-        self.rows += telemetry.rows().len() as u64;
-        Ok(())
+        self.recorder.take(&self.telemetry.take_rows())
     }
 
     /// One test along `record` (m), brought within the table's room.
-    fn test(&mut self, record: &[f64]) -> std::io::Result<()> {
+    fn test(&mut self, record: &[f64]) -> Result<(), RecorderError> {
         let peak = record.iter().fold(1e-6_f64, |most, x| most.max(x.abs()));
         let scale = (0.08 / peak).min(1.0);
         if self.controller.state() == State::Tripped {
@@ -160,29 +169,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     let hours: u64 = words.next().map_or(Ok(24), |word| word.parse())?;
     let folder = words.next().map_or_else(std::env::temp_dir, PathBuf::from);
     let motions = Motions::new(None)?;
-    let file = tempfile::tempfile_in(&folder)?;
-    let mut day = Day::new(file)?;
+    let folder = tempfile::tempdir_in(&folder)?;
+    let mut day = Day::new(folder.path())?;
     let mut marks = Vec::new();
-    println!(
-        "{:>5} {:>8} {:>7} {:>12} {:>14} {:>13}",
-        "hour", "tests", "trips", "records", "file [byte]", "memory [KiB]"
-    );
+    println!("{:>5} {:>8} {:>7} {:>12} {:>8} {:>13}", "hour", "tests", "trips", "records", "missing", "memory [KiB]");
     while (marks.len() as u64) < hours {
         let record = &motions.all[day.tests as usize % motions.all.len()];
         day.test(&record.displacement)?;
         while day.tick as f64 / (3600.0 * RATE) >= (marks.len() + 1) as f64 {
             marks.push(resident());
             println!(
-                "{:>5} {:>8} {:>7} {:>12} {:>14} {:>13}",
+                "{:>5} {:>8} {:>7} {:>12} {:>8} {:>13}",
                 marks.len(),
                 day.tests,
                 day.trips,
-                day.rows,
-                day.bytes,
+                day.recorder.rows(),
+                day.telemetry.gaps().len(),
                 marks[marks.len() - 1]
             );
         }
     }
+    let records = day.recorder.rows();
+    let path = day.recorder.end()?.map(|experiment| experiment.with_file_name("recording.csv"));
+    let bytes = path.map_or(Ok(0), |path| std::fs::metadata(path).map(|file| file.len()))?;
+    println!("{records} records in a recording of {bytes} byte");
     let (first, last) = (marks[0], marks[marks.len() - 1]);
     println!("growth from the first hour to the last: {} KiB, at most {MOST}", last - first);
     if last - first > MOST { Err("the memory grows".into()) } else { Ok(()) }

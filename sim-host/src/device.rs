@@ -7,6 +7,7 @@ mod drive;
 mod line;
 #[cfg(unix)]
 mod port;
+mod recorder;
 mod recording;
 mod session;
 mod telemetry;
@@ -15,6 +16,6 @@ pub use drive::{Drive, DriveError, Progress};
 pub use line::{Heard, Talker};
 #[cfg(unix)]
 pub use port::Port;
-pub use recording::{csv, experiment};
+pub use recorder::{Kept, Recorder, RecorderError};
 pub use session::{Line, Session, SessionError};
 pub use telemetry::{Gap, Row, Telemetry};

@@ -17,6 +17,7 @@ mod settings;
 pub mod spoil;
 pub mod summary;
 pub mod watcher;
+mod words;
 
 pub use campaign::{CampaignError, Plan};
 pub use case::Case;

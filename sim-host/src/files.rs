@@ -3,7 +3,7 @@
 pub mod bounded;
 pub mod json;
 
-use std::io::{Result, Write as _};
+use std::io::{ErrorKind, Result, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -63,7 +63,24 @@ pub fn clean_up_when_interrupted() {
     });
 }
 
-/// Writes a file whole or not at all: beside its place first, then renamed over it.
+/// The folder that a file is in.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether [`write_whole`] could write here: asked before long work, and not found out after it. Leaves nothing behind.
+pub fn writable(path: &Path) -> Result<()> {
+    let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+        Ok(there) if !there.is_file() => return Ok(()),
+        _ => {}
+    }
+    let there = folder_of(path).ancestors().find(|folder| folder.exists());
+    tempfile::tempfile_in(there.unwrap_or(Path::new("."))).map(drop)
+}
+
+/// Writes a file whole or not at all: beside its place first, then renamed over it. Its folder is made where it is missing.
 ///
 /// A reader, a crash or Ctrl-C at any moment sees the old file or the new one. A link keeps pointing where it did. A device or
 /// a pipe (`/dev/null`, `/dev/stdout`) is written to and never replaced.
@@ -73,7 +90,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         return std::fs::OpenOptions::new().write(true).open(path)?.write_all(bytes);
     }
-    let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let directory = folder_of(path);
+    std::fs::create_dir_all(directory)?;
     let mut builder = tempfile::Builder::new();
     // A report is for others to read: the user's mask decides, not the privacy of temporary files.
     #[cfg(unix)]
@@ -118,6 +136,21 @@ mod tests {
         assert!(write_whole(&taken, b"new").is_err());
         assert_eq!(std::fs::read(taken.join("inside")).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[test]
+    fn a_place_is_judged_before_and_a_folder_made_when_it_is_needed() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        writable(&at("new/deep/a.json")).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "asking makes nothing");
+        write_whole(&at("new/deep/a.json"), b"first").unwrap();
+        writable(&at("new/deep/a.json")).unwrap();
+        assert_eq!(std::fs::read(at("new/deep/a.json")).unwrap(), b"first");
+        assert_eq!(writable(&at("new")).unwrap_err().kind(), ErrorKind::IsADirectory);
+        assert_eq!(writable(&at("new/deep/a.json/b")).unwrap_err().kind(), ErrorKind::NotADirectory);
+        #[cfg(unix)]
+        writable(Path::new("/dev/null")).unwrap();
     }
 
     #[cfg(unix)]

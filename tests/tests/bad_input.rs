@@ -189,6 +189,38 @@ fn options_that_cannot_be_are_refused() {
     }
 }
 
+/// A place that takes no file is refused before the work, whatever option names it.
+#[test]
+fn a_place_that_takes_no_file_is_refused_before_the_work() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "file", "");
+    for arguments in [
+        &["run", "--trace", "file/a.csv"][..],
+        &["run", "--trace", "."],
+        &["modify", "none.AT2", "--out", "file/a.AT2"],
+        &["design", "none.toml", "--out", "file/a.toml"],
+        &["identify", "none.toml", "--out", "file/a.toml"],
+        &["diagnose", "none.toml", "--model", "file/a.toml"],
+    ] {
+        let message = refusal(&folder, arguments);
+        assert!(message.contains("no file can be written there"), "{arguments:?}: {message}");
+    }
+}
+
+/// What was never meant to be TOML is told where it goes.
+#[test]
+fn a_record_in_place_of_a_scenario_is_told_where_it_goes() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "kobe.AT2", "PEER STRONG MOTION DATABASE RECORD\n");
+    write(&folder, "recording.csv", "time [s],displacement [mm]\n0,0\n");
+    assert!(refusal(&folder, &["run", "kobe.AT2"]).contains("given by --record"));
+    for command in ["identify", "diagnose"] {
+        assert!(refusal(&folder, &[command, "recording.csv"]).contains("`shakedown init FOLDER`"));
+    }
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    assert!(refusal(&folder, &["faults", "--records", "empty"]).contains("empty: no PEER record"));
+}
+
 /// An interrupt in the middle of the work leaves nothing behind, neither the outputs nor parts of them.
 #[cfg(unix)]
 #[test]

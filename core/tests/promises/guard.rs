@@ -668,9 +668,8 @@ fn the_hazard_table_names_real_tests() {
     };
     let here = ["guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs"];
     let here = here.map(|file| root.join("tests/promises").join(file));
-    let of_the_image = root.join("../tests/replay/tests/faults.rs");
-    let sources: String =
-        here.iter().chain([&of_the_image]).map(|file| std::fs::read_to_string(file).unwrap()).collect();
+    let of_the_image = ["faults.rs", "device.rs"].map(|file| root.join("../tests/replay/tests").join(file));
+    let sources: String = here.iter().chain(&of_the_image).map(|file| std::fs::read_to_string(file).unwrap()).collect();
     let mut named = 0;
     for row in table.lines().filter(|line| line.starts_with("| ") && line.contains('`')) {
         let cell = row.trim_end_matches([' ', '|']).rsplit('|').next().unwrap_or("");

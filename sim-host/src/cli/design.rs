@@ -1,7 +1,7 @@
 //! `shakedown design`: gains for the tracking law from a model and its uncertainty, margins first.
 
 use super::failure::within;
-use super::output::{Outputs, print, write_whole};
+use super::output::{Outputs, place, print, write_whole};
 use super::{Failure, present, progress};
 use serde_json::json;
 use shakedown::closed_loop::design::{Demand, Design, DesignError, Spread, Table, design};
@@ -24,7 +24,7 @@ pub(crate) struct Args {
     #[arg(value_name = "MODEL.toml")]
     model: PathBuf,
     /// Writes the settings.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = place())]
     out: Option<PathBuf>,
     /// Relative uncertainty, each way, of gain, pole, mass and supply where the model states no interval.
     #[arg(long, value_name = "SHARE", default_value_t = 0.3)]

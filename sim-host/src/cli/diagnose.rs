@@ -4,8 +4,8 @@ mod change;
 pub(super) mod page;
 mod place;
 
-use super::output::{Outputs, print, write_whole};
-use super::{Failure, progress};
+use super::output::{Outputs, place, print, write_whole};
+use super::{Failure, failure, progress};
 use shakedown::diagnose::result::Verdict;
 use shakedown::diagnose::{DiagnoseError, Diagnosis, Examined, Options, diagnose};
 use shakedown::recording::Experiment;
@@ -23,7 +23,7 @@ pub(crate) struct Args {
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
     /// Writes the model with what was found, for `run`, `identify`, `modify` and `table1`.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = place())]
     model: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
@@ -31,7 +31,8 @@ pub(crate) struct Args {
 
 /// Diagnoses and shows what came out.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let experiment = Experiment::load(&args.experiment).map_err(|e| Failure::Input(e.to_string()))?;
+    let experiment =
+        Experiment::load(&args.experiment).map_err(|e| failure::refused(&args.experiment, e, failure::EXPERIMENT))?;
     let spinner = progress::spinner("reading".into());
     let say = |what: &str, _share: f64| spinner.set_message(what.to_owned());
     let examined = diagnose(&experiment, &Options { progress: Some(&say) }).map_err(failure)?;

@@ -114,7 +114,7 @@ fn again(args: &Args, number: u64, motions: &Motions) -> Result<(), Failure> {
         print_table(&table);
     }
     let json = json!({"schema": "shakedown.faulted-run/1", "seed": args.seed, "outcome": outcome, "record": name,
-                      "fault": format!("{:?}", case.fault), "table": format!("{:?}", case.table)});
+                      "fault": case.fault, "table": case.table});
     args.outputs.write_json(json, &motions.files)?;
     args.outputs.write_report(&mut page::run_page(&case, &pair, table), &motions.files)
 }

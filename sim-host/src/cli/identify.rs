@@ -3,8 +3,8 @@
 mod page;
 mod transfer;
 
-use super::output::{Outputs, print, print_table, write_whole};
-use super::{Failure, progress};
+use super::output::{Outputs, place, print, print_table, write_whole};
+use super::{Failure, failure, progress};
 use serde_json::{Value, json};
 use shakedown::identify::frequency::transfer::Trial;
 use shakedown::identify::judge::Score;
@@ -24,7 +24,7 @@ pub(crate) struct Args {
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
     /// Writes the fitted model, for `run` and `diagnose`.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = place())]
     out: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
@@ -32,7 +32,8 @@ pub(crate) struct Args {
 
 /// Fits, judges and shows.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let experiment = Experiment::load(&args.experiment).map_err(|e| Failure::Input(e.to_string()))?;
+    let experiment =
+        Experiment::load(&args.experiment).map_err(|e| failure::refused(&args.experiment, e, failure::EXPERIMENT))?;
     let spinner = progress::spinner("fitting".into());
     let found = identify(&experiment).map_err(|e| failure(args, e));
     spinner.finish_and_clear();

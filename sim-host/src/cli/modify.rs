@@ -3,7 +3,7 @@
 mod answer;
 mod page;
 
-use super::output::Outputs;
+use super::output::{Outputs, place};
 use super::{Failure, present, progress};
 use answer::Answer;
 use clap::ValueEnum;
@@ -35,7 +35,7 @@ pub(crate) struct Args {
     /// The record: a file, or the name of a generated one (near-field-strong, near-field-moderate, far-field).
     record: PathBuf,
     /// Where the drive goes; without it only the figures are given.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = place())]
     out: Option<PathBuf>,
     /// Largest speed, m/s [default: 0.242, or the table's].
     #[arg(long, value_name = "M/S")]

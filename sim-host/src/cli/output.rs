@@ -1,6 +1,7 @@
 //! The one door for output: text and JSON to standard output or a file, written whole or not at all.
 
 use super::Failure;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use sha2::{Digest, Sha256};
 use shakedown::report::{Page, Table, terminal};
 use std::fmt::Write as _;
@@ -11,11 +12,21 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(crate) struct Outputs {
     /// Writes the result as JSON; `-` is standard output.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = place())]
     pub(crate) json: Option<PathBuf>,
     /// Writes one HTML page that opens with no network.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = place())]
     pub(crate) report: Option<PathBuf>,
+}
+
+/// Reads where a file goes, and refuses where none can be written: before the work, and not after it.
+pub(crate) fn place() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        if path.as_os_str() != "-" {
+            shakedown::files::writable(&path).map_err(|e| format!("no file can be written there: {}", e.kind()))?;
+        }
+        Ok::<_, String>(path)
+    })
 }
 
 impl Outputs {

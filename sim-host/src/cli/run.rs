@@ -3,9 +3,9 @@
 mod page;
 mod trace;
 
-use super::output::Outputs;
+use super::output::{Outputs, place};
 use super::source::Source;
-use super::{Failure, present, progress};
+use super::{Failure, failure, present, progress};
 use clap::ValueEnum;
 use serde_json::json;
 use shakedown::closed_loop::named;
@@ -66,7 +66,7 @@ pub(crate) struct Args {
     #[arg(long, value_enum)]
     modification: Option<Online>,
     /// Writes the run as a recording: CSV, one row a tick, units in the header.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = place())]
     trace: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
@@ -99,7 +99,8 @@ enum Online {
 impl Args {
     /// The scenario with what the command line says put over it.
     fn scenario(&self) -> Result<Scenario, Failure> {
-        let read = |path: &PathBuf| Scenario::read(path).map_err(|e| Failure::Input(e.to_string()));
+        let hint = "a scenario is TOML; a ground motion is given by --record";
+        let read = |path: &PathBuf| Scenario::read(path).map_err(|e| failure::refused(path, e, hint));
         let mut scenario = self.scenario.as_ref().map_or_else(|| Ok(Scenario::default()), read)?;
         if scenario.name.is_empty() {
             scenario.name = "run".into();

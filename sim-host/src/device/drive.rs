@@ -8,7 +8,7 @@
 use shakedown_core::State;
 use shakedown_core::link::{Cause, MAX_POINTS, Points, RefusedBecause, Report, Request, Setup, Vitals, answer};
 
-use super::{Talker, Telemetry};
+use super::{Row, Talker, Telemetry};
 
 mod progress;
 mod step;
@@ -86,6 +86,11 @@ impl Drive {
     /// What the device reported of its ticks.
     pub const fn telemetry(&self) -> &Telemetry {
         &self.telemetry
+    }
+
+    /// The records reported since the last time, which are not kept any longer.
+    pub fn take_rows(&mut self) -> Vec<Row> {
+        self.telemetry.take_rows()
     }
 
     /// Takes every report heard, and puts on the line what is due at `now`, ms.

@@ -1,6 +1,6 @@
 //! Telemetry as a recording, and the experiment that names its columns.
 
-use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use shakedown_core::State;
 use shakedown_core::control::InnerLoop;
@@ -22,37 +22,64 @@ fn missing_rows(expected: u32, tick: u32, step: u32) -> u32 {
     }
 }
 
-/// The rows as CSV in SI, one a tick; a record that is missing between two others leaves its channels NaN. Time counts from
+/// Rows as CSV in SI, one a tick; a record that is missing between two others leaves its channels NaN. Time counts from
 /// the first row. A gap of more than [`LONGEST`] records is one row: what a device says of its ticks does not decide how much
 /// is written. The command is what the valve got: where an inner loop subtracts the LVDT, the output less that.
-pub fn csv(rows: &[Row], setup: &Setup, every: u16) -> String {
-    let mut text = String::from(
-        "time [s],reference [m],modified_reference [m],displacement [m],acceleration [m/s2],external [m],command\n",
-    );
-    let rate = f64::from(setup.control.rate);
-    let wiring = &setup.wiring;
-    let hardwired = setup.control.inner_loop == InnerLoop::Hardwired;
-    let first = rows.first().map_or(0, |row| row.tick);
-    let (mut expected, step) = (first, u32::from(every.max(1)));
-    for row in rows {
+#[derive(Debug)]
+pub(super) struct Sheet<W> {
+    out: W,
+    setup: Setup,
+    step: u32,
+    /// Ticks of the first row and of the next, where there was one.
+    ticks: Option<(u32, u32)>,
+    rows: u64,
+}
+
+impl<W: Write> Sheet<W> {
+    /// Writes the names of the columns; rows will come every [`Setup::telemetry_every`] ticks.
+    pub(super) fn begin(mut out: W, setup: &Setup) -> io::Result<Self> {
+        out.write_all(
+            b"time [s],reference [m],modified_reference [m],displacement [m],acceleration [m/s2],external [m],command\n",
+        )?;
+        Ok(Self { out, setup: *setup, step: u32::from(setup.telemetry_every.max(1)), ticks: None, rows: 0 })
+    }
+
+    /// Writes a row, after rows for what is missing before it.
+    pub(super) fn write(&mut self, row: &Row) -> io::Result<()> {
+        let (first, expected) = self.ticks.unwrap_or((row.tick, row.tick));
+        let rate = f64::from(self.setup.control.rate);
         let time = |tick: u32| f64::from(tick.wrapping_sub(first)) / rate;
-        for k in 0..missing_rows(expected, row.tick, step) {
-            let _ = writeln!(text, "{},NaN,NaN,NaN,NaN,NaN,NaN", time(expected.wrapping_add(k * step)));
+        for k in 0..missing_rows(expected, row.tick, self.step) {
+            writeln!(self.out, "{},NaN,NaN,NaN,NaN,NaN,NaN", time(expected.wrapping_add(k * self.step)))?;
         }
+        let wiring = &self.setup.wiring;
         let [_, displacement, acceleration, external] = row.record.inputs;
         let displacement = wiring.displacement.to_si(displacement);
         let output = wiring.output.to_si(row.record.output);
+        let hardwired = self.setup.control.inner_loop == InnerLoop::Hardwired;
         let command = if hardwired { output - displacement } else { output };
         let (reference, fitted) = (row.record.reference, row.record.fitted);
         let (acceleration, external) = (wiring.acceleration.to_si(acceleration), wiring.external.to_si(external));
-        let _ = writeln!(
-            text,
-            "{},{reference},{fitted},{displacement},{acceleration},{external},{command}",
-            time(row.tick)
-        );
-        expected = row.tick.wrapping_add(step);
+        self.ticks = Some((first, row.tick.wrapping_add(self.step)));
+        self.rows += 1;
+        writeln!(self.out, "{},{reference},{fitted},{displacement},{acceleration},{external},{command}", time(row.tick))
     }
-    text
+
+    /// Hands on what is written.
+    pub(super) fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+
+    /// Rows written, those for what is missing not counted.
+    pub(super) const fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// What was written to.
+    pub(super) fn end(mut self) -> io::Result<W> {
+        self.out.flush()?;
+        Ok(self.out)
+    }
 }
 
 /// Fewest records at rest that a noise is stated from: its standard deviation is then known to a tenth.
@@ -70,7 +97,7 @@ fn noise(codes: &[f64]) -> Option<f64> {
 /// has to be known. The sensors' noise is what `rows`, all that the device sent, show before the test runs, the converters'
 /// steps included; where that is too little, none is stated, and it is estimated from the recording: a converter's step
 /// alone would be less than a sensor has, and what the sensor adds would then look like physics that the model leaves out.
-pub fn experiment(name: &str, file: &str, setup: &Setup, rows: &[Row]) -> String {
+pub(super) fn experiment(name: &str, file: &str, setup: &Setup, rows: &[Row]) -> String {
     let valve = &setup.control.valve;
     let a1 = 1.0 / valve.lag.max(1e-6);
     let wiring = &setup.wiring;
@@ -95,18 +122,17 @@ pub fn experiment(name: &str, file: &str, setup: &Setup, rows: &[Row]) -> String
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use shakedown_core::Settings;
     use shakedown_core::link::{Record, Source, Wiring};
 
-    fn row(tick: u32, state: State, displacement: u16) -> Row {
+    pub(in super::super) fn row(tick: u32, state: State, displacement: u16) -> Row {
         let inputs = [2048, displacement, 2048, 2048];
         Row { tick, state, record: Record { inputs, ..Record::default() } }
     }
 
-    #[test]
-    fn the_noise_stated_is_what_was_seen_at_rest() {
+    pub(in super::super) fn setup() -> Setup {
         let scale = Scale { zero: 2048.0, per_code: 7.4e-5 };
         let wiring = Wiring {
             source: Source::Streamed,
@@ -118,7 +144,12 @@ mod tests {
             full_scale: 4095,
             rails_are_faults: true,
         };
-        let setup = Setup { telemetry_every: 1, wiring, control: Settings::default() };
+        Setup { telemetry_every: 1, wiring, control: Settings::default() }
+    }
+
+    #[test]
+    fn the_noise_stated_is_what_was_seen_at_rest() {
+        let setup = setup();
         // Two codes up, two down, while the table rests; what it does in the test is no noise.
         let mut rows: Vec<Row> = (0..200).map(|k| row(k, State::Off, 2046 + 4 * (k % 2) as u16)).collect();
         rows.extend((200..400).map(|k| row(k, State::Running, 10 * k as u16)));
@@ -133,6 +164,19 @@ mod tests {
         assert!(stated(&still).is_some_and(|noise| (noise * 12f64.sqrt() / step - 1.0).abs() < 1e-6));
         assert_eq!(stated(&rows[200..]), None, "nothing is stated where nothing rested");
         assert_eq!(stated(&rows[..10]), None, "nor where too little did");
+    }
+
+    #[test]
+    fn a_missing_record_is_a_row_without_numbers() {
+        let mut sheet = Sheet::begin(Vec::new(), &setup()).unwrap();
+        for tick in [7, 8, 10] {
+            sheet.write(&row(tick, State::Running, 2048)).unwrap();
+        }
+        assert_eq!(sheet.rows(), 3);
+        let text = String::from_utf8(sheet.end().unwrap()).unwrap();
+        let times: Vec<&str> = text.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+        assert_eq!(times, ["0", "0.001", "0.002", "0.003"]);
+        assert!(text.contains("0.002,NaN,NaN"), "{text}");
     }
 
     #[test]

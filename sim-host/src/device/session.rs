@@ -113,19 +113,19 @@ impl<L: Line> Session<L> {
         Ok(std::mem::take(&mut self.telemetry))
     }
 
-    /// Runs a test to its end. `tell` hears how many points were sent, or how many ms of an attended test are gone; where it
-    /// breaks, the test is faded out and the device disarmed.
+    /// Runs a test to its end. `tell` gets the run, for its telemetry, and how many points were sent, or how many ms of an
+    /// attended test are gone; where it breaks, the test is faded out and the device disarmed.
     pub fn drive(
         &mut self,
         drive: &mut Drive,
-        mut tell: impl FnMut(u32) -> ControlFlow<()>,
+        mut tell: impl FnMut(&mut Drive, u32) -> ControlFlow<()>,
     ) -> Result<(), SessionError> {
         loop {
             self.pump()?;
             let now = self.start.elapsed().as_millis() as u64;
             match drive.advance(&mut self.talker, now) {
                 Progress::Going(gone) => {
-                    if tell(gone).is_break() {
+                    if tell(drive, gone).is_break() {
                         drive.end();
                     }
                 }

@@ -58,6 +58,11 @@ impl Telemetry {
         &self.rows
     }
 
+    /// The records since the last time, which are not kept any longer.
+    pub fn take_rows(&mut self) -> Vec<Row> {
+        std::mem::take(&mut self.rows)
+    }
+
     /// What is missing between them.
     pub fn gaps(&self) -> &[Gap] {
         &self.gaps
@@ -70,8 +75,13 @@ impl Telemetry {
 
     /// The records of the run: from its first tick to its last.
     pub fn run(&self) -> impl Iterator<Item = &Row> {
-        self.rows.iter().filter(|row| row.state == State::Running)
+        self.rows.iter().filter(|row| of_the_run(row))
     }
+}
+
+/// Whether a record is of a test while it runs.
+pub(super) fn of_the_run(row: &Row) -> bool {
+    row.state == State::Running
 }
 
 #[cfg(test)]

@@ -7,9 +7,11 @@ use super::dice::Dice;
 use super::machine::Break;
 use super::spoil::Spoil;
 pub use all::CLASSES;
+use serde::Serialize;
 
 /// Which signal a fault sits on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Channel {
     /// LVDT.
     Displacement,
@@ -20,7 +22,8 @@ pub enum Channel {
 }
 
 /// What happens.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Fault {
     /// Nothing: the control of the experiment.
     None,

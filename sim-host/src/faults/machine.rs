@@ -7,13 +7,15 @@
 //! The relay's opening shuts the block [`BLOCK`] later: no oil flows, and the oil column holds the table where it is. A
 //! second valve that never fails gets the same commands: what the table should have done.
 
+use serde::Serialize;
+
 /// From the relay's opening to no oil at the valve, s.
 pub const BLOCK: f64 = 0.03;
 /// Integration steps a tick.
 const STEPS: usize = 5;
 
 /// An oil column: frequency, rad/s, and damping ratio, 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Oil {
     /// Frequency with the payload on the table, rad/s.
     pub omega: f64,
@@ -22,7 +24,7 @@ pub struct Oil {
 }
 
 /// What a table is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Table {
     /// Direct feed of Eq. 7, 1/s.
     pub b1: f64,
@@ -31,15 +33,18 @@ pub struct Table {
     /// Pole of Eq. 7, 1/s.
     pub a1: f64,
     /// Largest speed, m/s.
+    #[serde(rename = "velocity_limit")]
     pub limit: f64,
     /// Command at which no oil flows, m.
+    #[serde(rename = "null_bias")]
     pub null: f64,
     /// Its oil column; none is stiff.
     pub oil: Option<Oil>,
 }
 
 /// What may break about a table.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Break {
     /// The valve goes on with this command, m.
     Stuck(f64),

@@ -55,6 +55,9 @@ pub enum MotionsError {
         /// What the file system said.
         cause: std::io::Error,
     },
+    /// It holds none.
+    #[error("{0}: no PEER record (.AT2) in it: --records expects a folder of them")]
+    NoRecord(PathBuf),
 }
 
 impl Motions {
@@ -89,5 +92,8 @@ fn peer_files(folder: &Path) -> Result<Vec<PathBuf>, MotionsError> {
     let peer = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("at2"));
     let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(peer).collect();
     files.sort();
+    if files.is_empty() {
+        return Err(MotionsError::NoRecord(folder.to_path_buf()));
+    }
     Ok(files)
 }

@@ -1,9 +1,11 @@
 //! What becomes of a signal on its way: the ways in which sensors, wires and commands fail.
 
 use super::dice::Dice;
+use serde::Serialize;
 
 /// A way for a signal to be wrong; heights are in the signal's own unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Spoil {
     /// No number: an open wire, a dead converter.
     Open,

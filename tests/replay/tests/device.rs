@@ -233,6 +233,42 @@ fn an_interrupt_stops_a_test_and_keeps_its_telemetry() {
     assert!(!world.codes.iter().rev().nth(1).unwrap().relay, "it was left armed");
 }
 
+/// A host that is killed leaves the device as it is, under its guard, and on the disk what it had heard. The next run asks what is to
+/// become of that before anything moves, and so does one that has nowhere to record.
+#[test]
+fn a_killed_host_leaves_the_guard_and_what_it_had_heard() {
+    let folder = tempfile::tempdir().unwrap();
+    let ((guarding, file), out) = (guarding(folder.path()), folder.path().join("run"));
+    let part = out.join("recording.part.csv");
+    let world = with_bench(Bench::new(guarding, near_field(12).split_off(6000)), |port, armed| {
+        let (port, file) = (port.to_str().unwrap(), file.to_str().unwrap());
+        let run = |out: &Path| {
+            let out = out.to_str().unwrap();
+            begun(&["device", "--port", port, "run", "--seconds", "3600", "--setup", file, "--out", out])
+        };
+        for (place, says) in [(file.as_ref(), "cannot write"), (Path::new("/dev/null/run"), "cannot write")] {
+            let output = run(place).wait_with_output().unwrap();
+            assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains(says));
+        }
+        assert!(!armed.load(Ordering::Relaxed), "armed without a place for the recording");
+        let mut child = run(&out);
+        while !armed.load(Ordering::Relaxed) && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        std::thread::sleep(Duration::from_secs(1));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let heard = std::fs::read_to_string(&part).unwrap();
+        assert!((300..3000).contains(&heard.lines().count()), "{} lines", heard.lines().count());
+        let output = run(&out).wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("recording.part.csv: was left by a run"));
+        assert_eq!(std::fs::read_to_string(&part).unwrap(), heard);
+        assert!(armed.load(Ordering::Relaxed), "the guard let go");
+    });
+    assert!(world.codes.iter().rev().nth(1).unwrap().relay, "the guard let go");
+}
+
 /// A record that the device would not play, and a test without one that it would not run: refused before anything moves.
 #[test]
 fn a_run_of_what_the_device_does_not_listen_to_is_refused() {

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use common::{image, near_field, seen::Seen, setup};
-use shakedown::device::{Progress, Row, csv, experiment};
+use shakedown::device::{Kept, Progress, Recorder};
 use shakedown_core::Mode;
 
 /// Noise of the sensors beyond the converters' steps, codes: the paper's 0.04 mm and 0.02 g.
@@ -45,11 +45,11 @@ fn a_recording_of_the_device_is_read_as_it_is() {
     }));
     let seen = shakedown_replay::run(&image(), seen).unwrap().world;
     assert_eq!(seen.progress, Progress::Done);
-    let rows: Vec<Row> = seen.drive.telemetry().run().copied().collect();
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("experiment.toml");
-    std::fs::write(folder.path().join("recording.csv"), csv(&rows, &setup, setup.telemetry_every)).unwrap();
-    let text = experiment("device", "recording.csv", &setup, seen.drive.telemetry().rows());
+    let mut recorder = Recorder::begin(folder.path(), &setup, Kept::Run).unwrap();
+    recorder.take(seen.drive.telemetry().rows()).unwrap();
+    let file = recorder.end().unwrap().unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.contains("b1 = 0.0"));
     std::fs::write(&file, text.replace("b1 = 0.0", "b1 = 0.69")).unwrap();
 

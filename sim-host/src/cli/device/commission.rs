@@ -4,7 +4,7 @@ mod oil;
 
 use super::{failed, record};
 use crate::cli::Failure;
-use crate::cli::output::{print, write_whole};
+use crate::cli::output::{place, print, write_whole};
 use shakedown::device::{Port, Session};
 use shakedown_core::link::Request;
 use std::fmt::Write as _;
@@ -16,7 +16,7 @@ use std::time::Duration;
 #[derive(Debug, clap::Args)]
 pub(super) struct Commission {
     /// Where what was measured is written.
-    #[arg(long, value_name = "FILE", default_value = "commissioning.toml")]
+    #[arg(long, value_name = "FILE", default_value = "commissioning.toml", value_parser = place())]
     out: PathBuf,
     /// The record of steps 12 and 13, columns `time` (s) and `reference` (m); without it they are left out.
     #[arg(long, value_name = "FILE")]

@@ -1,19 +1,22 @@
 //! A test run, and its telemetry saved.
 
 use super::{failed, setup};
-use crate::cli::output::{Outputs, print, write_whole};
+use crate::cli::output::{Outputs, print};
 use crate::cli::{Failure, progress};
 use serde_json::{Value, json};
-use shakedown::device::{Drive, Port, Row, Session, Telemetry, csv, experiment};
+use shakedown::device::{Drive, Kept, Port, Recorder, RecorderError, Session};
 use shakedown::files::Unfinished;
 use shakedown::recording::file;
 use shakedown_core::link::{Setup, Source};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Longest test that is attended, ms.
 const DAY: u128 = 86_400_000;
+
+/// How long is listened before what came goes to the disk.
+const SLICE: Duration = Duration::from_millis(200);
 
 /// `device run`.
 #[derive(Debug, clap::Args)]
@@ -22,7 +25,8 @@ const DAY: u128 = 86_400_000;
   shakedown device --port /dev/ttyACM0 run --seconds 60 --out run/       its reference, or in guard mode the existing
                                                                          controller's command, stands at its converter
 
-Ctrl-C fades the test out, disarms and saves what was heard; a second one leaves the device as it is.")]
+Ctrl-C fades the test out, disarms and saves what was heard; a second one leaves the device as it is, and what was heard in
+recording.part.csv.")]
 pub(super) struct Run {
     /// The reference, streamed: text with a header line, columns `time` (s) and `reference` (m), as `shakedown run --trace`
     /// writes.
@@ -37,7 +41,7 @@ pub(super) struct Run {
     /// Writes this setup first.
     #[arg(long, value_name = "SETUP.toml")]
     setup: Option<PathBuf>,
-    /// Folder for `recording.csv` and `experiment.toml`.
+    /// Folder for `recording.csv` and `experiment.toml`; `recording.part.csv` while they come in.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
@@ -58,16 +62,26 @@ impl Run {
             None => session.setup().map_err(failed)?,
         };
         let Planned { mut drive, what, total } = self.planned(&setup)?;
+        let mut recorder = Recorder::begin(&self.out, &setup, Kept::Run).map_err(unkept)?;
         let bar = progress::bar(total, what);
         let unfinished = Unfinished::begin();
-        let ended = session.drive(&mut drive, |gone| {
+        let mut lost = None;
+        let ended = session.drive(&mut drive, |drive, gone| {
             bar.set_position(u64::from(gone));
-            if unfinished.asked_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            // A test that is recorded no more is ended.
+            lost = lost.take().or_else(|| recorder.take(&drive.take_rows()).err());
+            if lost.is_some() || unfinished.asked_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         bar.finish_and_clear();
+        if let Some(error) = lost {
+            return Err(Failure::Work(format!("the test was ended, for its recording could not go on: {error}")));
+        }
+        recorder.take(&drive.take_rows()).map_err(unkept)?;
+        let missing: u32 = drive.telemetry().gaps().iter().map(|gap| gap.records).sum();
         let how = json!({ "points": self.file.is_some().then_some(total), "asked_to_end": unfinished.asked_to_end(),
-                          "ended": ended.as_ref().err().map(ToString::to_string) });
-        self.keep(drive.telemetry(), &setup, how)?;
+                          "ended": ended.as_ref().err().map(ToString::to_string), "records": recorder.rows(),
+                          "missing": missing, "dropped": drive.telemetry().dropped() });
+        self.keep(recorder, how)?;
         ended.map_err(failed)
     }
 
@@ -101,25 +115,26 @@ impl Run {
         }
     }
 
-    /// Saves what was heard, and says so beside `how` it went.
-    fn keep(&self, heard: &Telemetry, setup: &Setup, mut how: Value) -> Result<(), Failure> {
-        let rows: Vec<Row> = heard.run().copied().collect();
-        save(&self.out, &rows, heard.rows(), setup)?;
-        let missing: u32 = heard.gaps().iter().map(|gap| gap.records).sum();
-        let early = how["asked_to_end"] == true;
-        how["records"] = json!(rows.len());
-        how["missing"] = json!(missing);
-        how["dropped"] = json!(heard.dropped());
+    /// Puts the recording in its place, and says so beside `how` it went.
+    fn keep(&self, recorder: Recorder, how: Value) -> Result<(), Failure> {
+        let records = recorder.rows();
+        let experiment = recorder.end().map_err(unkept)?;
+        let early = if how["asked_to_end"] == true { " until the end was asked for" } else { "" };
+        let place = experiment.map_or_else(|| "nothing is written".into(), |path| format!("in {}", path.display()));
+        let missing = how["missing"].clone();
         self.outputs.write_json(how, self.file.as_slice())?;
         if !self.outputs.quiet() {
-            print(&format!(
-                "{} records{} in {}; {missing} missing\n",
-                rows.len(),
-                if early { " until the end was asked for" } else { "" },
-                self.out.join("experiment.toml").display()
-            ));
+            print(&format!("{records} records{early}, {place}; {missing} missing\n"));
         }
         Ok(())
+    }
+}
+
+/// What keeps a recording from being kept: a place that the command line named.
+fn unkept(error: RecorderError) -> Failure {
+    match error {
+        RecorderError::Left(_) => Failure::Input(error.to_string()),
+        RecorderError::File { .. } => Failure::Work(error.to_string()),
     }
 }
 
@@ -129,7 +144,7 @@ pub(super) struct Listen {
     /// How long, s.
     #[arg(long, value_name = "S", default_value_t = 5.0)]
     seconds: f64,
-    /// Folder for `recording.csv` and `experiment.toml`.
+    /// Folder for `recording.csv` and `experiment.toml`; `recording.part.csv` while they come in.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
@@ -138,17 +153,22 @@ impl Listen {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
         let time = Duration::try_from_secs_f64(self.seconds).map_err(|e| Failure::Input(format!("--seconds: {e}")))?;
         let setup = session.setup().map_err(failed)?;
-        let telemetry: Telemetry = session.listen(time).map_err(failed)?;
-        save(&self.out, telemetry.rows(), telemetry.rows(), &setup)
+        let mut recorder = Recorder::begin(&self.out, &setup, Kept::All).map_err(unkept)?;
+        let bar = progress::bar(time.as_millis() as u64, "ms");
+        let unfinished = Unfinished::begin();
+        let begun = Instant::now();
+        while begun.elapsed() < time && !unfinished.asked_to_end() {
+            let heard = session.listen(SLICE.min(time.saturating_sub(begun.elapsed()))).map_err(failed)?;
+            recorder.take(heard.rows()).map_err(unkept)?;
+            bar.set_position(begun.elapsed().as_millis() as u64);
+        }
+        bar.finish_and_clear();
+        let records = recorder.rows();
+        let silent = || Failure::Work("no telemetry came: is `telemetry_every` 0 in the setup?".into());
+        let path = recorder.end().map_err(unkept)?.ok_or_else(silent)?;
+        print(&format!("{records} records, in {}\n", path.display()));
+        Ok(())
     }
-}
-
-/// Saves `rows` as a recording, with the noise that `all` that was sent shows.
-fn save(folder: &Path, rows: &[Row], all: &[Row], setup: &Setup) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|e| Failure::Work(format!("{}: {e}", folder.display())))?;
-    write_whole(&folder.join("recording.csv"), csv(rows, setup, setup.telemetry_every).as_bytes())?;
-    let name = folder.file_name().map_or_else(|| "device".into(), |name| name.to_string_lossy().into_owned());
-    write_whole(&folder.join("experiment.toml"), experiment(&name, "recording.csv", setup, all).as_bytes())
 }
 
 /// The reference at the device's rate, m, by straight lines between its samples.

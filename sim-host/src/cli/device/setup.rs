@@ -2,7 +2,7 @@
 
 use super::failed;
 use crate::cli::Failure;
-use crate::cli::output::{print, write_whole};
+use crate::cli::output::{place, print, write_whole};
 use shakedown::device::{Port, Session};
 use shakedown::files::bounded;
 use shakedown_core::link::{Request, Setup};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub(super) struct Get {
     /// The file; without it, standard output.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = place())]
     out: Option<PathBuf>,
 }
 

@@ -124,10 +124,10 @@ pub(super) fn facts(case: &Case, outcome: &Outcome, record: &str) -> Table {
     let rows = [
         ("class", case.class.id.to_owned()),
         ("what happens", case.class.what.to_owned()),
-        ("fault", format!("{:?}", case.fault)),
+        ("fault", case.fault.to_string()),
         ("mode", case.mode().to_owned()),
         ("record", record.to_owned()),
-        ("table", format!("{:?}", case.table)),
+        ("table", case.table.to_string()),
         ("fault begins [s]", format!("{:.3}", outcome.onset_s)),
         ("promised", case.class.promise.to_string()),
         ("reported", outcome.reported.clone().unwrap_or_else(|| "no".into())),

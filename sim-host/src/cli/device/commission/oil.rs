@@ -121,7 +121,9 @@ impl Oil<'_> {
     fn play(&mut self, record: Vec<f32>, text: &mut String) -> Result<Vec<Row>, Failure> {
         let mut drive = Drive::new(None, record);
         let unfinished = Unfinished::begin();
-        let go_on = |_| if unfinished.asked_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let go_on = |_: &mut Drive, _| {
+            if unfinished.asked_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
         let ended = match self.session.drive(&mut drive, go_on) {
             Ok(()) => "done".to_owned(),
             Err(SessionError::Drive(error)) => error.to_string(),

@@ -1,0 +1,106 @@
+//! A fault and a table as a person reads them, with the values that were dealt.
+
+use super::class::{Channel, Fault};
+use super::machine::{Break, Table};
+use super::spoil::Spoil;
+use std::fmt::{Display, Formatter, Result};
+
+impl Channel {
+    /// Its name and its unit.
+    const fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Displacement => ("LVDT", "m"),
+            Self::Acceleration => ("accelerometer", "m/s2"),
+            Self::Command => ("command", "m"),
+        }
+    }
+}
+
+impl Display for Fault {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match *self {
+            Self::None => f.write_str("none"),
+            Self::Signal(channel, spoil) => signal(f, channel, spoil),
+            Self::LinkCut => f.write_str("no byte of the stream arrives"),
+            Self::LinkGarbled(share) => write!(f, "one bit in {:.0} bytes of the stream is flipped", 1.0 / share),
+            Self::SettingsGarbled(bits) => write!(f, "a frame of settings with {bits} bits flipped"),
+            Self::SettingsNonsense => f.write_str("settings with one number that makes no sense"),
+            Self::SettingsWrong(factor) => write!(f, "gains off by factors up to {factor:.3}"),
+            Self::Jitter(share) => write!(f, "ticks longer or shorter by up to {:.2} %", 100.0 * share),
+            Self::Missed(ticks) => write!(f, "{ticks} ticks do not run"),
+            Self::Table(how) => write!(f, "table: {how}"),
+            Self::Behind(how) => write!(f, "behind an existing controller: {how}"),
+        }
+    }
+}
+
+fn signal(f: &mut Formatter<'_>, channel: Channel, spoil: Spoil) -> Result {
+    let (name, unit) = channel.words();
+    write!(f, "{name}: ")?;
+    match spoil {
+        Spoil::Open => f.write_str("no number"),
+        Spoil::Rail(at) => write!(f, "stands at {at:.4} {unit}"),
+        Spoil::Clipped(limit) => write!(f, "held within {limit:.4} {unit} of zero"),
+        Spoil::Stuck => f.write_str("stands where it stood"),
+        Spoil::Detached(noise) => write!(f, "stands where it stood, with noise of {noise:.6} {unit}"),
+        Spoil::Noisy(noise) => write!(f, "white noise of {noise:.6} {unit}"),
+        Spoil::Drifting(rate) => write!(f, "moves away at {rate:.5} {unit} a second"),
+        Spoil::Offset(offset) => write!(f, "off by {offset:.4} {unit}"),
+        Spoil::Spikes { height, length, period: u32::MAX } => {
+            write!(f, "a spike of {height:.4} {unit} that lasts {length} ticks")
+        }
+        Spoil::Spikes { height, length, period } => {
+            write!(f, "spikes of {height:.4} {unit} that last {length} ticks, every {period}")
+        }
+        Spoil::Gap(ticks) => write!(f, "no number for {ticks} ticks"),
+        Spoil::Reversed => f.write_str("its sign turned"),
+    }
+}
+
+impl Display for Break {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match *self {
+            Self::Stuck(command) => write!(f, "the valve stays with a command of {command:.4} m"),
+            Self::Frozen => f.write_str("the valve stays where it is"),
+            Self::Supply(time) => write!(f, "the supply falls with a time constant of {time:.3} s"),
+            Self::Payload { mass, blow, length, count } => write!(
+                f,
+                "the payload, {mass:.2} of the table's mass, comes off and knocks {count} times with {blow:.1} m/s2 for {:.1} ms",
+                1e3 * length
+            ),
+        }
+    }
+}
+
+impl Display for Table {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self { b1, b0, a1, limit, null, oil } = self;
+        write!(f, "b1 {b1:.4} 1/s, b0 {b0:.2} 1/s2, a1 {a1:.2} 1/s, limit {limit:.4} m/s, null {:.3} mm", 1e3 * null)?;
+        oil.map_or(Ok(()), |oil| {
+            write!(f, ", oil column {:.1} Hz, damping {:.3}", oil.omega / std::f64::consts::TAU, oil.damping)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::faults::class::CLASSES;
+    use crate::faults::dice::Dice;
+
+    #[test]
+    fn every_fault_is_told_with_its_values() {
+        let told = |fault: Fault| fault.to_string();
+        let drifting = told(Fault::Signal(Channel::Displacement, Spoil::Drifting(-0.004)));
+        assert_eq!(drifting, "LVDT: moves away at -0.00400 m a second");
+        assert_eq!(told(Fault::LinkGarbled(0.01)), "one bit in 100 bytes of the stream is flipped");
+        assert_eq!(
+            told(Fault::Behind(Break::Supply(0.25))),
+            "behind an existing controller: the supply falls with a time constant of 0.250 s"
+        );
+        for class in CLASSES {
+            let text = told((class.deal)(&mut Dice::new(1, 1)));
+            assert!(!text.is_empty() && !text.contains(['{', '(']), "{}: {text}", class.id);
+        }
+    }
+}
