@@ -15,6 +15,7 @@ mod init;
 mod learn;
 mod modify;
 mod output;
+mod places;
 mod present;
 mod progress;
 mod prove;
@@ -26,7 +27,7 @@ mod sweep;
 mod table1;
 mod traces;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use std::process::ExitCode;
 
 pub(crate) use failure::Failure;
@@ -35,9 +36,8 @@ pub(crate) use failure::Failure;
 fn table(path: Option<&std::path::Path>) -> Result<shakedown::closed_loop::twin::Twin, Failure> {
     use shakedown::closed_loop::twin::Twin;
     path.map_or_else(|| Ok(Twin::default()), Twin::load).map_err(|e| {
-        let place = path.map_or(String::new(), |path| format!("{}: ", path.display()));
-        let text = e.to_string();
-        Failure::Input(if text.starts_with(&place) { text } else { format!("{place}{text}") })
+        let (place, text) = (path.map_or(String::new(), |path| path.display().to_string()), e.to_string());
+        Failure::Input(if text.starts_with(&place) { text } else { format!("{place}: {text}") })
     })
 }
 
@@ -73,7 +73,12 @@ enum Command {
 
 /// Runs what the command line asks for and turns its outcome into an exit status.
 pub(crate) fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let mut command = Arguments::command();
+    let mut matches = command.get_matches_mut();
+    if let Err(failure) = places::distinct(&command, &matches) {
+        return failure.report();
+    }
+    let arguments = Arguments::from_arg_matches_mut(&mut matches).unwrap_or_else(|e| e.format(&mut command).exit());
     shakedown::files::clean_up_when_interrupted();
     let outcome: Result<(), Failure> = match arguments.command {
         None => demo::run(&demo::Args::default()),

@@ -207,6 +207,28 @@ fn a_place_that_takes_no_file_is_refused_before_the_work() {
     }
 }
 
+/// No result is written over what is read, nor over another result.
+#[test]
+fn two_arguments_that_name_one_file_are_refused() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "kobe.AT2", "as it was recorded");
+    fs::create_dir(folder.path().join("below")).unwrap();
+    for (arguments, part) in [
+        (&["modify", "kobe.AT2", "--out", "kobe.AT2"][..], "<RECORD> and --out <FILE> name one file"),
+        (&["modify", "kobe.AT2", "--out", "below/../kobe.AT2"], "name one file"),
+        (&["run", "--record", "kobe.AT2", "--trace", "./kobe.AT2"], "name one file"),
+        (&["run", "--trace", "out.json"], "name one file"),
+        (&["run", "--trace", "below/../out.html"], "name one file"),
+        (&["run", "--trace", "-"], "standard output is not among its places"),
+    ] {
+        let message = refusal(&folder, arguments);
+        assert!(message.contains(part), "{arguments:?}: {message}");
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("kobe.AT2")).unwrap(), "as it was recorded");
+    let output = shakedown().args(["effects", "--json", "/dev/null", "--report", "/dev/null"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
 /// What was never meant to be TOML is told where it goes.
 #[test]
 fn a_record_in_place_of_a_scenario_is_told_where_it_goes() {

@@ -36,6 +36,14 @@ pub(crate) struct Args {
 /// Runs the story, prints its table and ends with the path of its report.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let started = Instant::now();
+    let report = args.outputs.report.clone().unwrap_or_else(|| PathBuf::from(REPORT));
+    shakedown::files::writable(&report).map_err(|e| {
+        Failure::Input(format!(
+            "{}: no file can be written there: {}; name a place with --report",
+            report.display(),
+            e.kind()
+        ))
+    })?;
     // Without a command line, Default gives a seed of zero where clap's default is one.
     let seed = args.seed.max(1);
     let failed = |e: String| Failure::Work(format!("demo: {e}"));
@@ -65,8 +73,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             ("made in".into(), format!("{:.1} s", started.elapsed().as_secs_f64())),
         ],
     };
-    let report = Some(args.outputs.report.clone().unwrap_or_else(|| PathBuf::from(REPORT)));
-    Outputs { report, ..args.outputs.clone() }.write_report(&mut page, &[])
+    Outputs { report: Some(report), ..args.outputs.clone() }.write_report(&mut page, &[])
 }
 
 fn find(entries: &[Entry], way: Way) -> Option<&Entry> {

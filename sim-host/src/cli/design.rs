@@ -1,7 +1,8 @@
 //! `shakedown design`: gains for the tracking law from a model and its uncertainty, margins first.
 
 use super::failure::within;
-use super::output::{Outputs, place, print, write_whole};
+use super::output::{Outputs, print, write_whole};
+use super::places::place;
 use super::{Failure, present, progress};
 use serde_json::json;
 use shakedown::closed_loop::design::{Demand, Design, DesignError, Spread, Table, design};

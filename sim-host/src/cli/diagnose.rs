@@ -4,7 +4,8 @@ mod change;
 pub(super) mod page;
 mod place;
 
-use super::output::{Outputs, place, print, write_whole};
+use super::output::{Outputs, print, write_whole};
+use super::places::place;
 use super::{Failure, failure, progress};
 use shakedown::diagnose::result::Verdict;
 use shakedown::diagnose::{DiagnoseError, Diagnosis, Examined, Options, diagnose};

@@ -3,7 +3,8 @@
 mod page;
 mod transfer;
 
-use super::output::{Outputs, place, print, print_table, write_whole};
+use super::output::{Outputs, print, print_table, write_whole};
+use super::places::place;
 use super::{Failure, failure, progress};
 use serde_json::{Value, json};
 use shakedown::identify::frequency::transfer::Trial;

@@ -3,7 +3,8 @@
 mod answer;
 mod page;
 
-use super::output::{Outputs, place};
+use super::output::Outputs;
+use super::places::place;
 use super::{Failure, present, progress};
 use answer::Answer;
 use clap::ValueEnum;

@@ -1,7 +1,7 @@
 //! The one door for output: text and JSON to standard output or a file, written whole or not at all.
 
 use super::Failure;
-use clap::builder::{PathBufValueParser, TypedValueParser};
+use super::places::{place, place_or_stdout};
 use sha2::{Digest, Sha256};
 use shakedown::report::{Page, Table, terminal};
 use std::fmt::Write as _;
@@ -12,21 +12,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(crate) struct Outputs {
     /// Writes the result as JSON; `-` is standard output.
-    #[arg(long, value_name = "FILE", value_parser = place())]
+    #[arg(long, value_name = "FILE", value_parser = place_or_stdout())]
     pub(crate) json: Option<PathBuf>,
     /// Writes one HTML page that opens with no network.
     #[arg(long, value_name = "FILE", value_parser = place())]
     pub(crate) report: Option<PathBuf>,
-}
-
-/// Reads where a file goes, and refuses where none can be written: before the work, and not after it.
-pub(crate) fn place() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(|path| {
-        if path.as_os_str() != "-" {
-            shakedown::files::writable(&path).map_err(|e| format!("no file can be written there: {}", e.kind()))?;
-        }
-        Ok::<_, String>(path)
-    })
 }
 
 impl Outputs {
@@ -42,6 +32,7 @@ impl Outputs {
             print(&text);
             return Ok(());
         }
+        spared(path, inputs)?;
         write_whole(path, text.as_bytes())
     }
 
@@ -49,6 +40,7 @@ impl Outputs {
     /// added to what the page says of its origin.
     pub(crate) fn write_report(&self, page: &mut Page, inputs: &[PathBuf]) -> Result<(), Failure> {
         let Some(path) = &self.report else { return Ok(()) };
+        spared(path, inputs)?;
         page.provenance.insert(0, ("version".into(), env!("CARGO_PKG_VERSION").into()));
         for input in inputs {
             page.provenance.push((input.display().to_string(), sha256(input)?));
@@ -62,6 +54,18 @@ impl Outputs {
     pub(crate) fn quiet(&self) -> bool {
         self.json.as_deref() == Some(Path::new("-"))
     }
+}
+
+/// Refuses to write over what was read, such as a recording that an experiment names.
+fn spared(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let there = path.canonicalize().ok();
+    if there.is_some() && inputs.iter().any(|input| input.canonicalize().ok() == there) {
+        return Err(Failure::Input(format!(
+            "{}: was read, and is not written over: give another place",
+            path.display()
+        )));
+    }
+    Ok(())
 }
 
 /// Each file's SHA-256 by its name.

@@ -3,7 +3,8 @@
 mod page;
 mod trace;
 
-use super::output::{Outputs, place};
+use super::output::Outputs;
+use super::places::place;
 use super::source::Source;
 use super::{Failure, failure, present, progress};
 use clap::ValueEnum;

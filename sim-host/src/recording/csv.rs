@@ -43,6 +43,10 @@ fn header_line(input: &mut impl BufRead, path: &Path) -> Result<(usize, String),
             let problem = "is empty; a header line that names the columns is expected".to_owned();
             return Err(Place::file(path).refuse(Problem::Malformed(problem)));
         }
+        if line.contains(&0) {
+            let problem = "is UTF-16 or no text at all; save it as text in UTF-8".to_owned();
+            return Err(Place::file(path).refuse(Problem::Malformed(problem)));
+        }
         number += 1;
         let text = String::from_utf8(line).unwrap_or_else(|e| latin1(&e.into_bytes()));
         let text = text.trim_start_matches('\u{feff}');

@@ -4,7 +4,8 @@ mod oil;
 
 use super::{failed, record};
 use crate::cli::Failure;
-use crate::cli::output::{place, print, write_whole};
+use crate::cli::output::{print, write_whole};
+use crate::cli::places::place;
 use shakedown::device::{Port, Session};
 use shakedown_core::link::Request;
 use std::fmt::Write as _;

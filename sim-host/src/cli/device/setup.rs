@@ -2,7 +2,8 @@
 
 use super::failed;
 use crate::cli::Failure;
-use crate::cli::output::{place, print, write_whole};
+use crate::cli::output::{print, write_whole};
+use crate::cli::places::place;
 use shakedown::device::{Port, Session};
 use shakedown::files::bounded;
 use shakedown_core::link::{Request, Setup};

@@ -35,7 +35,7 @@ fn units_in_brackets_are_read_with_blanks_too() {
 
 #[test]
 fn messages_name_file_line_column_and_remedy() {
-    let cases: [(&str, &[&str], &str); 8] = [
+    let cases: [(&str, &[&str], &str); 9] = [
         ("t,x\n0,1\n1,abc\n", &["x"], "a.csv, line 3, `x`: `abc` is not a number"),
         ("t;x\n0;1,5\n", &["x"], "a.csv, line 2, `x`: `1,5` is not a number; the decimal sign must be a point"),
         ("t,x\n0,\n", &["x"], "a.csv, line 2, `x`: `` is not a number; write NaN for a sample that was dropped"),
@@ -55,6 +55,7 @@ fn messages_name_file_line_column_and_remedy() {
             &["x"],
             "a.csv, line 1: holds numbers; the first line must be a header that names the columns",
         ),
+        ("\u{feff}t\0,\0x\0\n\0", &["x"], "a.csv: is UTF-16 or no text at all; save it as text in UTF-8"),
         ("", &["x"], "a.csv: is empty; a header line that names the columns is expected"),
     ];
     for (text, wanted, message) in cases {
