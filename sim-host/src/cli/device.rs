@@ -1,6 +1,7 @@
 //! `shakedown device`: a connected device's setup, runs, telemetry and commissioning.
 
 mod commission;
+mod page;
 mod record;
 mod setup;
 
@@ -89,6 +90,17 @@ fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure>
         "garbled": vitals.garbled, "stored": vitals.stored, "buffered": vitals.buffered,
     });
     outputs.write_json(value, &[])?;
+    let stored = if vitals.stored { "as stored in flash" } else { "not stored: a reset loses it" };
+    let said = [
+        ("firmware", firmware.clone()),
+        ("state", format!("{:?}", vitals.state)),
+        ("last cause", cause.clone().unwrap_or_else(|| "none".into())),
+        ("ticks since its reset", vitals.ticks.to_string()),
+        ("records of telemetry dropped", vitals.dropped.to_string()),
+        ("frames garbled", vitals.garbled.to_string()),
+        ("setup", stored.to_owned()),
+    ];
+    outputs.write_report(&mut page::facts("Device", "Who the device is, and how it fares.", &said), &[])?;
     if !outputs.quiet() {
         print(&format!(
             "firmware {firmware}, {:?}{}\n{} ticks since its reset; {} records of telemetry dropped, {} frames garbled\nsetup: {}\n",
@@ -97,7 +109,7 @@ fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure>
             vitals.ticks,
             vitals.dropped,
             vitals.garbled,
-            if vitals.stored { "as stored in flash" } else { "not stored: a reset loses it" },
+            stored,
         ));
     }
     Ok(())

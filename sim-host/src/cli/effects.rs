@@ -5,7 +5,7 @@ use super::output::{Outputs, print, print_table};
 use serde_json::json;
 use shakedown::plant::effects::{ENTRIES, Entry, Role, entry, identifiers};
 use shakedown::plant::model::Kind;
-use shakedown::report::Table;
+use shakedown::report::{Item, Page, Section, Table};
 use std::fmt::Write as _;
 
 /// The library of effects: equation, parameters, signature, what it is mistaken for, the test that tells.
@@ -13,6 +13,7 @@ use std::fmt::Write as _;
 #[command(after_help = "Examples:
   shakedown effects                        the whole library
   shakedown effects coulomb_friction       one effect in full
+  shakedown effects --report effects.html  the same as a page
   shakedown effects --markdown             the table of the documentation")]
 pub(crate) struct Args {
     /// One effect's identifier.
@@ -32,6 +33,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             Failure::Input(format!("no effect is called `{id}`; the library holds: {}", identifiers().join(", ")))
         })?],
     };
+    args.outputs.write_report(&mut page(&chosen), &[])?;
     args.outputs.write_json(json!({ "effects": chosen.iter().map(|e| as_json(e)).collect::<Vec<_>>() }), &[])?;
     if args.outputs.quiet() {
     } else if args.markdown {
@@ -92,19 +94,46 @@ fn markdown(entries: &[&Entry]) -> String {
     text
 }
 
-fn in_full(entry: &Entry) -> String {
-    let mut text = format!("{}, at the {}\n\n  {}\n\n", entry.id, entry.stage.name(), entry.equation);
-    for p in shared(entry) {
-        let _ = writeln!(text, "  {:<24} {} [{}]", p.key, p.meaning, p.unit);
-    }
+/// The library as a page: all of it at a glance, then each effect.
+fn page(entries: &[&Entry]) -> Page {
+    let mut sections = vec![Section { heading: "At a glance".into(), items: vec![Item::Table(table(entries))] }];
+    sections.extend(entries.iter().map(|entry| {
+        let facts = facts(entry).map(|(name, value)| vec![name.to_owned(), value]).into();
+        let parameters = shared(entry).map(|p| [p.key, p.meaning, p.unit, p.rigid_unit].map(String::from).into());
+        let columns = ["parameter", "what it is", "unit", "unit, rigid mass"].map(String::from).into();
+        let parameters = Table { columns, rows: parameters.collect(), caption: String::new() };
+        let facts = Table { columns: vec![String::new(), entry.id.into()], rows: facts, caption: String::new() };
+        Section { heading: entry.id.into(), items: vec![Item::Table(facts), Item::Table(parameters)] }
+    }));
+    let lead = "Physics that a model may be missing: equation, parameters, what it looks like, what tells it apart.";
+    Page { title: "Effects".into(), lead: lead.into(), sections, ..Page::default() }
+}
+
+/// What is known of an effect beside its parameters.
+fn facts(entry: &Entry) -> [(&'static str, String); 6] {
     let kinds = entry.kinds.iter().map(|kind| match kind {
         Kind::Servo => "servo",
         Kind::RigidMass => "rigid-mass",
         Kind::ForceBalance => "force-balance",
     });
-    let _ = writeln!(text, "\nmodels         {}", kinds.collect::<Vec<_>>().join(", "));
-    let _ = writeln!(text, "looks like     {}", entry.signature);
-    let _ = writeln!(text, "mistaken for   {}", entry.mistaken_for.join(", "));
-    let _ = writeln!(text, "told apart by  {}", entry.test);
+    [
+        ("stage", entry.stage.name().into()),
+        ("equation", entry.equation.into()),
+        ("models", kinds.collect::<Vec<_>>().join(", ")),
+        ("looks like", entry.signature.into()),
+        ("mistaken for", entry.mistaken_for.join(", ")),
+        ("told apart by", entry.test.into()),
+    ]
+}
+
+fn in_full(entry: &Entry) -> String {
+    let mut text = format!("{}, at the {}\n\n  {}\n\n", entry.id, entry.stage.name(), entry.equation);
+    for p in shared(entry) {
+        let _ = writeln!(text, "  {:<24} {} [{}]", p.key, p.meaning, p.unit);
+    }
+    text.push('\n');
+    for (name, value) in &facts(entry)[2..] {
+        let _ = writeln!(text, "{name:<14} {value}");
+    }
     text
 }

@@ -1,9 +1,12 @@
 //! `shakedown init`: a commented experiment from a user's own files.
 
 use super::Failure;
-use super::output::{print, write_whole};
+use super::output::{Outputs, print, write_whole};
+use serde_json::json;
 use shakedown::recording::propose::{Proposal, propose};
 use shakedown::recording::{Experiment, Severity, check};
+use shakedown::report::{Item, Page, Section, Table};
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -23,15 +26,17 @@ pub(crate) struct Args {
     folder: PathBuf,
     /// Name of the experiment's file in that folder; `-` prints it.
     #[arg(long, value_name = "FILE", default_value = "experiment.toml")]
-    out: PathBuf,
+    out: OsString,
     /// Replaces a file of that name.
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    outputs: Outputs,
 }
 
 /// Looks at the files, writes the experiment beside them and says what is still open.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let to_terminal = args.out.as_os_str() == "-";
+    let to_terminal = args.out == "-";
     let path = args.folder.join(&args.out);
     if !to_terminal && path.exists() && !args.force {
         let message =
@@ -39,13 +44,58 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::Input(message));
     }
     let proposal = propose(&args.folder).map_err(|e| Failure::Input(e.to_string()))?;
-    if to_terminal {
-        print(&proposal.text);
-        return Ok(());
+    if !to_terminal {
+        write_whole(&path, proposal.text.as_bytes())?;
     }
-    write_whole(&path, proposal.text.as_bytes())?;
-    print(&summary(&proposal, &path));
+    let inputs: Vec<PathBuf> = proposal.files.iter().map(|name| args.folder.join(name)).collect();
+    args.outputs.write_json(as_json(&proposal, (!to_terminal).then_some(&path)), &inputs)?;
+    args.outputs.write_report(&mut page(&proposal), &inputs)?;
+    if args.outputs.quiet() {
+    } else if to_terminal {
+        print(&proposal.text);
+    } else {
+        print(&summary(&proposal, &path));
+    }
     Ok(())
+}
+
+fn as_json(proposal: &Proposal, experiment: Option<&PathBuf>) -> serde_json::Value {
+    let channels = proposal.choices.iter().map(|choice| {
+        json!({ "channel": choice.channel.name(), "unit": choice.unit.map(|u| u.symbol), "evidence": choice.evidence,
+                "to_confirm": choice.doubtful })
+    });
+    let left_out = proposal.left_out.iter().map(|(file, reason)| json!({ "file": file, "reason": reason }));
+    json!({
+        "experiment": experiment, "files": proposal.files, "left_out": left_out.collect::<Vec<_>>(),
+        "channels": channels.collect::<Vec<_>>(), "to_settle": proposal.open,
+        "controller": proposal.control.as_ref().map(|law| json!({ "law": law.text, "misses": law.error })),
+    })
+}
+
+fn page(proposal: &Proposal) -> Page {
+    let table = |columns: &[&str], rows, caption: &str| {
+        Item::Table(Table { columns: columns.iter().map(|c| (*c).into()).collect(), rows, caption: caption.into() })
+    };
+    let channels = proposal.choices.iter().map(|choice| {
+        let unit = choice.unit.map_or("unknown", |u| u.symbol);
+        let confirm = if choice.doubtful { "to confirm" } else { "" };
+        vec![choice.channel.name().into(), unit.into(), choice.evidence.join("; "), confirm.into()]
+    });
+    let files = proposal.files.iter().map(|file| vec![file.clone(), "a run".into()]);
+    let left_out = proposal.left_out.iter().map(|(file, reason)| vec![file.clone(), format!("left out: {reason}")]);
+    let items = vec![
+        table(&["channel", "unit", "what speaks for it", ""], channels.collect(), "Channels"),
+        table(&["file", ""], files.chain(left_out).collect(), "Files"),
+        table(
+            &["to settle"],
+            proposal.open.iter().map(|open| vec![open.clone()]).collect(),
+            "What the files cannot say",
+        ),
+    ];
+    let sections = vec![Section { heading: "What is proposed".into(), items }];
+    let lead =
+        format!("An experiment from {} recordings: each proposal with what speaks for it.", proposal.files.len());
+    Page { title: "A first experiment".into(), lead, sections, ..Page::default() }
 }
 
 fn summary(proposal: &Proposal, path: &Path) -> String {

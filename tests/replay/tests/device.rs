@@ -141,7 +141,9 @@ fn the_recording_says_what_the_device_did() {
     let (reference, out) = (written(folder.path(), &record), folder.path().join("run"));
     let (reference, out) = (reference.to_str().unwrap(), out.to_str().unwrap());
     let world = with_device(|port| {
-        shakedown(&["device", "--port", port.to_str().unwrap(), "run", reference, "--out", out], "");
+        let page = format!("{out}/page.html");
+        shakedown(&["device", "--port", port.to_str().unwrap(), "run", reference, "--out", out, "--report", &page], "");
+        assert!(std::fs::read_to_string(page).unwrap().contains("displacement [mm]"));
     });
 
     let experiment = Experiment::load(&Path::new(out).join("experiment.toml")).unwrap();

@@ -1,6 +1,6 @@
 //! A test run, and its telemetry saved.
 
-use super::{failed, setup};
+use super::{failed, page, setup};
 use crate::cli::output::{Outputs, print};
 use crate::cli::{Failure, progress};
 use serde_json::{Value, json};
@@ -119,10 +119,21 @@ impl Run {
     fn keep(&self, recorder: Recorder, how: Value) -> Result<(), Failure> {
         let records = recorder.rows();
         let experiment = recorder.end().map_err(unkept)?;
+        let recording = experiment.as_ref().map(|path| path.with_file_name("recording.csv"));
         let early = if how["asked_to_end"] == true { " until the end was asked for" } else { "" };
         let place = experiment.map_or_else(|| "nothing is written".into(), |path| format!("in {}", path.display()));
         let missing = how["missing"].clone();
+        let ended = how["ended"].as_str().unwrap_or(if early.is_empty() { "as it was to" } else { "early, as asked" });
+        let said = [
+            ("ended", ended.to_owned()),
+            ("records", records.to_string()),
+            ("records missing", missing.to_string()),
+            ("records dropped by the device", how["dropped"].to_string()),
+        ];
+        let mut page = page::facts("A test on a device", "What the device recorded of a test.", &said);
+        page.sections.push(page::figures(recording.as_deref()));
         self.outputs.write_json(how, self.file.as_slice())?;
+        self.outputs.write_report(&mut page, self.file.as_slice())?;
         if !self.outputs.quiet() {
             print(&format!("{records} records{early}, {place}; {missing} missing\n"));
         }
