@@ -20,7 +20,7 @@ fuzz_target!(|bytes: &[u8]| {
     let path = FOLDER.join("experiment.toml");
     std::fs::write(&path, bytes).expect("written");
     match Experiment::load(&path) {
-        Ok(experiment) => assert!(experiment.runs.iter().all(|run| run.len() > 0)),
+        Ok(experiment) => assert!(experiment.runs.iter().all(|run| !run.is_empty())),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
 });

@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use serde::ser::{Serialize, SerializeTuple as _, Serializer};
-use shakedown::device::{Talker, Telemetry, csv};
+use shakedown::device::{Sheet, Talker, Telemetry};
 use shakedown_core::link::{MAX_FRAME, Report, encode};
 use shakedown_firmware::defaults;
 
@@ -34,7 +34,11 @@ fuzz_target!(|bytes: &[u8]| {
             telemetry.take(&batch);
         }
     }
-    let text = csv(telemetry.rows(), &defaults::setup(), 1);
+    let mut sheet = Sheet::begin(Vec::new(), &defaults::setup()).expect("memory takes what is written");
+    for row in telemetry.rows() {
+        sheet.write(row).expect("memory takes what is written");
+    }
+    let text = sheet.end().expect("memory takes what is written");
     // A device decides how far apart its ticks are, and not how much is written for it.
     assert!(text.len() < 400 + 400 * 10_001 * telemetry.rows().len());
 });

@@ -17,5 +17,6 @@ pub use line::{Heard, Talker};
 #[cfg(unix)]
 pub use port::Port;
 pub use recorder::{Kept, Recorder, RecorderError};
+pub use recording::Sheet;
 pub use session::{Line, Session, SessionError};
 pub use telemetry::{Gap, Row, Telemetry};

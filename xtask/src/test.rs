@@ -28,8 +28,9 @@ impl From<Result<(), Problem>> for Outcome {
 }
 
 const STEPS: &[Step] = &[
-    Step { name: "format", run: || cargo(&["fmt", "--all", "--check"]) },
+    Step { name: "format", run: format },
     Step { name: "lints", run: || cargo(&["clippy", "--all-targets", "--locked", "--", "-D", "warnings"]) },
+    Step { name: "fuzz targets", run: || crate::fuzz::lints().into() },
     Step { name: "house", run: || house::run(&[]).into() },
     Step { name: "docs", run: docs },
     Step { name: "core on the target", run: core_on_target },
@@ -67,6 +68,13 @@ fn timed(step: &Step) -> (&'static str, Outcome, u64) {
 
 fn cargo(words: &[&str]) -> Outcome {
     execute(&mut command(&[&["cargo"], words].concat())).into()
+}
+
+/// Both workspaces.
+fn format() -> Outcome {
+    let fuzz = ["cargo", "fmt", "--manifest-path", "fuzz/Cargo.toml", "--check"];
+    let both = execute(&mut command(&["cargo", "fmt", "--all", "--check"])).and_then(|()| execute(&mut command(&fuzz)));
+    both.into()
 }
 
 fn docs() -> Outcome {

@@ -26,7 +26,7 @@ fn missing_rows(expected: u32, tick: u32, step: u32) -> u32 {
 /// the first row. A gap of more than [`LONGEST`] records is one row: what a device says of its ticks does not decide how much
 /// is written. The command is what the valve got: where an inner loop subtracts the LVDT, the output less that.
 #[derive(Debug)]
-pub(super) struct Sheet<W> {
+pub struct Sheet<W> {
     out: W,
     setup: Setup,
     step: u32,
@@ -37,7 +37,7 @@ pub(super) struct Sheet<W> {
 
 impl<W: Write> Sheet<W> {
     /// Writes the names of the columns; rows will come every [`Setup::telemetry_every`] ticks.
-    pub(super) fn begin(mut out: W, setup: &Setup) -> io::Result<Self> {
+    pub fn begin(mut out: W, setup: &Setup) -> io::Result<Self> {
         out.write_all(
             b"time [s],reference [m],modified_reference [m],displacement [m],acceleration [m/s2],external [m],command\n",
         )?;
@@ -45,7 +45,7 @@ impl<W: Write> Sheet<W> {
     }
 
     /// Writes a row, after rows for what is missing before it.
-    pub(super) fn write(&mut self, row: &Row) -> io::Result<()> {
+    pub fn write(&mut self, row: &Row) -> io::Result<()> {
         let (first, expected) = self.ticks.unwrap_or((row.tick, row.tick));
         let rate = f64::from(self.setup.control.rate);
         let time = |tick: u32| f64::from(tick.wrapping_sub(first)) / rate;
@@ -66,17 +66,17 @@ impl<W: Write> Sheet<W> {
     }
 
     /// Hands on what is written.
-    pub(super) fn flush(&mut self) -> io::Result<()> {
+    pub fn flush(&mut self) -> io::Result<()> {
         self.out.flush()
     }
 
     /// Rows written, those for what is missing not counted.
-    pub(super) const fn rows(&self) -> u64 {
+    pub const fn rows(&self) -> u64 {
         self.rows
     }
 
     /// What was written to.
-    pub(super) fn end(mut self) -> io::Result<W> {
+    pub fn end(mut self) -> io::Result<W> {
         self.out.flush()?;
         Ok(self.out)
     }
