@@ -7,6 +7,7 @@ mod fuzz;
 mod house;
 mod law_cost;
 mod output;
+mod properties;
 mod reproduce;
 mod sbom;
 mod setup;
@@ -56,6 +57,11 @@ const CHORES: &[Chore] = &[
         run: figures::run,
     },
     Chore { name: "fuzz", does: "feeds the parsers what nobody would write [TARGET [SECONDS]]", run: fuzz::run },
+    Chore {
+        name: "properties",
+        does: "tests every property on cases drawn anew [ROUNDS [SEED]]",
+        run: properties::run,
+    },
     Chore { name: "deny", does: "checks licences, sources and banned crates (cargo-deny)", run: deny::run },
     Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
     Chore {

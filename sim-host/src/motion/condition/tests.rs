@@ -132,7 +132,8 @@ fn any_step() -> impl Strategy<Value = Step> {
     prop_oneof![
         (0..=6usize).prop_map(|degree| Step::Baseline { degree }),
         (1..=6usize).prop_map(|degree| Step::VelocityBaseline { degree }),
-        (0.0..1.0f64, 1.0..2.0f64).prop_map(|(from_s, to_s)| Step::Trim { from_s, to_s }),
+        // Two samples at least, 10 ms each.
+        (0.0..1.0f64, 1.03..2.0f64).prop_map(|(from_s, to_s)| Step::Trim { from_s, to_s }),
         (0.0..2.0f64, 0.0..2.0f64).prop_map(|(before_s, after_s)| Step::Rest { before_s, after_s }),
         (90.0..300.0f64, prop_oneof![Just(Interpolation::Linear), Just(Interpolation::BandLimited)])
             .prop_map(|(rate_hz, between)| Step::Resample { rate_hz, between }),

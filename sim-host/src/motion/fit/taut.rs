@@ -320,7 +320,12 @@ mod tests {
             for norm in [Norm::One, Norm::Two, Norm::Peak] {
                 let bound = convex::fit(&reference, &limits, norm).unwrap().bound.unwrap();
                 let error = norm.error(&reference, &fitted.velocity);
-                prop_assert!(error <= bound + 1e-5, "{norm:?}: {error} against {bound}");
+                // The solver's accuracy is that of what it makes small, which is half of the square.
+                let within = match norm {
+                    Norm::Two => 0.5 * (error * error - bound * bound) <= 1e-7,
+                    Norm::One | Norm::Peak => error <= bound + 1e-5,
+                };
+                prop_assert!(within, "{norm:?}: {error} against {bound}");
             }
         }
 
