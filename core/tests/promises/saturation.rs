@@ -94,6 +94,18 @@ proptest! {
     }
 }
 
+/// Swings that the accelerometer's noise alone lifts over the plateau: what an existing loop asks for is learned in few turns, and
+/// those are chosen by the noise.
+#[test]
+fn an_existing_loop_is_not_learned_from_the_noise() {
+    for (frequency, speed, kp) in [(0.428_991_5, 0.098_409_26, 3.0), (0.526_832, 0.096_238_6, 3.0)] {
+        let settings = Settings { displacement: Gains::new(kp, 1.0), mode: Mode::Modifier, ..settings() };
+        let run = sine(&settings, Table::new(1000.0).noisy(), speed / (std::f64::consts::TAU * frequency), frequency);
+        assert_eq!(run.invented, 0, "{frequency} Hz");
+        assert!(run.limit > 0.98 * 0.242, "{}", run.limit);
+    }
+}
+
 #[test]
 fn unequal_limits_are_told_apart() {
     let mut table = Table::new(1000.0).noisy();
