@@ -2,14 +2,15 @@
 //! for, judged by a watcher that shares nothing with the guard.
 //!
 //! A run is a number under a seed: [`case`] deals it, [`rig`] runs it twice, with its fault and without, [`watcher`] says
-//! whether what the hazard table promises of its [`class`] was kept. Nothing is left out: a class of which nothing can be
-//! promised is run and counted like the others, and says so.
+//! whether what the hazard table promises of its [`class`] was kept. The tables have the limit switches of
+//! docs/commissioning.md ([`limit_switches()`]), or the guard is alone.
 
 pub mod campaign;
 pub mod case;
 pub mod class;
 pub mod dice;
 pub mod feed;
+mod limit_switches;
 pub mod machine;
 pub mod motions;
 pub mod rig;
@@ -22,6 +23,7 @@ mod words;
 pub use campaign::{CampaignError, Plan};
 pub use case::Case;
 pub use class::{CLASSES, Class, Clock, Fault, Promise};
+pub use limit_switches::limit_switches;
 pub use motions::Motions;
 pub use summary::Summary;
 pub use watcher::Outcome;

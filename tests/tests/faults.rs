@@ -9,7 +9,7 @@
 
 use shakedown::faults::campaign::{join, run, run_shard};
 use shakedown::faults::watcher::{Broken, judge};
-use shakedown::faults::{CampaignError, Case, Class, Motions, Plan, Promise, Summary};
+use shakedown::faults::{CampaignError, Case, Class, Motions, Plan, Summary};
 use shakedown_core::Settings;
 use shakedown_core::guard::{EnvelopeSettings, GuardSettings, PlausibilitySettings, ValveMonitorSettings};
 use std::sync::LazyLock;
@@ -20,7 +20,7 @@ const SEED: u64 = 3;
 static MOTIONS: LazyLock<Motions> = LazyLock::new(|| Motions::new(None).unwrap());
 
 fn plan(runs: u64) -> Plan {
-    Plan { seed: SEED, runs, class: None, records: Vec::new(), version: "test".into() }
+    Plan { seed: SEED, runs, class: None, guard_alone: false, records: Vec::new(), version: "test".into() }
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn deaf(settings: &Settings) -> Settings {
 fn broken_when_deaf(class: &str) -> Vec<Broken> {
     let class = Class::named(class).unwrap();
     let runs = (0..12).map(|number| {
-        let mut case = Case::deal(SEED, number, Some(class), &MOTIONS);
+        let mut case = Case::deal(SEED, number, Some(class), &MOTIONS).guard_alone();
         case.settings = deaf(&case.settings);
         judge(&case).unwrap().broken
     });
@@ -77,14 +77,15 @@ fn a_deaf_guard_would_be_seen() {
     assert!(over.contains(&Broken::Late) || over.contains(&Broken::Unreported), "{over:?}");
 }
 
+/// What no guard can see by LVDT, accelerometer and command, the limit switches do.
 #[test]
-fn what_nobody_promises_is_run_and_counted_apart() {
-    let class = Class::named("lvdt-creeping").unwrap();
-    assert_eq!(class.promise, Promise::Residual);
-    let plan = Plan { class: Some(class.id.into()), ..plan(60) };
-    let summary = Summary::of(&run(&plan, &MOTIONS, &|_| ()).unwrap());
-    assert!(summary.failed.is_empty());
-    assert!(summary.residual.iter().any(|(how, n)| *how == Broken::Excursion && *n > 0), "{:?}", summary.residual);
+fn a_creeping_lvdt_is_what_the_limit_switches_are_for() {
+    let excursions = |guard_alone: bool| {
+        let plan = Plan { class: Some("lvdt-creeping".into()), guard_alone, ..plan(60) };
+        Summary::of(&run(&plan, &MOTIONS, &|_| ()).unwrap()).broken(Broken::Excursion)
+    };
+    assert!(excursions(true) > 0);
+    assert_eq!(excursions(false), 0);
 }
 
 #[test]

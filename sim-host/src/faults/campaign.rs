@@ -22,6 +22,8 @@ pub struct Plan {
     pub runs: u64,
     /// Where every fault is of one class, its name.
     pub class: Option<String>,
+    /// Whether the tables lack the limit switches that commissioning asks for.
+    pub guard_alone: bool,
     /// Records that runs are taken from: their number and names' order is part of the campaign.
     pub records: Vec<String>,
     /// Version of what is tested.
@@ -69,6 +71,11 @@ impl Plan {
         self.class.as_deref().and_then(Class::named)
     }
 
+    fn case(&self, number: u64, only: Option<&'static Class>, motions: &Motions) -> Case {
+        let case = Case::deal(self.seed, number, only, motions);
+        if self.guard_alone { case.guard_alone() } else { case }
+    }
+
     /// Does the runs of one chunk.
     fn judge(
         &self,
@@ -81,7 +88,7 @@ impl Plan {
             .numbers(chunk)
             .into_par_iter()
             .map(|number| {
-                let outcome = judge(&Case::deal(self.seed, number, only, motions));
+                let outcome = judge(&self.case(number, only, motions));
                 done(1);
                 outcome
             })

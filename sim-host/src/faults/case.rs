@@ -2,6 +2,7 @@
 
 use super::class::{CLASSES, Class, Fault};
 use super::dice::Dice;
+use super::limit_switches::limit_switches;
 use super::machine::{Break, Oil, Table};
 use super::motions::{Motions, RATE};
 use shakedown_core::control::TrackingSettings;
@@ -42,6 +43,8 @@ pub struct Case {
     pub streamed: bool,
     /// Seed of the sensors' noise.
     pub noise: u64,
+    /// Where a limit switch opens the emergency-stop circuit, m from the middle, either side; none where there is none.
+    pub limit_switches: Option<f64>,
     /// What is random about the fault itself.
     pub dice: Dice,
 }
@@ -56,12 +59,15 @@ impl Case {
         let mode = mode(&mut dice, fault);
         let kp = gain(&mut dice, &table);
         let (motion, reference) = slice(&mut dice, motions);
+        let onset = 1500 + dice.below(4500);
+        let settings = settings(&mut dice, mode, kp, &table);
         Self {
             number,
             class,
             fault,
-            onset: 1500 + dice.below(4500),
-            settings: settings(&mut dice, mode, kp, &table),
+            onset,
+            limit_switches: limit_switches(&settings),
+            settings,
             existing: kp,
             table,
             motion,
@@ -70,6 +76,12 @@ impl Case {
             noise: dice.bits(),
             dice,
         }
+    }
+
+    /// The same without what commissioning asks for beside the guard.
+    #[must_use]
+    pub fn guard_alone(self) -> Self {
+        Self { limit_switches: None, ..self }
     }
 
     /// Mode in words.

@@ -57,6 +57,8 @@ struct Rig<'a> {
     velocity_before: f64,
     last: Option<Seen>,
     reference: f32,
+    /// Ticks that the table has been at a limit switch.
+    at_switch: u32,
 }
 
 /// Why a run could not begin: the campaign's own settings do not hold.
@@ -77,6 +79,9 @@ pub struct Pair {
     /// The table without the fault, m, as long.
     pub without: Vec<f64>,
 }
+
+/// From a table at a limit switch to its circuit open, ticks: a roller's way, and the contact's own.
+const CONTACT: u32 = 5;
 
 /// How long a run goes on after a trip, s.
 pub const AFTER: f64 = 0.8;
@@ -123,6 +128,7 @@ impl<'a> Rig<'a> {
             velocity_before: 0.0,
             last: None,
             reference: start as f32,
+            at_switch: 0,
         })
     }
 
@@ -168,6 +174,7 @@ impl<'a> Rig<'a> {
             // As the firmware does when the board tells it of an overrun.
             let _ = self.controller.request(Request::Trip);
         }
+        self.limit_switches();
         let (sample, errors) = self.measure(tick, faulty);
         let command = self.controller.step(&sample);
         let dt = match self.fault {
@@ -181,6 +188,15 @@ impl<'a> Rig<'a> {
         let seen = self.seen(tick, &sample, &command, errors);
         self.last = Some(seen);
         seen
+    }
+
+    /// The emergency-stop circuit, which the board looks at in every tick.
+    fn limit_switches(&mut self) {
+        let at_switch = self.case.limit_switches.is_some_and(|from| self.machine.x.abs() > from);
+        self.at_switch = if at_switch { self.at_switch + 1 } else { 0 };
+        if self.at_switch > CONTACT {
+            let _ = self.controller.request(Request::Trip);
+        }
     }
 
     fn seen(&self, tick: usize, sample: &Sample, command: &Command, errors: [f64; 2]) -> Seen {

@@ -36,10 +36,8 @@ pub struct Summary {
     pub runs: u64,
     /// By class, in the registry's order.
     pub rows: Vec<Row>,
-    /// Runs that broke a promise, classes of which nothing is promised left out.
+    /// Runs that broke a promise.
     pub failed: Vec<Outcome>,
-    /// Excursions, late and unreported ones of the classes of which nothing is promised.
-    pub residual: Vec<(Broken, u64)>,
 }
 
 const KINDS: [Broken; 5] = [Broken::Excursion, Broken::Unreported, Broken::Late, Broken::Moving, Broken::Alarm];
@@ -48,17 +46,12 @@ impl Summary {
     /// Of `outcomes`, in any order.
     pub fn of(outcomes: &[Outcome]) -> Self {
         let rows = CLASSES.iter().map(|class| row(class, outcomes)).filter(|row| row.runs > 0).collect();
-        let residual = |o: &&Outcome| {
-            Class::named(&o.class).is_some_and(|c| c.promise == Promise::Residual) && !o.broken.contains(&Broken::Alarm)
-        };
-        let mut failed: Vec<Outcome> =
-            outcomes.iter().filter(|o| !o.broken.is_empty() && !residual(o)).cloned().collect();
+        let mut failed: Vec<Outcome> = outcomes.iter().filter(|o| !o.broken.is_empty()).cloned().collect();
         failed.sort_by_key(|o| o.run);
-        let left: Vec<&Outcome> = outcomes.iter().filter(residual).collect();
-        Self { runs: outcomes.len() as u64, rows, failed, residual: count(&left) }
+        Self { runs: outcomes.len() as u64, rows, failed }
     }
 
-    /// How many of the runs that had a promise broke it in this way.
+    /// How many runs broke a promise in this way.
     pub fn broken(&self, how: Broken) -> u64 {
         self.failed.iter().filter(|o| o.broken.contains(&how)).count() as u64
     }
@@ -88,6 +81,7 @@ fn row(class: &Class, outcomes: &[Outcome]) -> Row {
         reported: met.iter().filter(|o| o.reported.is_some()).count() as u64,
         bound_s: match class.promise {
             Promise::Reported(_, within) | Promise::Relay(_, within) => Some(within),
+            Promise::RelayBefore(unexplained) => Some(unexplained.within),
             _ => None,
         },
         latency_s: (!latencies.is_empty()).then(|| [rank(0.5), rank(0.95), rank(0.99), rank(1.0)]),

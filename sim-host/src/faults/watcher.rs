@@ -62,6 +62,8 @@ struct Watcher<'a> {
     without: &'a [f64],
     began: Option<f64>,
     started: Option<f64>,
+    /// Largest way that no command explains, up to the opening of the relay, m.
+    unexplained: f64,
     reported: Option<(f64, String)>,
     relay: Option<f64>,
     farthest: f64,
@@ -95,6 +97,7 @@ impl<'a> Watcher<'a> {
             without,
             began: None,
             started: None,
+            unexplained: 0.0,
             reported: None,
             relay: None,
             farthest: 0.0,
@@ -129,6 +132,9 @@ impl<'a> Watcher<'a> {
         if self.reported.is_none() {
             self.deviation = self.deviation.max(off);
         }
+        if self.relay.is_none() {
+            self.unexplained = self.unexplained.max(seen.unexplained.abs());
+        }
         if seen.relay == Relay::Open {
             self.relay.get_or_insert(seen.time);
         }
@@ -147,15 +153,17 @@ impl<'a> Watcher<'a> {
             // The mean over 50 ms.
             self.mean_error += (seen.acceleration_error - self.mean_error) / (0.05 * RATE);
         }
-        let starts = match self.case.class.promise {
-            Promise::Reported(clock, _) | Promise::Relay(clock, _) => match clock {
-                Clock::Onset => true,
-                Clock::Displacement(least) => seen.displacement_error.abs() > least,
-                Clock::Acceleration(least) => self.mean_error.abs() > least,
-                Clock::Valve(least) => seen.unexplained.abs() > least,
-                Clock::Deviation(least) => off > least,
-            },
-            Promise::Harmless(_) | Promise::Inside | Promise::Residual => true,
+        let clock = match self.case.class.promise {
+            Promise::Reported(clock, _) | Promise::Relay(clock, _) => clock,
+            Promise::RelayBefore(unexplained) => Clock::Valve(unexplained.way),
+            Promise::Harmless(_) | Promise::Inside => Clock::Onset,
+        };
+        let starts = match clock {
+            Clock::Onset => true,
+            Clock::Displacement(least) => seen.displacement_error.abs() > least,
+            Clock::Acceleration(least) => self.mean_error.abs() > least,
+            Clock::Valve(least) => seen.unexplained.abs() > least,
+            Clock::Deviation(least) => off > least,
         };
         if starts && self.started.is_none() {
             self.started = Some(before);
@@ -166,7 +174,7 @@ impl<'a> Watcher<'a> {
         let began = self.began.unwrap_or(self.now);
         let from = self.started.unwrap_or(began);
         let at = match self.case.class.promise {
-            Promise::Relay(..) => self.relay,
+            Promise::Relay(..) | Promise::RelayBefore(_) => self.relay,
             _ => self.reported.as_ref().map(|(at, _)| *at),
         };
         let latency = at.map(|at| (at - from).max(0.0));
@@ -194,19 +202,24 @@ impl<'a> Watcher<'a> {
     fn promises(&self, latency: Option<f64>, from: f64) -> Vec<Broken> {
         let promise = self.case.class.promise;
         let mut broken = Vec::new();
-        let exempt = matches!(promise, Promise::Relay(..));
+        let exempt = matches!(promise, Promise::Relay(..) | Promise::RelayBefore(_));
         if !exempt && self.farthest > STROKE - MARGIN {
             broken.push(Broken::Excursion);
         }
-        match promise {
-            Promise::Reported(_, within) | Promise::Relay(_, within) if self.started.is_some() => match latency {
-                // Half a tick of slack: times are sums of ticks.
-                Some(latency) if latency > within + 0.5 / RATE => broken.push(Broken::Late),
-                None if self.now - from > within => broken.push(Broken::Unreported),
-                _ => {}
-            },
-            Promise::Harmless(most) if self.deviation > most => broken.push(Broken::Unreported),
+        let within = match promise {
+            Promise::Reported(_, within) | Promise::Relay(_, within) => Some(within),
+            Promise::RelayBefore(unexplained) if self.unexplained <= unexplained.before => None,
+            Promise::RelayBefore(unexplained) => Some(unexplained.within),
+            Promise::Harmless(_) | Promise::Inside => None,
+        };
+        match (within.filter(|_| self.started.is_some()), latency) {
+            // Half a tick of slack: times are sums of ticks.
+            (Some(within), Some(latency)) if latency > within + 0.5 / RATE => broken.push(Broken::Late),
+            (Some(within), None) if self.now - from > within => broken.push(Broken::Unreported),
             _ => {}
+        }
+        if matches!(promise, Promise::Harmless(most) if self.deviation > most) {
+            broken.push(Broken::Unreported);
         }
         if self.moving {
             broken.push(Broken::Moving);

@@ -90,7 +90,7 @@ fn broken(case: &Case, mode: Mode) -> Vec<String> {
     let seen = shakedown_replay::run(&image(), seen).unwrap().world;
     let mut broken = Vec::new();
     let farthest = truth.lock().unwrap().iter().fold(0.0_f32, |most, x| most.max(x.abs()));
-    if farthest > setup.control.stroke && case.class.promise != Promise::Residual {
+    if farthest > setup.control.stroke {
         broken.push(format!("{farthest} m from the middle"));
     }
     let opened = seen.codes[AT as usize..].iter().position(|codes| !codes.relay);

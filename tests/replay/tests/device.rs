@@ -302,7 +302,7 @@ fn the_steps_with_oil_measure_what_the_table_does() {
         let words = ["device", "--port", port.to_str().unwrap(), "commission"];
         let files = ["--out", notes.to_str().unwrap(), "--record", record.to_str().unwrap()];
         // Dry, then held, pushed, tilted, and the record at a tenth.
-        let typed = format!("{}{}", "0\nyes\n\n\n\n\n0\n5\nyes\n", "yes\nyes\n\n\nyes\nstop\n");
+        let typed = format!("{}{}", "0\nyes\n\n\n\n\n\n\n\n\n0\n5\nyes\n", "yes\nyes\n\n\nyes\nstop\n");
         shakedown(&[&words[..], &files].concat(), &typed);
     });
     let notes: toml::Table = std::fs::read_to_string(&notes).unwrap().parse().unwrap();
@@ -310,6 +310,8 @@ fn the_steps_with_oil_measure_what_the_table_does() {
     assert!(number("step-9", "creeps_by").abs() < 1e-4 && number("step-9", "null_bias").abs() < 1e-4);
     assert_eq!(notes["step-10"]["polarity"].as_str(), Some("right"));
     assert!((number("step-10", "moved_by") - 0.002).abs() < 2e-4);
+    // 120 mm less 5 mm, less 18 mm of stopping distance at 0.242 m/s.
+    assert!((number("limit-switches", "no_farther_than") - 0.097).abs() < 1e-4);
     assert_eq!(notes["step-12-tenth"]["ended"].as_str(), Some("done"));
     assert!(!notes.contains_key("step-12-third"));
 }
@@ -327,7 +329,7 @@ fn a_setup_comes_back_as_it_was_written_and_commissioning_records_what_it_measur
         shakedown(&["device", "--port", port, "get", "--out", back.to_str().unwrap()], "");
         let status = shakedown(&["device", "--port", port, "status", "--json", "-"], "");
         assert!(String::from_utf8_lossy(&status.stdout).contains("\"state\": \"off\""));
-        let typed = "0.0\nyes\n\n\n\n\n0.001\n5.002\nyes\n";
+        let typed = "0.0\nyes\n\n\n\n\n\n\n\n\n0.001\n5.002\nyes\n";
         shakedown(&["device", "--port", port, "commission", "--out", notes.to_str().unwrap()], typed);
     });
     let read: Setup = toml::from_str(&std::fs::read_to_string(&back).unwrap()).unwrap();

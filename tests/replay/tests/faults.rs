@@ -11,10 +11,13 @@ mod common;
 
 use common::{image, near_field, seen::Mischief, seen::Seen, setup};
 use shakedown::device::{DriveError, Progress};
+use shakedown::faults::limit_switches;
 use shakedown_core::control::tracking::flow::FlowSettings;
 use shakedown_core::control::tracking::{NotchSettings, TrackingSettings};
 use shakedown_core::link::{Cause, Request, Scale, Setup, Source};
 use shakedown_core::{Mode, State, Trip};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// When the fault begins: in the middle of a run.
 const AT: usize = 9000;
@@ -141,6 +144,34 @@ fn a_lost_sample_is_coasted_over() {
 fn the_emergency_stop_trips() {
     let stop: Mischief = Box::new(|tick, _| *tick.circuit_closed = (tick.index as usize) < AT);
     trips(stop, &[Cause::EmergencyStop], 60);
+}
+
+/// An LVDT that creeps more slowly than anything can be told from: the loop carries the table along until a limit switch
+/// opens the circuit, and it stands inside the stroke less the margin.
+#[test]
+fn a_limit_switch_stops_a_table_whose_lvdt_creeps() {
+    let setup = setup(Mode::Controller);
+    let (from, lvdt) = (limit_switches(&setup.control).unwrap(), setup.wiring.displacement);
+    let margin = setup.control.guard.unwrap().envelope.margin;
+    let opened_at = Arc::new(AtomicUsize::new(usize::MAX));
+    let opened = Arc::clone(&opened_at);
+    let creep: Mischief = Box::new(move |tick, _| {
+        if lvdt.to_si(tick.inputs[1]).abs() > from as f32 {
+            *tick.circuit_closed = false;
+            opened.fetch_min(tick.index as usize, Ordering::Relaxed);
+        }
+        let crept = 0.0075 * (tick.index as f32 - AT as f32).max(0.0) / setup.control.rate;
+        tick.inputs[1] -= (crept / lvdt.per_code) as u16;
+    });
+    let mut seen = Seen::new(setup, near_field(30));
+    seen.mischief = Some(creep);
+    let seen = shakedown_replay::run(&image(), seen).unwrap().world;
+    let stopped = matches!(seen.progress, Progress::Failed(DriveError::Stopped { cause: Cause::EmergencyStop, .. }));
+    assert!(stopped, "{:?}", seen.progress);
+    let opened_at = opened_at.load(Ordering::Relaxed);
+    assert!(seen.codes[opened_at + 60..].iter().all(|codes| !codes.relay));
+    let rests = seen.bench.displacement();
+    assert!((from..f64::from(setup.control.stroke - margin)).contains(&rests), "{rests} m");
 }
 
 /// At 20 kHz a tick has 50 microseconds, and working out an elaborate setup takes more: the ticks that come meanwhile are

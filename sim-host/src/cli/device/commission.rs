@@ -19,7 +19,7 @@ pub(super) struct Commission {
     /// Where what was measured is written.
     #[arg(long, value_name = "FILE", default_value = "commissioning.toml", value_parser = place())]
     out: PathBuf,
-    /// The record of steps 12 and 13, columns `time` (s) and `reference` (m); without it they are left out.
+    /// The record of steps 12 and 14, columns `time` (s) and `reference` (m); without it they are left out.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
 }
@@ -33,6 +33,8 @@ enum Measures {
     Inputs,
     /// State and cause.
     Standing,
+    /// The same, once the trip is cleared.
+    Cleared,
     /// What a meter at the plug reads with this code on the output.
     Output(u16),
 }
@@ -45,6 +47,10 @@ const STEPS: &[(&str, &str, Measures)] = &[
     ("4", "+5.000 V on every input, then Enter.", Measures::Inputs),
     ("5", "Pull every input's wire, then Enter.", Measures::Inputs),
     ("6", "Press the emergency stop, then Enter.", Measures::Standing),
+    ("6a", "Release it, then Enter.", Measures::Cleared),
+    ("6b", "Hold the limit switch at the positive end open, then Enter.", Measures::Standing),
+    ("6c", "Release it, then Enter.", Measures::Cleared),
+    ("6d", "Hold the one at the negative end open, then Enter.", Measures::Standing),
     ("7a", "Release it. At the amplifier's plug [V]?", Measures::Output(2048)),
     ("7b", "At the amplifier's plug [V]?", Measures::Output(3072)),
     ("8", "Write the setup, save it, reset; the vitals say `stored` [yes/no]?", Measures::Typed),
@@ -77,7 +83,10 @@ impl Commission {
                     let _ = writeln!(text, "output_code = {code}");
                 }
                 Measures::Inputs => inputs(session, text)?,
-                Measures::Standing => {
+                Measures::Standing | Measures::Cleared => {
+                    if matches!(measures, Measures::Cleared) {
+                        clear(session)?;
+                    }
                     let vitals = session.vitals().map_err(failed)?;
                     let cause = vitals.cause.map_or("none".into(), |cause| format!("{cause:?}"));
                     let _ = writeln!(text, "state = \"{:?}\"\ncause = \"{cause}\"", vitals.state);

@@ -16,7 +16,7 @@ fn millimetres(metres: f64) -> String {
 }
 
 /// The tables, for terminal and page.
-pub(super) fn sections(summary: &Summary) -> Vec<Section> {
+pub(super) fn sections(summary: &Summary, guard_alone: bool) -> Vec<Section> {
     let count = |how: Broken| summary.broken(how).to_string();
     let tiles = [
         ("runs", summary.runs.to_string()),
@@ -27,12 +27,14 @@ pub(super) fn sections(summary: &Summary) -> Vec<Section> {
         ("trips without a fault", count(Broken::Alarm)),
     ];
     let tiles = tiles.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    let residual: Vec<String> = summary.residual.iter().map(|(how, n)| format!("{n} {}", word(*how))).collect();
-    let residual = if residual.is_empty() { "none".into() } else { residual.join(", ") };
+    let switches = if guard_alone {
+        "The tables have no limit switches: the guard is alone, and an LVDT that creeps carries some of them out."
+    } else {
+        "The tables have the limit switches that docs/commissioning.md asks for."
+    };
+    let room = 1e3 * (STROKE - MARGIN);
     let note = format!(
-        "An excursion is a table more than {:.0} mm from the middle, the stroke less the margin. Of the classes of which \
-         nothing is promised: {residual}; they are not among the figures above.",
-        1e3 * (STROKE - MARGIN)
+        "An excursion is a table more than {room:.0} mm from the middle, the stroke less the margin. {switches}"
     );
     let mut items = vec![Item::Tiles(tiles), Item::Note(note), Item::Table(classes(summary))];
     if !summary.failed.is_empty() {
@@ -132,6 +134,7 @@ pub(super) fn facts(case: &Case, outcome: &Outcome, record: &str) -> Table {
         ("promised", case.class.promise.to_string()),
         ("reported", outcome.reported.clone().unwrap_or_else(|| "no".into())),
         ("latency [ms]", outcome.latency_s.map(millis).unwrap_or_default()),
+        ("limit switches [mm]", case.limit_switches.map_or_else(|| "none".into(), millimetres)),
         ("farthest [mm]", millimetres(outcome.farthest_m)),
         ("strayed unseen [mm]", millimetres(outcome.deviation_m)),
         ("broken", broken.join(", ")),

@@ -1,8 +1,8 @@
 //! Every class, in the order of tables: sensors, commands, link, settings, time, table.
 
 use super::Channel::{self, Acceleration, Command, Displacement};
-use super::Promise::{Harmless, Inside, Relay, Reported, Residual};
-use super::{Class, Clock, Fault};
+use super::Promise::{Harmless, Inside, Relay, RelayBefore, Reported};
+use super::{Class, Clock, Fault, Unexplained};
 use crate::faults::dice::Dice;
 use crate::faults::machine::Break;
 use crate::faults::spoil::Spoil;
@@ -65,7 +65,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "lvdt-creeping",
         what: "LVDT: moves away at 0.5 to 150 mm/s",
-        promise: Residual,
+        promise: Inside,
         deal: |d| signal(Displacement, Spoil::Drifting(d.sign() * d.scale(5e-4, 0.15))),
     },
     Class {
@@ -224,7 +224,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "valve-hard-over",
         what: "the valve stuck hard over",
-        promise: Relay(Clock::Valve(0.01), 0.15),
+        promise: RelayBefore(Unexplained { way: 0.01, within: 0.15, before: 0.05 }),
         deal: |d| Fault::Table(Break::Stuck(d.sign() * d.scale(0.12, 10.0))),
     },
     Class {

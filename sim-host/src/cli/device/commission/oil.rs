@@ -2,7 +2,9 @@
 
 use super::{failed, inputs, prompted};
 use crate::cli::Failure;
+use crate::cli::output::print;
 use shakedown::device::{Drive, Port, Row, Session, SessionError};
+use shakedown::faults::limit_switches;
 use shakedown::files::Unfinished;
 use shakedown_core::control::InnerLoop;
 use shakedown_core::link::{Report, Request, Setup, Source, answer};
@@ -34,6 +36,7 @@ impl Oil<'_> {
     pub(super) fn walk(&mut self, text: &mut String) -> Result<(), Failure> {
         let guards = self.setup.control.mode == Mode::Guard;
         let streamed = self.setup.wiring.source == Source::Streamed;
+        self.limit_switches(text);
         if !agreed(text, "9", "Pressure at its least, a soft stop either side. Arm, and hold for three seconds")? {
             return Ok(());
         }
@@ -63,10 +66,18 @@ impl Oil<'_> {
             }
             self.play(record.iter().map(|x| share * x).collect(), text)?;
         }
-        if agreed(text, "13", "The record at full size: press the emergency stop at full speed")? {
+        if agreed(text, "14", "The record at full size: press the emergency stop at full speed")? {
             self.stop(record, text)?;
         }
         Ok(())
+    }
+
+    /// Where they belong, while they can still be moved with the hydraulics off.
+    fn limit_switches(&self, text: &mut String) {
+        if let Some(from) = limit_switches(&self.setup.control) {
+            print(&format!("Limit switches: no farther than {:.0} mm from the middle, either side.\n", 1e3 * from));
+            let _ = writeln!(text, "\n[limit-switches]\nno_farther_than = {} # m from the middle", number(from));
+        }
     }
 
     /// Armed, the table should stand. What it creeps by, and what the law asks for against it, is the valve's null bias:
