@@ -115,7 +115,7 @@ fn request(kind: Kind, earlier: &[u64], dice: &mut Dice) -> Request {
         9 => Request::WriteSetup(defaults::setup()),
         10 => Request::Probe(dice.next() as u16),
         _ => {
-            let points = (0..1 + dice.below(64)).map(|k| 1e-3 * k as f32).collect();
+            let points = (0..=dice.below(64)).map(|k| 1e-3 * k as f32).collect();
             Request::Reference(Points { first: dice.next() as u32, points, last: false })
         }
     }
@@ -140,7 +140,7 @@ fn noise(kind: Kind, bytes: u64, seed: u64) -> Heard {
         let mut wire = [0; MAX_FRAME];
         let length = encode(&request, &mut wire).unwrap_or(0);
         if kind == Kind::Flipped {
-            for _ in 0..1 + dice.below(8) {
+            for _ in 0..=dice.below(8) {
                 wire[dice.below(length as u64) as usize] ^= 1 << dice.below(8);
             }
         }

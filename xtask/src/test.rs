@@ -29,7 +29,7 @@ impl From<Result<(), Problem>> for Outcome {
 
 const STEPS: &[Step] = &[
     Step { name: "format", run: format },
-    Step { name: "lints", run: || cargo(&["clippy", "--all-targets", "--locked", "--", "-D", "warnings"]) },
+    Step { name: "lints", run: lints },
     Step { name: "fuzz targets", run: || crate::fuzz::lints().into() },
     Step { name: "house", run: || house::run(&[]).into() },
     Step { name: "docs", run: docs },
@@ -66,15 +66,26 @@ fn timed(step: &Step) -> (&'static str, Outcome, u64) {
     (step.name, (step.run)(), start.elapsed().as_secs())
 }
 
-fn cargo(words: &[&str]) -> Outcome {
-    execute(&mut command(&[&["cargo"], words].concat())).into()
-}
-
 /// Both workspaces.
 fn format() -> Outcome {
     let fuzz = ["cargo", "fmt", "--manifest-path", "fuzz/Cargo.toml", "--check"];
     let both = execute(&mut command(&["cargo", "fmt", "--all", "--check"])).and_then(|()| execute(&mut command(&fuzz)));
     both.into()
+}
+
+/// Everything on the host, then what the firmware compiles for its board alone, for which Debian's compiler has no clippy. The
+/// emulator states a newer compiler than it needs.
+fn lints() -> Outcome {
+    let (words, deny) = (["clippy", "--locked"], ["--", "-D", "warnings"]);
+    let host = ["--workspace", "--all-targets", "--ignore-rust-version"];
+    let linted = execute(command(&["cargo"]).args(words).args(host).args(deny));
+    let linted = linted.and_then(|()| match toolchain::find() {
+        Some(found @ Toolchain::Rustup) => {
+            execute(found.cargo(&[&words[..], &["--package", "shakedown-firmware"]].concat())?.args(deny))
+        }
+        _ => Ok(()),
+    });
+    linted.into()
 }
 
 fn docs() -> Outcome {

@@ -14,7 +14,7 @@ use stm32f4xx_hal::{
 /// Bytes of the receive ring: 5 ms.
 const RING: usize = 512;
 /// 42 MHz / 16 / 2.625 is 1 Mbit/s exactly: mantissa 2, fraction 10/16.
-const DIVIDER: u16 = 2 << 4 | 10;
+const DIVIDER: u16 = 2 * 16 + 10;
 /// Channel of USART3 on both its streams.
 const CHANNEL: u8 = 4;
 /// Stream flags of `LIFCR`, for streams 1 and 3.
