@@ -89,6 +89,8 @@ pub enum Promise {
     RelayBefore(Unexplained),
     /// The table comes no farther than this (m) from where it would have been, or the guard trips.
     Harmless(f64),
+    /// The same, where the guard forgets: what the table has strayed counts for less with this time constant (s).
+    HarmlessFor(f64, f64),
     /// The table obeys, and stays inside its stroke.
     Inside,
 }
@@ -136,6 +138,9 @@ impl std::fmt::Display for Promise {
             }
             Self::Harmless(most) if most < 1e-6 => f.write_str("changes nothing, or reported"),
             Self::Harmless(most) => write!(f, "strays at most {} mm, or reported", (1e3 * most).round()),
+            Self::HarmlessFor(most, memory) => {
+                write!(f, "strays at most {} mm, forgotten over {memory} s, or reported", (1e3 * most).round())
+            }
             Self::Inside => f.write_str("stays inside its stroke"),
         }
     }

@@ -68,10 +68,29 @@ struct Watcher<'a> {
     relay: Option<f64>,
     farthest: f64,
     deviation: f64,
+    /// The same, as far as it is not forgotten.
+    strayed: Strayed,
     mean_error: f64,
     alarm: bool,
     moving: bool,
     now: f64,
+}
+
+/// How far a table has strayed of late.
+#[derive(Debug, Clone, Copy, Default)]
+struct Strayed {
+    before: f64,
+    now: f64,
+    most: f64,
+}
+
+impl Strayed {
+    /// One tick: `off` (m) from where it would have been, forgotten over `memory` (s).
+    fn advance(&mut self, off: f64, memory: f64) {
+        self.now += off - self.before - self.now / (memory * RATE);
+        self.before = off;
+        self.most = self.most.max(self.now.abs());
+    }
 }
 
 /// Runs and judges `case`.
@@ -102,6 +121,7 @@ impl<'a> Watcher<'a> {
             relay: None,
             farthest: 0.0,
             deviation: 0.0,
+            strayed: Strayed::default(),
             mean_error: 0.0,
             alarm: false,
             moving: false,
@@ -119,7 +139,13 @@ impl<'a> Watcher<'a> {
         }
         self.began.get_or_insert(before);
         self.farthest = self.farthest.max(seen.x.abs());
-        let off = (seen.x - self.without.get(seen.tick).copied().unwrap_or(seen.x)).abs();
+        let off = seen.x - self.without.get(seen.tick).copied().unwrap_or(seen.x);
+        if self.reported.is_none()
+            && let Promise::HarmlessFor(_, memory) = self.case.class.promise
+        {
+            self.strayed.advance(off, memory);
+        }
+        let off = off.abs();
         self.clock(seen, before, off);
         if self.reported.is_none() {
             let faded = matches!(seen.state, State::RampDown | State::Ready | State::Hold | State::Off);
@@ -156,7 +182,7 @@ impl<'a> Watcher<'a> {
         let clock = match self.case.class.promise {
             Promise::Reported(clock, _) | Promise::Relay(clock, _) => clock,
             Promise::RelayBefore(unexplained) => Clock::Valve(unexplained.way),
-            Promise::Harmless(_) | Promise::Inside => Clock::Onset,
+            Promise::Harmless(_) | Promise::HarmlessFor(..) | Promise::Inside => Clock::Onset,
         };
         let starts = match clock {
             Clock::Onset => true,
@@ -210,7 +236,7 @@ impl<'a> Watcher<'a> {
             Promise::Reported(_, within) | Promise::Relay(_, within) => Some(within),
             Promise::RelayBefore(unexplained) if self.unexplained <= unexplained.before => None,
             Promise::RelayBefore(unexplained) => Some(unexplained.within),
-            Promise::Harmless(_) | Promise::Inside => None,
+            Promise::Harmless(_) | Promise::HarmlessFor(..) | Promise::Inside => None,
         };
         match (within.filter(|_| self.started.is_some()), latency) {
             // Half a tick of slack: times are sums of ticks.
@@ -218,7 +244,12 @@ impl<'a> Watcher<'a> {
             (Some(within), None) if self.now - from > within => broken.push(Broken::Unreported),
             _ => {}
         }
-        if matches!(promise, Promise::Harmless(most) if self.deviation > most) {
+        let strayed = match promise {
+            Promise::Harmless(most) => self.deviation > most,
+            Promise::HarmlessFor(most, _) => self.strayed.most > most,
+            _ => false,
+        };
+        if strayed {
             broken.push(Broken::Unreported);
         }
         if self.moving {

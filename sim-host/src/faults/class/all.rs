@@ -1,7 +1,7 @@
 //! Every class, in the order of tables: sensors, commands, link, settings, time, table.
 
 use super::Channel::{self, Acceleration, Command, Displacement};
-use super::Promise::{Harmless, Inside, Relay, RelayBefore, Reported};
+use super::Promise::{Harmless, HarmlessFor, Inside, Relay, RelayBefore, Reported};
 use super::{Class, Clock, Fault, Unexplained};
 use crate::faults::dice::Dice;
 use crate::faults::machine::Break;
@@ -41,13 +41,13 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "lvdt-stuck",
         what: "LVDT: stands where it stood, to the last bit",
-        promise: Harmless(0.04),
+        promise: HarmlessFor(0.04, 5.0),
         deal: |_| signal(Displacement, Spoil::Stuck),
     },
     Class {
         id: "lvdt-detached",
         what: "LVDT: stands where it stood, with noise of 0.01 to 0.2 mm",
-        promise: Harmless(0.05),
+        promise: HarmlessFor(0.05, 5.0),
         deal: |d| signal(Displacement, Spoil::Detached(d.scale(1e-5, 2e-4))),
     },
     Class {
