@@ -70,7 +70,8 @@ fn broken_when_deaf(class: &str) -> Vec<Broken> {
 #[test]
 fn a_deaf_guard_would_be_seen() {
     assert!(broken_when_deaf("lvdt-open").contains(&Broken::Late));
-    assert!(broken_when_deaf("lvdt-stuck").contains(&Broken::Excursion));
+    let stuck = broken_when_deaf("lvdt-stuck");
+    assert!(stuck.contains(&Broken::Excursion) && stuck.contains(&Broken::Unreported), "{stuck:?}");
     assert!(broken_when_deaf("lvdt-reversed").contains(&Broken::Excursion));
     assert!(broken_when_deaf("command-runaway").contains(&Broken::Excursion));
     let over = broken_when_deaf("valve-hard-over");

@@ -76,6 +76,12 @@ struct Watcher<'a> {
     now: f64,
 }
 
+/// What the device says of the fault, if anything: a trip, or the test faded out.
+fn report(seen: &Seen) -> Option<String> {
+    let faded = matches!(seen.state, State::RampDown | State::Ready | State::Hold | State::Off);
+    seen.trip.map(|trip| format!("{trip:?}")).or_else(|| faded.then(|| "faded".into()))
+}
+
 /// How far a table has strayed of late.
 #[derive(Debug, Clone, Copy, Default)]
 struct Strayed {
@@ -148,12 +154,7 @@ impl<'a> Watcher<'a> {
         let off = off.abs();
         self.clock(seen, before, off);
         if self.reported.is_none() {
-            let faded = matches!(seen.state, State::RampDown | State::Ready | State::Hold | State::Off);
-            self.reported = match seen.trip {
-                Some(trip) => Some((seen.time, format!("{trip:?}"))),
-                None if faded => Some((seen.time, "faded".into())),
-                None => None,
-            };
+            self.reported = report(seen).map(|why| (seen.time, why));
         }
         if self.reported.is_none() {
             self.deviation = self.deviation.max(off);
