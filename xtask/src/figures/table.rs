@@ -140,6 +140,13 @@ pub(super) const FIGURES: &[Figure] = &[
         "grows by 512 KiB at most",
         "cargo run --release -p shakedown --example soak",
     ),
+    figure(
+        SAFETY,
+        "mutants of the core that survive",
+        "under 5 %, each in docs/mutants.md",
+        "cargo mutants -p shakedown-core -j 2 --shuffle -- --tests",
+    ),
+    figure(SAFETY, "properties on cases drawn anew", "all hold", "cargo xtask properties 100"),
     figure(SAFETY, "an hour of fuzzing a target", "no finding", "cargo xtask fuzz TARGET 3600"),
     figure(
         BUILD,
