@@ -128,7 +128,7 @@ fn check(part: &Block, index: usize, header: &[f64], (values, dt): (&[f64], f64)
         return Err(part.contradiction(index, "duration", pair, "download the file again, or correct the header"));
     }
     let peak = header.get(PEAK).copied().filter(|p| *p != UNKNOWN);
-    let found = signed_peak(values);
+    let found = signed_peak(values, peak.unwrap_or(0.0));
     // Some processors write the peak without its sign; six digits are kept at most.
     match peak.filter(|p| (p.abs() - found.abs()).abs() > 1e-3 * found.abs() + 2e-6) {
         None => Ok(()),

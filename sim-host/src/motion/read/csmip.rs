@@ -149,7 +149,7 @@ fn check_peak(part: &Block, name: &'static str, values: &[f64]) -> Result<(), Re
         return Ok(());
     };
     let Some(stated) = line.split_once('=').and_then(|(_, r)| Stated::first_in(r)) else { return Ok(()) };
-    let found = signed_peak(values);
+    let found = signed_peak(values, stated.value);
     if stated.agrees(found) {
         return Ok(());
     }

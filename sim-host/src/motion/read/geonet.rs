@@ -121,7 +121,7 @@ fn blocks(part: &Block, count_line: usize, count: usize) -> Result<Vec<f64>, Rea
 fn check_peak(part: &Block, name: &str, values: &[f64]) -> Result<(), ReadError> {
     let Some((index, line)) = part.part(0, 20).find(name) else { return Ok(()) };
     let Some(stated) = after(line, "peak").and_then(Stated::first_in) else { return Ok(()) };
-    let found = signed_peak(values);
+    let found = signed_peak(values, stated.value);
     if stated.agrees(found) {
         return Ok(());
     }

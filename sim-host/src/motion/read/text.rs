@@ -241,7 +241,8 @@ impl<'a> Stated<'a> {
     }
 }
 
-/// The value of largest magnitude, with its sign.
-pub(super) fn signed_peak(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |p: f64, &x| if x.abs() > p.abs() { x } else { p })
+/// The value of largest magnitude, with its sign; where it is reached on both sides, with that of `stated`.
+pub(super) fn signed_peak(values: &[f64], stated: f64) -> f64 {
+    let farther = |x: f64, p: f64| x.abs() > p.abs() || x.abs() == p.abs() && x.signum() == stated.signum();
+    values.iter().fold(0.0, |p: f64, &x| if farther(x, p) { x } else { p })
 }

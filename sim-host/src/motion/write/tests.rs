@@ -57,6 +57,19 @@ fn real_records_survive_their_own_format() {
     }
 }
 
+/// The header's peak has a sign, and digits enough to tell which; its samples may not.
+#[test]
+fn a_peak_that_is_reached_on_both_sides_reads_back() {
+    let made = NEAR_FIELD_MODERATE.generate(5).unwrap();
+    for (first, second) in [(19.938_13, -19.938_14), (-19.938_13, 19.938_14), (-19.938_14, 19.938_13)] {
+        for format in FORMATS {
+            let mut acceleration = vec![0.1; 200];
+            (acceleration[40], acceleration[90]) = (first, second);
+            assert_eq!(round_trip(&Record { acceleration, format, ..made.clone() }).acceleration.len(), 200);
+        }
+    }
+}
+
 #[test]
 fn a_file_is_written_whole_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
