@@ -64,20 +64,6 @@ pub enum Clock {
     Deviation(f64),
 }
 
-/// How soon the relay opens once the table has gone a way that its command does not explain.
-///
-/// A valve that runs on against its command is found in a time; one that does little more than it is told, in a way: what
-/// it does beyond its command is all that there is to be seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unexplained {
-    /// What starts the clock, m.
-    pub way: f64,
-    /// From there to the relay's opening, s.
-    pub within: f64,
-    /// Or, where that is later, before so much of the way, m.
-    pub before: f64,
-}
-
 /// What the hazard table promises of a class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Promise {
@@ -85,12 +71,8 @@ pub enum Promise {
     Reported(Clock, f64),
     /// The relay is open within this time (s) from the clock's start, wherever the table goes meanwhile.
     Relay(Clock, f64),
-    /// The relay is open in a time, or before a way, that the command does not explain.
-    RelayBefore(Unexplained),
     /// The table comes no farther than this (m) from where it would have been, or the guard trips.
     Harmless(f64),
-    /// The same, where the guard forgets: what the table has strayed counts for less with this time constant (s).
-    HarmlessFor(f64, f64),
     /// The table obeys, and stays inside its stroke.
     Inside,
 }
@@ -127,20 +109,8 @@ impl std::fmt::Display for Promise {
         match *self {
             Self::Reported(clock, within) => write!(f, "reported within {} ms of {clock}", ms(within)),
             Self::Relay(clock, within) => write!(f, "relay open within {} ms of {clock}", ms(within)),
-            Self::RelayBefore(Unexplained { way, within, before }) => {
-                write!(
-                    f,
-                    "relay open within {} ms of {}, or before {} mm of it",
-                    ms(within),
-                    Clock::Valve(way),
-                    ms(before)
-                )
-            }
             Self::Harmless(most) if most < 1e-6 => f.write_str("changes nothing, or reported"),
             Self::Harmless(most) => write!(f, "strays at most {} mm, or reported", (1e3 * most).round()),
-            Self::HarmlessFor(most, memory) => {
-                write!(f, "strays at most {} mm, forgotten over {memory} s, or reported", (1e3 * most).round())
-            }
             Self::Inside => f.write_str("stays inside its stroke"),
         }
     }

@@ -81,7 +81,6 @@ fn row(class: &Class, outcomes: &[Outcome]) -> Row {
         reported: met.iter().filter(|o| o.reported.is_some()).count() as u64,
         bound_s: match class.promise {
             Promise::Reported(_, within) | Promise::Relay(_, within) => Some(within),
-            Promise::RelayBefore(unexplained) => Some(unexplained.within),
             _ => None,
         },
         latency_s: (!latencies.is_empty()).then(|| [rank(0.5), rank(0.95), rank(0.99), rank(1.0)]),

@@ -62,14 +62,10 @@ struct Watcher<'a> {
     without: &'a [f64],
     began: Option<f64>,
     started: Option<f64>,
-    /// Largest way that no command explains, up to the opening of the relay, m.
-    unexplained: f64,
     reported: Option<(f64, String)>,
     relay: Option<f64>,
     farthest: f64,
     deviation: f64,
-    /// The same, as far as it is not forgotten.
-    strayed: Strayed,
     mean_error: f64,
     alarm: bool,
     moving: bool,
@@ -80,23 +76,6 @@ struct Watcher<'a> {
 fn report(seen: &Seen) -> Option<String> {
     let faded = matches!(seen.state, State::RampDown | State::Ready | State::Hold | State::Off);
     seen.trip.map(|trip| format!("{trip:?}")).or_else(|| faded.then(|| "faded".into()))
-}
-
-/// How far a table has strayed of late.
-#[derive(Debug, Clone, Copy, Default)]
-struct Strayed {
-    before: f64,
-    now: f64,
-    most: f64,
-}
-
-impl Strayed {
-    /// One tick: `off` (m) from where it would have been, forgotten over `memory` (s).
-    fn advance(&mut self, off: f64, memory: f64) {
-        self.now += off - self.before - self.now / (memory * RATE);
-        self.before = off;
-        self.most = self.most.max(self.now.abs());
-    }
 }
 
 /// Runs and judges `case`.
@@ -122,12 +101,10 @@ impl<'a> Watcher<'a> {
             without,
             began: None,
             started: None,
-            unexplained: 0.0,
             reported: None,
             relay: None,
             farthest: 0.0,
             deviation: 0.0,
-            strayed: Strayed::default(),
             mean_error: 0.0,
             alarm: false,
             moving: false,
@@ -145,22 +122,13 @@ impl<'a> Watcher<'a> {
         }
         self.began.get_or_insert(before);
         self.farthest = self.farthest.max(seen.x.abs());
-        let off = seen.x - self.without.get(seen.tick).copied().unwrap_or(seen.x);
-        if self.reported.is_none()
-            && let Promise::HarmlessFor(_, memory) = self.case.class.promise
-        {
-            self.strayed.advance(off, memory);
-        }
-        let off = off.abs();
+        let off = (seen.x - self.without.get(seen.tick).copied().unwrap_or(seen.x)).abs();
         self.clock(seen, before, off);
         if self.reported.is_none() {
             self.reported = report(seen).map(|why| (seen.time, why));
         }
         if self.reported.is_none() {
             self.deviation = self.deviation.max(off);
-        }
-        if self.relay.is_none() {
-            self.unexplained = self.unexplained.max(seen.unexplained.abs());
         }
         if seen.relay == Relay::Open {
             self.relay.get_or_insert(seen.time);
@@ -180,17 +148,15 @@ impl<'a> Watcher<'a> {
             // The mean over 50 ms.
             self.mean_error += (seen.acceleration_error - self.mean_error) / (0.05 * RATE);
         }
-        let clock = match self.case.class.promise {
-            Promise::Reported(clock, _) | Promise::Relay(clock, _) => clock,
-            Promise::RelayBefore(unexplained) => Clock::Valve(unexplained.way),
-            Promise::Harmless(_) | Promise::HarmlessFor(..) | Promise::Inside => Clock::Onset,
-        };
-        let starts = match clock {
-            Clock::Onset => true,
-            Clock::Displacement(least) => seen.displacement_error.abs() > least,
-            Clock::Acceleration(least) => self.mean_error.abs() > least,
-            Clock::Valve(least) => seen.unexplained.abs() > least,
-            Clock::Deviation(least) => off > least,
+        let starts = match self.case.class.promise {
+            Promise::Reported(clock, _) | Promise::Relay(clock, _) => match clock {
+                Clock::Onset => true,
+                Clock::Displacement(least) => seen.displacement_error.abs() > least,
+                Clock::Acceleration(least) => self.mean_error.abs() > least,
+                Clock::Valve(least) => seen.unexplained.abs() > least,
+                Clock::Deviation(least) => off > least,
+            },
+            Promise::Harmless(_) | Promise::Inside => true,
         };
         if starts && self.started.is_none() {
             self.started = Some(before);
@@ -201,7 +167,7 @@ impl<'a> Watcher<'a> {
         let began = self.began.unwrap_or(self.now);
         let from = self.started.unwrap_or(began);
         let at = match self.case.class.promise {
-            Promise::Relay(..) | Promise::RelayBefore(_) => self.relay,
+            Promise::Relay(..) => self.relay,
             _ => self.reported.as_ref().map(|(at, _)| *at),
         };
         let latency = at.map(|at| (at - from).max(0.0));
@@ -229,29 +195,19 @@ impl<'a> Watcher<'a> {
     fn promises(&self, latency: Option<f64>, from: f64) -> Vec<Broken> {
         let promise = self.case.class.promise;
         let mut broken = Vec::new();
-        let exempt = matches!(promise, Promise::Relay(..) | Promise::RelayBefore(_));
+        let exempt = matches!(promise, Promise::Relay(..));
         if !exempt && self.farthest > STROKE - MARGIN {
             broken.push(Broken::Excursion);
         }
-        let within = match promise {
-            Promise::Reported(_, within) | Promise::Relay(_, within) => Some(within),
-            Promise::RelayBefore(unexplained) if self.unexplained <= unexplained.before => None,
-            Promise::RelayBefore(unexplained) => Some(unexplained.within),
-            Promise::Harmless(_) | Promise::HarmlessFor(..) | Promise::Inside => None,
-        };
-        match (within.filter(|_| self.started.is_some()), latency) {
-            // Half a tick of slack: times are sums of ticks.
-            (Some(within), Some(latency)) if latency > within + 0.5 / RATE => broken.push(Broken::Late),
-            (Some(within), None) if self.now - from > within => broken.push(Broken::Unreported),
+        match promise {
+            Promise::Reported(_, within) | Promise::Relay(_, within) if self.started.is_some() => match latency {
+                // Half a tick of slack: times are sums of ticks.
+                Some(latency) if latency > within + 0.5 / RATE => broken.push(Broken::Late),
+                None if self.now - from > within => broken.push(Broken::Unreported),
+                _ => {}
+            },
+            Promise::Harmless(most) if self.deviation > most => broken.push(Broken::Unreported),
             _ => {}
-        }
-        let strayed = match promise {
-            Promise::Harmless(most) => self.deviation > most,
-            Promise::HarmlessFor(most, _) => self.strayed.most > most,
-            _ => false,
-        };
-        if strayed {
-            broken.push(Broken::Unreported);
         }
         if self.moving {
             broken.push(Broken::Moving);

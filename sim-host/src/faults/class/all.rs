@@ -1,8 +1,8 @@
 //! Every class, in the order of tables: sensors, commands, link, settings, time, table.
 
 use super::Channel::{self, Acceleration, Command, Displacement};
-use super::Promise::{Harmless, HarmlessFor, Inside, Relay, RelayBefore, Reported};
-use super::{Class, Clock, Fault, Unexplained};
+use super::Promise::{Harmless, Inside, Relay, Reported};
+use super::{Class, Clock, Fault};
 use crate::faults::dice::Dice;
 use crate::faults::machine::Break;
 use crate::faults::spoil::Spoil;
@@ -41,13 +41,13 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "lvdt-stuck",
         what: "LVDT: stands where it stood, to the last bit",
-        promise: HarmlessFor(0.04, 5.0),
+        promise: Harmless(0.04),
         deal: |_| signal(Displacement, Spoil::Stuck),
     },
     Class {
         id: "lvdt-detached",
         what: "LVDT: stands where it stood, with noise of 0.01 to 0.2 mm",
-        promise: HarmlessFor(0.05, 5.0),
+        promise: Harmless(0.05),
         deal: |d| signal(Displacement, Spoil::Detached(d.scale(1e-5, 2e-4))),
     },
     Class {
@@ -224,7 +224,7 @@ pub const CLASSES: &[Class] = &[
     Class {
         id: "valve-hard-over",
         what: "the valve stuck hard over",
-        promise: RelayBefore(Unexplained { way: 0.01, within: 0.15, before: 0.05 }),
+        promise: Relay(Clock::Valve(0.01), 0.15),
         deal: |d| Fault::Table(Break::Stuck(d.sign() * d.scale(0.12, 10.0))),
     },
     Class {
