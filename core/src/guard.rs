@@ -81,3 +81,11 @@ pub enum Trip {
     /// Asked for from outside: emergency stop, overrun, supply.
     External,
 }
+
+impl Trip {
+    /// Whether no command is known to stop the table after this trip, whatever the wiring: the relay then opens at the tick
+    /// of the trip instead of at the end of the safe ramp.
+    pub(crate) const fn opens_relay_at_once(self) -> bool {
+        matches!(self, Self::ValveStuck)
+    }
+}

@@ -1,6 +1,7 @@
 //! The guard: each hazard of docs/hazards.md made to happen to a table in a running test, and what must not happen.
 
 use proptest::prelude::*;
+use shakedown_core::control::InnerLoop;
 use shakedown_core::guard::envelope::ForceSettings;
 use shakedown_core::guard::{
     EnvelopeSettings, GuardSettings, PlausibilitySettings, RampSettings, ValveMonitorSettings,
@@ -69,7 +70,7 @@ impl Rig {
         fault(&mut sample);
         let command = self.controller.step(&sample);
         let valve = match self.mode {
-            Mode::Modifier => 10.0 * (f64::from(command.valve) - self.table.x),
+            Mode::Modifier => 10.0 * (f64::from(command.valve) - self.table.lvdt()),
             _ => f64::from(command.valve),
         };
         if command.status.relay == Relay::Closed {
@@ -127,6 +128,40 @@ fn check_all(causes: &[Trip], latency: f64, fault: impl Fn(&mut Sample)) {
 #[test]
 fn open_lvdt() {
     check_all(&[Trip::SensorLost], 0.013, |s| s.displacement = f32::NAN);
+}
+
+/// A table at rest at 110 mm whose only LVDT is cut, for the device and for the loop behind it, which sees its converter's
+/// rail: where it ends up, m, and how long after the trip the relay opened, s.
+fn lost_lvdt_behind(mut settings: Settings, hardwired: bool) -> (f64, f64) {
+    settings.guard.as_mut().unwrap().envelope.margin = 0.005;
+    let mut rig = Rig::running(&settings);
+    rig.table.hardwired = hardwired;
+    let to = |t: f64| 0.11 * (0.25 * t).min(1.0);
+    while rig.t < 6.0 {
+        let reference = to(rig.t);
+        rig.tick(reference, |_| ());
+    }
+    assert!(rig.tripped.is_none() && rig.table.x > 0.108, "{:?} {}", rig.tripped, rig.table.x);
+    rig.table.heard = Some(-0.16);
+    let mut opened = None;
+    while rig.t < 7.0 {
+        if rig.tick(0.11, |s| s.displacement = f32::NAN).status.relay == Relay::Open {
+            opened = opened.or(Some(rig.t));
+        }
+    }
+    assert_eq!(rig.tripped.map(|(_, cause)| cause), Some(Trip::SensorLost));
+    (rig.farthest, opened.unwrap() - rig.tripped.unwrap().0)
+}
+
+/// No command is zero flow for a loop that subtracts an LVDT that is lost: only the relay stops the table.
+#[test]
+fn open_lvdt_under_a_loop_that_subtracts_it() {
+    let hardwired = Settings { inner_loop: InnerLoop::Hardwired, ..settings(Mode::Controller) };
+    for (settings, hardwired) in [(hardwired, true), (settings(Mode::Modifier), false)] {
+        let (farthest, after) = lost_lvdt_behind(settings, hardwired);
+        assert!(farthest < 0.12, "{:?}: {farthest} m", settings.mode);
+        assert!(after < 1e-9, "{:?}: the relay opened {after} s after the trip", settings.mode);
+    }
 }
 
 #[test]
