@@ -1,12 +1,14 @@
 //! The guard: what stands between any law, ours or another's, and the actuator.
 
 pub mod envelope;
+pub mod noise;
 pub mod plausibility;
 pub mod supervisor;
 pub mod valve;
 pub mod walls;
 
 pub use envelope::{Envelope, EnvelopeSettings};
+pub use noise::{NoiseMonitor, NoiseState};
 pub use plausibility::{Plausibility, PlausibilitySettings};
 pub use supervisor::{Refused, Request, State, Supervisor};
 pub use valve::{ValveMonitor, ValveMonitorSettings, ValveMonitorState};

@@ -5,7 +5,7 @@ use crate::block::{BlockError, require};
 use crate::control::{AccelerationLoop, DisplacementLoop, LoopGains, VelocityLoop};
 use crate::filter::{Differentiator, Fusion, Lag};
 use crate::guard::supervisor::Ramps;
-use crate::guard::{Envelope, GuardSettings, Plausibility, ValveMonitor, Walls};
+use crate::guard::{Envelope, GuardSettings, NoiseMonitor, Plausibility, ValveMonitor, Walls};
 use crate::math::Magnitude;
 use crate::modifier::Modifier;
 use crate::saturation::Detector;
@@ -55,6 +55,7 @@ impl Parts {
 pub(crate) struct Guard {
     pub(crate) envelope: Envelope,
     pub(crate) plausibility: Plausibility,
+    pub(crate) noise: NoiseMonitor,
     pub(crate) valve: ValveMonitor,
     pub(crate) ramps: Ramps,
     pub(crate) lost: u32,
@@ -176,6 +177,7 @@ impl Guard {
         Self {
             envelope: Envelope::none(),
             plausibility: Plausibility::none(),
+            noise: NoiseMonitor::none(),
             valve: ValveMonitor::none(),
             ramps: Ramps::none(),
             lost: 0,
@@ -190,6 +192,7 @@ impl Guard {
             // An existing controller's reference is not ours to know.
             envelope: if s.mode == Mode::Guard { envelope.without_tracking() } else { envelope },
             plausibility,
+            noise: NoiseMonitor::new(&guard.plausibility, &guard.envelope, s.observer.accelerometer, dt)?,
             valve: ValveMonitor::new(&guard.valve, s.valve.lag, turn)?,
             ramps: Ramps::new(&guard.ramps, dt)?,
             lost: (require("guard.plausibility.lost", guard.plausibility.lost, 0.0, 1.0)? / dt) as u32,

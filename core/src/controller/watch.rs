@@ -13,7 +13,7 @@ use crate::filter::fusion::FusionState;
 use crate::filter::lag::LagState;
 use crate::guard::envelope::{EnvelopeState, Motion};
 use crate::guard::plausibility::PlausibilityState;
-use crate::guard::{Trip, ValveMonitorState};
+use crate::guard::{NoiseState, Trip, ValveMonitorState};
 use crate::sample::{Channels, Sample};
 use crate::saturation::{DetectorState, Evidence};
 use crate::settings::Mode;
@@ -38,6 +38,7 @@ pub(super) struct Watch {
     detector: DetectorState,
     envelope: EnvelopeState,
     plausibility: PlausibilityState,
+    noise: NoiseState,
     valve: ValveMonitorState,
     lost: u32,
     turn: u8,
@@ -54,6 +55,7 @@ impl Watch {
             detector: DetectorState::at(config.velocity_limit),
             envelope: EnvelopeState::default(),
             plausibility: PlausibilityState::default(),
+            noise: NoiseState::default(),
             valve: ValveMonitorState::default(),
             lost: 0,
             turn: 0,
@@ -132,26 +134,27 @@ impl Watch {
         if !ALL && !config.parts.guard {
             return None;
         }
+        let noisy = config.guard.noise.advance(&mut self.noise, readings.displacement, readings.acceleration);
         // A whole tick follows one that found nothing, or the test would not run: there is nothing to forget.
         match word {
             Word::Nothing if ALL => {
-                let left = config.guard.envelope.left_by(readings.displacement, self.observer.velocity);
+                let left = config.guard.envelope.left_by(readings.displacement, self.observer.velocity).or(noisy);
                 if left.is_some() {
                     self.cause.now = left;
                 }
                 left
             }
-            Word::Nothing => self.blame(config, readings, None),
-            Word::Unusual(doubt) => self.blame(config, readings, doubt),
+            Word::Nothing => self.blame(config, readings, noisy, None),
+            Word::Unusual(doubt) => self.blame(config, readings, noisy, doubt),
         }
     }
 
-    /// What the envelope says, which must not wait, or else the `doubt` of a monitor.
+    /// What the envelope says, which must not wait, or else a sensor that is `noisy`, or else the `doubt` of a monitor.
     #[cold]
     #[inline(never)]
-    fn blame(&mut self, config: &Config, readings: &Sample, doubt: Option<Trip>) -> Option<Trip> {
+    fn blame(&mut self, config: &Config, readings: &Sample, noisy: Option<Trip>, doubt: Option<Trip>) -> Option<Trip> {
         let left = config.guard.envelope.left_by(readings.displacement, self.velocity(config, readings));
-        self.cause.hear(left, doubt)
+        self.cause.hear(left.or(noisy), doubt)
     }
 
     /// The same under any configuration.

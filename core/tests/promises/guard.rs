@@ -236,6 +236,33 @@ fn noisy_accelerometer() {
     });
 }
 
+/// A healthy sine of `frequency` (Hz) and `acceleration` (m/s2) behind an existing controller: what tripped, and the largest
+/// acceleration of the table, m/s2.
+fn healthy_sine(rate: f32, frequency: f64, acceleration: f64) -> (Option<Trip>, f64) {
+    let mut rig = Rig::running(&Settings { rate, ..settings(Mode::Guard) });
+    let w = std::f64::consts::TAU * frequency;
+    // Through Eq. 7: (b0 + b1 s) / (a1 + s) from command to velocity.
+    let command = acceleration / w * (57.65_f64.hypot(w)) / (138.0_f64.hypot(0.69 * w));
+    let mut largest = 0.0_f64;
+    while rig.t < 6.0 {
+        let external = command * (w * rig.t).cos();
+        rig.tick(0.0, |s| s.external = external as f32);
+        largest = largest.max(rig.table.a.abs());
+    }
+    (rig.tripped.map(|(_, cause)| cause), largest)
+}
+
+#[test]
+fn healthy_sines_within_the_envelope_do_not_trip() {
+    for rate in [500.0, 1000.0, 4000.0] {
+        for (frequency, acceleration) in [(5.0, 6.0), (10.0, 13.0), (15.0, 21.0), (20.0, 27.0), (30.0, 26.0)] {
+            let (tripped, largest) = healthy_sine(rate, frequency, acceleration);
+            assert_eq!(tripped, None, "{frequency} Hz, {acceleration} m/s2 at {rate} Hz");
+            assert!(largest > 0.9 * acceleration, "{frequency} Hz: only {largest} of {acceleration} m/s2");
+        }
+    }
+}
+
 /// A valve that goes on with `command` (m) from the third second on: what tripped, after how long, and the travel, m.
 fn stuck_valve(mode: Mode, command: f64) -> (Trip, f64, f64) {
     let mut rig = Rig::running(&settings(mode));
