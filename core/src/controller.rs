@@ -151,7 +151,10 @@ impl Controller {
         self.quiet = Quiet::No;
         self.supervisor.request(request)?;
         match request {
-            Request::Arm => self.start_at(self.readings.displacement),
+            Request::Arm => {
+                self.watch.arm();
+                self.start_at(self.readings.displacement);
+            }
             Request::Hold | Request::Stop if whole => self.anchor = self.target,
             _ => {}
         }
@@ -237,6 +240,8 @@ impl Controller {
         self.readings.external = sample.external;
         self.readings.displacement = sample.displacement;
         self.readings.acceleration = sample.acceleration;
+        self.readings.limit_switch = sample.limit_switch;
+        self.readings.relay_closed = sample.relay_closed;
         match self.watch.step::<true, true>(&self.config, &self.readings, self.drive()) {
             None if self.decide::<true, true>() => return Course::Whole,
             None => {}
@@ -308,7 +313,12 @@ impl Controller {
     /// What pushes the table since the last tick.
     #[inline]
     fn drive(&self) -> Drive {
-        Drive { reference: self.reference, excess: self.excess }
+        Drive {
+            reference: self.reference,
+            excess: self.excess,
+            moves: self.supervisor.moves(),
+            relay: self.supervisor.relay(),
+        }
     }
 
     /// What they say where some parts that look on are not in use.

@@ -5,9 +5,12 @@
 //! same check.
 
 mod consistency;
+mod findings;
 mod validate;
 
 use serde::{Deserialize, Serialize};
+
+pub use findings::Finding;
 
 use crate::block::BlockError;
 use crate::control::{InnerLoop, TrackingSettings};
@@ -231,6 +234,11 @@ impl Settings {
             Mode::Modifier => displacement,
             Mode::Guard | Mode::Controller => self.inner_loop.cancellation(displacement) + self.valve.null_bias,
         }
+    }
+
+    /// Whether a second displacement sensor is fitted.
+    pub(crate) fn reads_second_displacement(&self) -> bool {
+        self.guard.is_some_and(|guard| guard.inputs.second_displacement.is_some())
     }
 
     /// Whether anything looks at the pressure difference.

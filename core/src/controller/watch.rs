@@ -13,7 +13,7 @@ use crate::filter::fusion::FusionState;
 use crate::filter::lag::LagState;
 use crate::guard::envelope::{EnvelopeState, Motion};
 use crate::guard::plausibility::PlausibilityState;
-use crate::guard::{NoiseState, Trip, ValveMonitorState};
+use crate::guard::{InputState, NoiseState, Trip, ValveMonitorState, WitnessState};
 use crate::sample::{Channels, Sample};
 use crate::saturation::{DetectorState, Evidence};
 use crate::settings::Mode;
@@ -39,6 +39,8 @@ pub(super) struct Watch {
     envelope: EnvelopeState,
     plausibility: PlausibilityState,
     noise: NoiseState,
+    witness: WitnessState,
+    inputs: InputState,
     valve: ValveMonitorState,
     lost: u32,
     turn: u8,
@@ -56,6 +58,8 @@ impl Watch {
             envelope: EnvelopeState::default(),
             plausibility: PlausibilityState::default(),
             noise: NoiseState::default(),
+            witness: WitnessState::default(),
+            inputs: InputState::default(),
             valve: ValveMonitorState::default(),
             lost: 0,
             turn: 0,
@@ -68,6 +72,11 @@ impl Watch {
         self.observer = FusionState::at(displacement);
     }
 
+    /// A test is armed: the table's gain is learned anew, since another payload may be on it.
+    pub(super) fn arm(&mut self) {
+        self.valve.forget_gain();
+    }
+
     /// Goes on under new settings; the limit in force is forgotten where the set one changed.
     pub(super) fn retune(&mut self, config: &Config, before: &Config) {
         if !config.parts.detector || !before.parts.detector || config.velocity_limit != before.velocity_limit {
@@ -77,6 +86,7 @@ impl Watch {
         if config.mode != before.mode {
             self.valve = ValveMonitorState::default();
         }
+        self.valve.forget_gain();
     }
 
     /// Measured velocity, m/s.
@@ -134,7 +144,7 @@ impl Watch {
         if !ALL && !config.parts.guard {
             return None;
         }
-        let noisy = config.guard.noise.advance(&mut self.noise, readings.displacement, readings.acceleration);
+        let noisy = self.hear_sensors(config, readings, drive);
         // A whole tick follows one that found nothing, or the test would not run: there is nothing to forget.
         match word {
             Word::Nothing if ALL => {
@@ -182,6 +192,7 @@ impl Watch {
         let seen = if missing.any(SENSORS) {
             if config.parts.observer && lost <= COAST {
                 config.observer.coast(&mut self.observer);
+                config.guard.witness.coast(&mut self.witness, readings.acceleration);
             }
             None
         } else {
@@ -193,6 +204,23 @@ impl Watch {
         }
         self.cause.now = seen.or((lost > config.guard.lost).then_some(Trip::SensorLost));
         self.cause.now
+    }
+
+    /// What must not wait of what the sensors say of themselves and of each other.
+    #[inline]
+    fn hear_sensors(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
+        let (guard, x, a) = (&config.guard, readings.displacement, readings.acceleration);
+        let noisy = guard.noise.advance(&mut self.noise, x, a);
+        let disagree = if !config.parts.plausibility {
+            false
+        } else if drive.moves {
+            guard.witness.advance(&mut self.witness, x, a)
+        } else {
+            guard.witness.follow(&mut self.witness, &self.observer, x);
+            false
+        };
+        let inputs = guard.inputs.advance(&mut self.inputs, readings, drive.relay);
+        inputs.or(if disagree { Some(Trip::SensorsDisagree) } else { noisy })
     }
 
     /// Velocity and low-passed acceleration of the table. A reading that is not there stands at zero.

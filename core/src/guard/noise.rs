@@ -45,7 +45,7 @@ impl Roughness {
 
     /// One tick: whether the `reading` has been too rough.
     #[inline]
-    fn advance(&self, state: &mut RoughnessState, reading: f32) -> bool {
+    fn advance(self, state: &mut RoughnessState, reading: f32) -> bool {
         let [y1, y2, y3] = state.before;
         state.before = [reading, y1, y2];
         if state.heard < 3 {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::guard::InputSettings;
 use crate::settings::{Mode, Settings, SettingsError};
 
 /// A straight line between converter codes and SI units.
@@ -124,6 +125,11 @@ impl Setup {
             return Err(SetupError::NoGuard);
         }
         self.control.validate_for_device().map_err(SetupError::Control)?;
+        let inputs = self.control.guard.map(|guard| guard.inputs).unwrap_or_default();
+        if inputs != InputSettings::default() {
+            let with = "a wiring, which has no such inputs yet";
+            return Err(SetupError::Control(SettingsError::Contradiction { field: "guard.inputs", with }));
+        }
         self.check_wiring()?;
         self.check_stroke()?;
         self.check_ranges()?;

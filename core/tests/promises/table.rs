@@ -133,6 +133,7 @@ pub(crate) fn any_sample() -> impl proptest::strategy::Strategy<Value = Sample> 
             pressure_difference: p,
             reference_velocity: rv,
             reference_acceleration: ra,
+            ..Sample::default()
         }
     })
 }
