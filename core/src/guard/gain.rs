@@ -55,18 +55,20 @@ impl GainWitness {
             // A plain mean at first, so that the first gain is as good as the later ones.
             state.turns += 1;
             let share = max(self.share, 1.0 / state.turns as f32);
-            self.average(state, share, expected, measured);
+            state.average(share, expected, measured);
             state.first = if state.square > 0.0 { state.both / state.square } else { 0.0 };
             return false;
         }
-        self.average(state, self.share, expected, measured);
+        state.average(self.share, expected, measured);
         let change = state.both - state.first * state.square;
         !Magnitude::new(CHANGE * state.first * state.square).holds(change)
     }
+}
 
+impl GainState {
     #[inline]
-    fn average(self, state: &mut GainState, share: f32, expected: f32, measured: f32) {
-        state.both += share * (measured * expected - state.both);
-        state.square += share * (expected * expected - state.square);
+    fn average(&mut self, share: f32, expected: f32, measured: f32) {
+        self.both += share * (measured * expected - self.both);
+        self.square += share * (expected * expected - self.square);
     }
 }

@@ -856,7 +856,7 @@ fn the_hazard_table_names_real_tests() {
         eprintln!("skipped: no docs/hazards.md beside the package");
         return;
     };
-    let here = ["guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs"];
+    let here = ["guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs", "wiring.rs"];
     let here = here.map(|file| root.join("tests/promises").join(file));
     let of_the_image = ["faults.rs", "device.rs"].map(|file| root.join("../tests/replay/tests").join(file));
     let sources: String = here.iter().chain(&of_the_image).map(|file| std::fs::read_to_string(file).unwrap()).collect();
