@@ -47,7 +47,7 @@ pub struct Standing {
 const STATES: [State; 6] = [State::Off, State::Ready, State::Running, State::Hold, State::RampDown, State::Tripped];
 
 /// In the order of their codes, from 1.
-const TRIPS: [Trip; 15] = [
+const TRIPS: [Trip; 17] = [
     Trip::Displacement,
     Trip::Velocity,
     Trip::Acceleration,
@@ -63,6 +63,8 @@ const TRIPS: [Trip; 15] = [
     Trip::ValveStuck,
     Trip::Internal,
     Trip::External,
+    Trip::LimitSwitch,
+    Trip::RelayAstray,
 ];
 
 impl Standing {
