@@ -29,6 +29,6 @@ pub use check::{Fault, Finding, Severity, Skew, check, is_bad_data};
 pub use doubt::{Doubt, SetUp, SetUpFinding, doubt};
 pub use error::{Place, Problem, RecordingError};
 pub use experiment::Experiment;
-pub use law::Law;
+pub use law::{Law, Shaping};
 pub use model::{Accuracy, Baseline, ForceBalance, Model, RigidMass, Servo, StatedEffect};
 pub use run::{Run, Use};

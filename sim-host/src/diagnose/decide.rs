@@ -37,6 +37,8 @@ const NEGLIGIBLE: f64 = 0.06;
 const MODEST: f64 = 2.5;
 /// Probability of physics outside the library where what is left follows nothing.
 const IRREGULAR: f64 = 0.05;
+/// Share of what is still left that an effect must have taken away: what explains less is a stranger to the mismatch.
+const CREDIBLE: f64 = 0.15;
 /// Probability of names that explain a part where more is missing.
 const BESIDE_MORE: f64 = 0.8;
 /// Share of the stated model's excess that an effect in another equation than the library's may leave.
@@ -282,6 +284,7 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool
         && worse < LOST * better
         && (present.added.is_empty() || held_gain > (WORTH * left).max(LEAST_GAIN))
         && held_gain > NOTICEABLE * excess
+        && held_gain > CREDIBLE * (larger.hold.chi2 - 1.0)
 }
 
 /// True where the runs held back cannot say: they lack nothing without an effect that explains nearly all that the runs

@@ -12,8 +12,10 @@ use crate::identify::stated::fit_stated;
 use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
-/// Factor by which a stated figure may be wrong at most.
-const STATED: f64 = 2.0;
+/// Factor by which a stated figure may be below the truth at most: beyond it a residual is more than noise.
+const BELOW: f64 = 2.0;
+/// Factor by which it may be above.
+const ABOVE: f64 = 20.0;
 /// Factor that is worth a word.
 const WORTH: f64 = 1.08;
 /// Samples on either side over which motion is averaged to tell rest from motion, s.
@@ -84,7 +86,7 @@ fn scale(channel: Channel, residuals: &[Vec<f64>], raw: &[Vec<f64>], resting: &[
     let rest = if pressure { None } else { at_rest_power(residuals, resting) };
     let most = everywhere(residuals);
     let power = rest.map_or_else(|| 1.0_f64.clamp(least.min(most), most), |rest| rest.max(least).min(most.max(least)));
-    let factor = power.sqrt().clamp(1.0 / STATED, STATED);
+    let factor = power.sqrt().clamp(1.0 / ABOVE, BELOW * least.sqrt().max(1.0));
     Some(Scale { channel, factor, std: (1.5 / count).sqrt(), stated })
 }
 

@@ -10,7 +10,7 @@ use crate::plant::simulate::SimulateError;
 const DOUBTFUL: f64 = 1.3;
 /// Share of the stated model's excess from which it is: a simple form leaves a hundredth or two of a gross effect, whatever
 /// its shape.
-const SHARE: f64 = 0.03;
+const SHARE: f64 = 0.05;
 /// Share of what they leave that the curve may leave to outdo them, on the runs held back and on those fitted.
 const OUTDONE: f64 = 0.3;
 /// Belief in what lies outside the library where a curve outdoes it.

@@ -193,7 +193,7 @@ mod tests {
             input: model.clone(),
             added: Vec::new(),
             law: Law::Pi { kp: 5.0, ki: 0.0 },
-            late: 0,
+            shaping: crate::plant::simulate::Shaping::default(),
             loop_noise: None,
             moving_start: false,
             measured: vec![measured],

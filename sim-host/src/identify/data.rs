@@ -1,7 +1,7 @@
 //! Runs as a fit sees them: the input that drives the simulation and the channels it is compared with.
 
 use crate::motion::filter::Cascade;
-use crate::plant::simulate::{Law, MeasuredMotion};
+use crate::plant::simulate::{Law, MeasuredMotion, Shaping};
 
 /// A channel a simulation is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -78,8 +78,8 @@ pub struct Run {
     pub added: Vec<f64>,
     /// The controller that ran.
     pub law: Law,
-    /// Ticks by which that controller acts late.
-    pub late: usize,
+    /// What stands around that controller.
+    pub shaping: Shaping,
     /// Standard deviation of the displacement noise that the controller saw, m; that of the channel where it is none.
     pub loop_noise: Option<f64>,
     /// True where the run starts in the middle of a motion.

@@ -164,7 +164,7 @@ fn trace<S: Scalar>(
         input: &run.input,
         added: &run.added,
         law: run.law,
-        late: run.late,
+        shaping: run.shaping,
         sensor_noise,
         wanted,
     };

@@ -108,7 +108,8 @@ fn colour(measured: &Measured, series: &[f64]) -> f64 {
 fn counts(run: &Run, measured: &Measured) -> bool {
     let motion = |c| matches!(c, Channel::Displacement | Channel::Acceleration);
     let any_motion = run.measured.iter().any(|m| m.judged && motion(m.channel));
-    measured.judged && (!any_motion || motion(measured.channel))
+    let effort = |m: &Measured| m.judged && m.channel == Channel::Command;
+    measured.judged && (!any_motion || motion(measured.channel) || effort(measured))
 }
 
 #[derive(Debug, Clone, Copy, Default)]

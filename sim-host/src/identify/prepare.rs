@@ -9,7 +9,7 @@ use super::shift::earlier;
 use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Role, entry};
 use crate::plant::model::Kind;
-use crate::plant::simulate::{Law, MeasuredMotion};
+use crate::plant::simulate::{Law, MeasuredMotion, Shaping};
 use crate::recording::check::Skew;
 use crate::recording::{self, Experiment, Use};
 
@@ -160,7 +160,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
     use recording::{Channel as C, Law as L};
     let law = match run.law {
         L::Open => Law::Recorded,
-        L::ProportionalIntegral { kp, ki, .. } => Law::Pi { kp, ki },
+        L::ProportionalIntegral { kp, ki } => Law::Pi { kp, ki },
         L::Cascade { kp, kv } => Law::Cascade { kp, kv },
         L::Core { .. } => return Err(PrepareError::CoreController { run: run.name.clone() }),
     };
@@ -168,7 +168,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
     let driver = if matches!(model.baseline, recording::Baseline::ForceBalance(_)) { C::Time } else { driver };
     let input = run.channel(driver).unwrap_or(&run.time).to_vec();
     let input =
-        filled(&input).ok_or_else(|| PrepareError::EmptyChannel { run: run.name.clone(), channel: driver.name() })?;
+        bridged(&input).ok_or_else(|| PrepareError::EmptyChannel { run: run.name.clone(), channel: driver.name() })?;
     let filter = model.bandwidth_hz.map(|corner| Butterworth::low_pass(4, corner).design(run.dt)).transpose();
     let filter = filter.map_err(|e| PrepareError::Bandwidth { run: run.name.clone(), problem: e.to_string() })?;
     let mut measured = measured(run, law, &model.baseline, &floors(run, all, filter.as_ref()))?;
@@ -184,7 +184,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
     let ticks = ticks(run)?;
     // A recorded command that drives the model holds what was added to it.
     let added = run.channel(C::Disturbance).filter(|_| law.simulates_reference()).and_then(filled).unwrap_or_default();
-    let added = with_feed_forward(added, &run.law, &input, run.dt);
+    let added = with_pressure_feedback(added, run);
     let run = Run {
         name: run.name.clone(),
         dt: run.dt,
@@ -193,7 +193,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
         input,
         added,
         law,
-        late: run.law_delay * ticks,
+        shaping: shaping(run, ticks),
         loop_noise: run.loop_noise,
         moving_start: run.cut,
         measured,
@@ -203,15 +203,44 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
     Ok(Run { moving_start: run.moving_start || start::in_motion(&run), ..run })
 }
 
-/// What is added to the command with the feed-forward of the reference's rate, which no state of the loop has a part in.
-fn with_feed_forward(mut added: Vec<f64>, law: &recording::Law, reference: &[f64], dt: f64) -> Vec<f64> {
-    let recording::Law::ProportionalIntegral { kvf, .. } = *law else { return added };
-    if kvf != 0.0 {
-        added.resize(reference.len(), 0.0);
-        let rates = reference.windows(2).map(|w| (w[1] - w[0]) / dt);
-        added.iter_mut().skip(1).zip(rates).for_each(|(u, rate)| *u += kvf * rate);
-    }
+/// What is added to the command with the feedback of the recorded pressure, which is taken as it was measured.
+fn with_pressure_feedback(mut added: Vec<f64>, run: &recording::Run) -> Vec<f64> {
+    let gain = run.shaping.kdp;
+    let pressure = run.channel(recording::Channel::PressureDifference).filter(|_| gain != 0.0).and_then(filled);
+    let Some(pressure) = pressure else { return added };
+    added.resize(pressure.len(), 0.0);
+    added.iter_mut().zip(&pressure).for_each(|(u, p)| *u -= gain * p);
     added
+}
+
+/// What stands around a run's controller, in ticks.
+fn shaping(run: &recording::Run, ticks: usize) -> Shaping {
+    let recording::Shaping { kvf, notch, late_command, late_displacement, .. } = run.shaping;
+    let integral = if run.cut { integral_at_start(run).unwrap_or(0.0) } else { 0.0 };
+    Shaping { kvf, notch, late_command: late_command * ticks, late_displacement: late_displacement * ticks, integral }
+}
+
+/// Samples over which the integral's part of the command is averaged where a run begins.
+const BEGINNING: usize = 64;
+
+/// What the integral holds where a part of a recording begins: the recorded command less what the law makes of the samples since;
+/// none without a recorded command.
+fn integral_at_start(run: &recording::Run) -> Option<f64> {
+    use recording::Channel as C;
+    let recording::Law::ProportionalIntegral { kp, ki } = run.law else { return None };
+    let of = |channel| run.channel(channel).and_then(filled);
+    let (reference, displacement, command) = (of(C::Reference)?, of(C::Displacement)?, of(C::Command)?);
+    let added = of(C::Disturbance).unwrap_or_default();
+    let (mut sum, mut held, mut before) = (0.0, 0.0, *reference.first()?);
+    let n = BEGINNING.min(command.len());
+    for k in 0..n {
+        let error = reference[k] - displacement[k];
+        sum += error * run.dt;
+        let fed = run.shaping.kvf * (reference[k] - before) / run.dt;
+        before = reference[k];
+        held += command[k] - added.get(k).unwrap_or(&0.0) - kp * error - ki * sum - fed;
+    }
+    Some(held / n.max(1) as f64)
 }
 
 /// Controller ticks in one sample.
@@ -276,7 +305,9 @@ fn measured(
         let judged = match channel {
             _ if balance => channel == Channel::PressureDifference,
             Channel::Command => effort,
-            Channel::Displacement | Channel::Acceleration => !effort && (noise.is_some() || !motion_known),
+            // Feedback hides a mismatch from the position, not from the acceleration.
+            Channel::Acceleration => noise.is_some() || !motion_known,
+            Channel::Displacement => !effort && (noise.is_some() || !motion_known),
             Channel::Velocity => !effort && (noise.is_some() || speed_alone),
             Channel::PressureDifference | Channel::SupplyPressure => !effort,
         };
@@ -290,6 +321,30 @@ fn measured(
 fn mean_of_start(values: &[f64]) -> f64 {
     let first: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).take(16).collect();
     first.iter().sum::<f64>() / first.len().max(1) as f64
+}
+
+/// Missing samples of an input filled by the cubic through the slopes on either side; none where every sample is missing.
+fn bridged(values: &[f64]) -> Option<Vec<f64>> {
+    let mut full = filled(values)?;
+    let known: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_finite()).collect();
+    let slope = |i: usize, j: usize, k: usize| {
+        let all = values[i].is_finite() && values[j].is_finite() && values[k].is_finite();
+        all.then(|| (3.0 * values[i] - 4.0 * values[j] + values[k]) / 2.0)
+    };
+    for pair in known.windows(2).filter(|pair| pair[1] > pair[0] + 1) {
+        let (a, b) = (pair[0], pair[1]);
+        if a < 2 || b + 2 >= values.len() {
+            continue;
+        }
+        let (Some(leaves), Some(enters)) = (slope(a, a - 1, a - 2), slope(b, b + 1, b + 2)) else { continue };
+        let (length, rise) = ((b - a) as f64, values[b] - values[a]);
+        let (m0, m1) = (leaves * length, -enters * length);
+        for (i, value) in full.iter_mut().enumerate().take(b).skip(a + 1) {
+            let t = (i - a) as f64 / length;
+            *value = values[a] + t * (m0 + t * (3.0 * rise - 2.0 * m0 - m1 + t * (m0 + m1 - 2.0 * rise)));
+        }
+    }
+    Some(full)
 }
 
 /// Missing samples of an input filled by straight lines; none where every sample is missing.

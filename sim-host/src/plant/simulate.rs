@@ -16,7 +16,7 @@ use super::model::Baseline;
 use crate::scalar::Scalar;
 pub use balance::{MeasuredMotion, balance};
 use dynamics::{Dynamics, STATES};
-pub use law::Law;
+pub use law::{Law, Notch, NotchFilter, Shaping};
 use sample::Sample;
 
 /// Longest integration step, s.
@@ -42,8 +42,8 @@ pub struct Drive<'a> {
     pub added: &'a [f64],
     /// The controller that ran.
     pub law: Law,
-    /// Ticks by which its command comes late.
-    pub late: usize,
+    /// What stands around it.
+    pub shaping: Shaping,
     /// Standard deviation of the displacement sensor's noise, m, which the controller passes on to the command.
     pub sensor_noise: f64,
     /// What of it is asked for.
@@ -148,7 +148,7 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, ma
     let mut state = dynamics.rest(start);
     let (n, wanted) = (drive.input.len(), drive.wanted);
     let mut trace = Trace::with_capacity(n, wanted);
-    let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, drive.late, start.velocity);
+    let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, drive.shaping, start.velocity);
     let steps = substeps(drive, dynamics.fastest(), dynamics.whole_steps());
     let governed = dynamics.supply_pressure(&state).is_some();
     let mut sample = Sample::new(&mut dynamics, &state, drive, steps, matrices);

@@ -25,6 +25,7 @@ pub(crate) use consistency::relation;
 pub(crate) use missing::longest as longest_stretch;
 pub(crate) use replay::fitted_gains;
 pub(crate) use ticks::Ticks;
+pub(crate) use clipped::stretches as clipped_stretches;
 pub(crate) use hum::mains_line;
 pub use skew::Skew;
 

@@ -11,6 +11,7 @@ use super::experiment::Experiment;
 use serde::Serialize;
 
 mod acceleration;
+mod clipped;
 mod clock;
 mod controller;
 mod displacement;
@@ -41,6 +42,8 @@ pub enum Doubt {
     Offset,
     /// Single samples that no neighbour supports.
     Outliers,
+    /// Peaks cut off at the end of a sensor's range.
+    Clipped,
     /// A line of the mains in a channel.
     Hum,
     /// The time stamps scatter about an even grid.
@@ -152,6 +155,7 @@ impl Doubt {
             Self::Drift => "slow drift of a sensor over the run",
             Self::Offset => "offset of a sensor",
             Self::Outliers => "single samples wrong",
+            Self::Clipped => "peaks cut off at the end of the range",
             Self::Hum => "amplitude of mains hum",
             Self::ClockJitter => "jitter of the time stamps",
             Self::LostRows => "rows missing",
@@ -179,6 +183,7 @@ pub struct SetUp {
 pub fn doubt(experiment: &Experiment) -> SetUp {
     let mut experiment = experiment.clone();
     let mut findings = clock::doubt(&mut experiment);
+    findings.extend(clipped::doubt(&mut experiment));
     findings.extend(outliers::doubt(&mut experiment));
     findings.extend(controller::doubt(&mut experiment));
     findings.extend(displacement::doubt(&mut experiment));

@@ -4,7 +4,7 @@ use super::channel::{Channel, PerChannel};
 use super::document::{Section, Source, parse};
 use super::error::{Place, Problem, RecordingError};
 use super::holdout::{HeldBack, assign};
-use super::law::Law;
+use super::law::{Law, Shaping};
 use super::model::{Baseline, Model, read_text};
 use super::run::{Run, Use};
 use std::path::{Path, PathBuf};
@@ -41,6 +41,7 @@ pub struct Experiment {
 struct RunEntry {
     file: String,
     law: Law,
+    shaping: Shaping,
     controller_rate_hz: Option<f64>,
     stated: Option<Use>,
     from_s: Option<f64>,
@@ -109,9 +110,12 @@ fn run_entries(root: &Section<'_>, folder: &Path) -> Result<Vec<RunEntry>, Recor
 
 fn run_entry(section: &Section<'_>, folder: &Path) -> Result<RunEntry, RecordingError> {
     let file = section.required("file", "name the recording, relative to the experiment")?;
+    let none = || Ok((Law::Open, Shaping::default()));
+    let (law, shaping) = section.get("controller").map_or_else(none, |e| Law::read(&e, folder))?;
     let entry = RunEntry {
         file: file.string()?.to_owned(),
-        law: section.get("controller").map_or(Ok(Law::Open), |e| Law::read(&e, folder))?,
+        law,
+        shaping,
         controller_rate_hz: section.get("controller_rate_hz").map(|e| e.positive()).transpose()?,
         stated: section.get("use").map(|e| purpose(&e)).transpose()?,
         from_s: section.number("from_s")?,

@@ -3,6 +3,7 @@
 use super::document::{Entry, Section};
 use super::error::{Place, Problem, RecordingError, nearest};
 use super::model::read_text;
+use crate::plant::simulate::Notch;
 use shakedown_core::Settings;
 use std::path::{Path, PathBuf};
 
@@ -11,14 +12,12 @@ use std::path::{Path, PathBuf};
 pub enum Law {
     /// No controller: the recorded command drives the model.
     Open,
-    /// `u[k] = kp e[k] + ki dt (e[0] + ... + e[k]) + kvf (r[k] - r[k-1]) / dt`, plain: no anti-windup, no limits.
+    /// `u[k] = kp e[k] + ki dt (e[0] + ... + e[k])`, plain: no anti-windup, no limits.
     ProportionalIntegral {
         /// Proportional gain, unit of u per m.
         kp: f64,
         /// Integral gain, unit of u per m s.
         ki: f64,
-        /// Feed-forward of the backward difference of the reference, unit of u s per m.
-        kvf: f64,
     },
     /// `u[k] = kv (kp e[k] - velocity[k])`, the velocity being the backward difference of the measured displacement.
     Cascade {
@@ -37,12 +36,12 @@ pub enum Law {
 }
 
 impl Law {
-    /// Reads a run's `controller`; a settings file is looked for beside the experiment.
-    pub(crate) fn read(entry: &Entry<'_>, folder: &Path) -> Result<Self, RecordingError> {
-        const CHOICES: &str = "{ kp, ki, kvf }, { kind = \"cascade\", kp, kv }, { core = \"settings.toml\" }, \"none\"";
+    /// Reads a run's `controller`, with what stands around it; a settings file is looked for beside the experiment.
+    pub(crate) fn read(entry: &Entry<'_>, folder: &Path) -> Result<(Self, Shaping), RecordingError> {
+        const CHOICES: &str = "{ kp, ki }, { kind = \"cascade\", kp, kv }, { core = \"settings.toml\" }, \"none\"";
         if entry.is_string() {
             return match entry.string()? {
-                "none" => Ok(Self::Open),
+                "none" => Ok((Self::Open, Shaping::default())),
                 other => Err(entry.refuse(Problem::NotAChoice {
                     found: other.to_owned(),
                     choices: CHOICES.to_owned(),
@@ -51,10 +50,13 @@ impl Law {
             };
         }
         let section = entry.section()?;
-        let law =
-            if let Some(core) = section.get("core") { Self::core(&core, folder)? } else { Self::gains(&section)? };
+        let read = if let Some(core) = section.get("core") {
+            (Self::core(&core, folder)?, Shaping::default())
+        } else {
+            (Self::gains(&section)?, Shaping::read(&section)?)
+        };
         section.finish()?;
-        Ok(law)
+        Ok(read)
     }
 
     fn gains(section: &Section<'_>) -> Result<Self, RecordingError> {
@@ -66,10 +68,7 @@ impl Law {
                 let kv = section.required("kv", "a cascade needs its velocity gain")?.number()?;
                 Ok(Self::Cascade { kp: kp.number()?, kv })
             }
-            ("pi", _) => {
-                let (ki, kvf) = (section.number("ki")?.unwrap_or(0.0), section.number("kvf")?.unwrap_or(0.0));
-                Ok(Self::ProportionalIntegral { kp: kp.number()?, ki, kvf })
-            }
+            ("pi", _) => Ok(Self::ProportionalIntegral { kp: kp.number()?, ki: section.number("ki")?.unwrap_or(0.0) }),
             (other, kind) => Err(kind.as_ref().unwrap_or(&kp).refuse(Problem::NotAChoice {
                 found: other.to_owned(),
                 choices: "\"pi\", \"cascade\"".to_owned(),
@@ -96,10 +95,42 @@ impl Law {
     pub fn describe(&self) -> String {
         match self {
             Self::Open => "no controller: the recorded command drives".to_owned(),
-            Self::ProportionalIntegral { kp, ki, kvf } if *kvf == 0.0 => format!("PI, kp = {kp}, ki = {ki} 1/s"),
-            Self::ProportionalIntegral { kp, ki, kvf } => format!("PI, kp = {kp}, ki = {ki} 1/s, kvf = {kvf} s"),
+            Self::ProportionalIntegral { kp, ki } => format!("PI, kp = {kp}, ki = {ki} 1/s"),
             Self::Cascade { kp, kv } => format!("cascade, kp = {kp} 1/s, kv = {kv}"),
             Self::Core { path, .. } => format!("control core, {}", path.display()),
         }
     }
+}
+
+/// What stands around a law: feed-forward, feedback of pressure, a notch, and delays.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Shaping {
+    /// Feed-forward, `u += kvf (r[k] - r[k-1]) / dt`, unit of u s per m.
+    pub kvf: f64,
+    /// Feedback of the pressure difference, `u -= kdp p`, unit of u per unit of p.
+    pub kdp: f64,
+    /// A notch that the whole command passes.
+    pub notch: Option<Notch>,
+    /// Samples by which the command comes late.
+    pub late_command: usize,
+    /// Samples by which the controller sees the displacement late.
+    pub late_displacement: usize,
+}
+
+impl Shaping {
+    fn read(section: &Section<'_>) -> Result<Self, RecordingError> {
+        let (kvf, kdp) = (section.number("kvf")?.unwrap_or(0.0), section.number("kdp")?.unwrap_or(0.0));
+        let notch = section.get("notch").map(|entry| notch(&entry)).transpose()?;
+        Ok(Self { kvf, kdp, notch, ..Self::default() })
+    }
+}
+
+/// Reads `notch = { frequency, damping, depth }`: Hz and two numbers without unit.
+fn notch(entry: &Entry<'_>) -> Result<Notch, RecordingError> {
+    let section = entry.section()?;
+    let frequency = section.required("frequency", "write the centre of the notch in Hz")?.positive()?;
+    let damping = section.required("damping", "write the damping of the notch")?.positive()?;
+    let depth = section.number("depth")?.unwrap_or(0.0);
+    section.finish()?;
+    Ok(Notch { frequency, damping, depth })
 }

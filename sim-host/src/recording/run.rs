@@ -2,7 +2,7 @@
 
 use super::channel::{Channel, PerChannel};
 use super::clock::Clock;
-use super::law::Law;
+use super::law::{Law, Shaping};
 use std::path::PathBuf;
 
 /// What a run is used for.
@@ -33,8 +33,8 @@ pub struct Run {
     pub loop_noise: Option<f64>,
     /// The controller that ran.
     pub law: Law,
-    /// Samples by which that controller acts late.
-    pub law_delay: usize,
+    /// What stands around it.
+    pub shaping: Shaping,
     /// Rate of that controller, Hz; the recording's where the experiment does not say.
     pub controller_rate_hz: Option<f64>,
     /// What the run is used for.

@@ -22,6 +22,8 @@ fn named(truth: &Model) -> (Prepared, Decision) {
         unlisted: false,
         partial: None,
         unlisted_probability: 0.2,
+        more_missing: false,
+        noise: Vec::new(),
     };
     (Prepared { model: model(TRUTH), fit, holdout, yardsticks }, decision)
 }

@@ -54,11 +54,88 @@ impl Law {
         if matches!(self, Self::Recorded) { 0.0 } else { 1.0 }
     }
 
-    /// The law at the start of a run that begins with this velocity (m/s), run every `tick` seconds.
-    /// Its commands come `late` ticks after what they answer.
-    pub(super) fn begin<S: Scalar>(self, tick: f64, late: usize, velocity: S) -> Running<S> {
-        let waiting = std::iter::repeat_n(S::from(0.0), late).collect();
-        Running { law: self, tick, sum: S::from(0.0), velocity, before: None, waiting }
+    /// The law at the start of a run that begins with this velocity (m/s), run every `tick` seconds, and what stands around it.
+    pub(super) fn begin<S: Scalar>(self, tick: f64, shaping: Shaping, velocity: S) -> Running<S> {
+        let waiting = std::iter::repeat_n(S::from(shaping.integral), shaping.late_command).collect();
+        let notch = shaping.notch.map(|notch| NotchFilter::new(notch, tick).resting_at(S::from(shaping.integral)));
+        Running {
+            law: self,
+            shaping,
+            tick,
+            sum: S::from(0.0),
+            velocity,
+            before: None,
+            reference: None,
+            waiting,
+            seen: VecDeque::new(),
+            notch,
+        }
+    }
+}
+
+/// What stands around a law: feed-forward, a notch behind it, and delays.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Shaping {
+    /// Feed-forward of the backward difference of the reference, unit of u s per m.
+    pub kvf: f64,
+    /// A notch that the whole command passes.
+    pub notch: Option<Notch>,
+    /// Ticks by which the command comes late.
+    pub late_command: usize,
+    /// Ticks by which the controller sees the displacement late.
+    pub late_displacement: usize,
+    /// What the integral of the error contributes to the command when the run begins, unit of u.
+    pub integral: f64,
+}
+
+/// A notch `(s^2 + 2 z d w s + w^2) / (s^2 + 2 z w s + w^2)`, made discrete by the bilinear rule with its centre kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Notch {
+    /// Centre w / 2 pi, Hz.
+    pub frequency: f64,
+    /// Damping z, 1.
+    pub damping: f64,
+    /// Gain d at the centre, 1.
+    pub depth: f64,
+}
+
+/// A notch on its way through a run.
+#[derive(Debug, Clone)]
+pub struct NotchFilter<S> {
+    b: [f64; 3],
+    a: [f64; 2],
+    x: [S; 2],
+    y: [S; 2],
+}
+
+impl<S: Scalar> NotchFilter<S> {
+    /// At rest, run every `tick` seconds.
+    pub fn new(notch: Notch, tick: f64) -> Self {
+        let k = (std::f64::consts::PI * notch.frequency * tick).tan();
+        let size = 1.0 + 2.0 * notch.damping * k + k * k;
+        let narrow = 2.0 * notch.damping * notch.depth * k;
+        let middle = 2.0 * (k * k - 1.0) / size;
+        let zero = S::from(0.0);
+        Self {
+            b: [(1.0 + narrow + k * k) / size, middle, (1.0 - narrow + k * k) / size],
+            a: [middle, (1.0 - 2.0 * notch.damping * k + k * k) / size],
+            x: [zero; 2],
+            y: [zero; 2],
+        }
+    }
+
+    /// The same after it has stood at a value for long: its gain at rest is one.
+    #[must_use]
+    pub fn resting_at(self, value: S) -> Self {
+        Self { x: [value; 2], y: [value; 2], ..self }
+    }
+
+    /// One tick.
+    pub fn step(&mut self, x: S) -> S {
+        let y = x * self.b[0] + self.x[0] * self.b[1] + self.x[1] * self.b[2] - self.y[0] * self.a[0] - self.y[1] * self.a[1];
+        self.x = [x, self.x[0]];
+        self.y = [y, self.y[0]];
+        y
     }
 }
 
@@ -87,19 +164,33 @@ impl CommandNoise {
 #[derive(Debug, Clone)]
 pub(super) struct Running<S> {
     law: Law,
+    shaping: Shaping,
     tick: f64,
     sum: S,
     /// Velocity before the first tick, m/s.
     velocity: S,
     before: Option<S>,
+    /// Reference at the tick before, m.
+    reference: Option<f64>,
     /// Commands on their way.
     waiting: VecDeque<S>,
+    /// Displacements on their way.
+    seen: VecDeque<S>,
+    notch: Option<NotchFilter<S>>,
 }
 
 impl<S: Scalar> Running<S> {
     /// One tick: input and measured displacement in, command out.
     pub(super) fn step(&mut self, input: f64, displacement: S) -> S {
-        let command = self.answer(input, displacement);
+        let displacement = self.seen_late(displacement);
+        let mut command = self.answer(input, displacement);
+        if self.shaping.kvf != 0.0 {
+            let before = self.reference.replace(input).unwrap_or(input);
+            command += S::from(self.shaping.kvf * (input - before) / self.tick);
+        }
+        if let Some(notch) = &mut self.notch {
+            command = notch.step(command);
+        }
         if self.waiting.is_empty() {
             return command;
         }
@@ -107,12 +198,23 @@ impl<S: Scalar> Running<S> {
         self.waiting.pop_front().unwrap_or(command)
     }
 
+    fn seen_late(&mut self, displacement: S) -> S {
+        if self.shaping.late_displacement == 0 {
+            return displacement;
+        }
+        self.seen.push_back(displacement);
+        if self.seen.len() > self.shaping.late_displacement + 1 {
+            self.seen.pop_front();
+        }
+        self.seen.front().copied().unwrap_or(displacement)
+    }
+
     fn answer(&mut self, input: f64, displacement: S) -> S {
         let error = -displacement + input;
         match self.law {
             Law::Pi { kp, ki } => {
                 self.sum += error;
-                error * kp + self.sum * (ki * self.tick)
+                error * kp + self.sum * (ki * self.tick) + self.shaping.integral
             }
             Law::Cascade { kp, kv } => {
                 let velocity = self.before.map_or(self.velocity, |before| (displacement - before) / self.tick);

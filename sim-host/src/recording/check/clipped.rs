@@ -31,23 +31,9 @@ pub(super) fn check(run: &Run) -> Vec<Finding> {
 
 fn finding(run: &Run, channel: Channel) -> Option<Finding> {
     let samples = run.channel(channel)?;
-    let (low, high) = samples
-        .iter()
-        .filter(|x| x.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
-    let steps: Vec<f64> = samples.windows(REACH + 1).map(|w| (w[REACH] - w[0]).abs()).filter(|d| *d > 0.0).collect();
-    let ordinary = quantile(&steps, 0.75);
-    let step = quantisation_step(samples).unwrap_or(0.0);
-    let abrupt = |flat: &(usize, usize)| {
-        let least = (0.3 * ordinary).max(1.5 * step).max(3.0 * rounded_fall(flat.1 - flat.0 + 1, step));
-        falls(samples, *flat, least)
-    };
-    let at = |extreme: f64| -> Vec<(usize, usize)> { flats(samples, extreme).into_iter().filter(abrupt).collect() };
-    let flats: Vec<(usize, usize)> = [at(high), at(low)].concat();
+    let flats = stretches(samples);
+    let (low, high) = ends(samples);
     let longest = flats.iter().map(|(from, to)| to - from + 1).max()?;
-    if flats.len() < 2 && longest < 8 {
-        return None;
-    }
     let (from, to) = flats.iter().fold((usize::MAX, 0), |(from, to), f| (from.min(f.0), to.max(f.1)));
     Some(Finding::whole(run, channel, Fault::Clipped, Severity::BadData).between(run, from, to).saying(
         format!(
@@ -57,6 +43,28 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
         ),
         format!("raise the range of {channel} or lower the motion, and record again"),
     ))
+}
+
+/// Smallest and largest sample.
+fn ends(samples: &[f64]) -> (f64, f64) {
+    let finite = samples.iter().filter(|x| x.is_finite());
+    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)))
+}
+
+/// Stretches that are cut off, first and last sample each; none where a flat may be chance.
+pub(crate) fn stretches(samples: &[f64]) -> Vec<(usize, usize)> {
+    let (low, high) = ends(samples);
+    let steps: Vec<f64> = samples.windows(REACH + 1).map(|w| (w[REACH] - w[0]).abs()).filter(|d| *d > 0.0).collect();
+    let ordinary = quantile(&steps, 0.75);
+    let step = quantisation_step(samples).unwrap_or(0.0);
+    let abrupt = |flat: &(usize, usize)| {
+        let least = (0.3 * ordinary).max(1.5 * step).max(3.0 * rounded_fall(flat.1 - flat.0 + 1, step));
+        falls(samples, *flat, least)
+    };
+    let at = |extreme: f64| -> Vec<(usize, usize)> { flats(samples, extreme).into_iter().filter(abrupt).collect() };
+    let flats: Vec<(usize, usize)> = [at(high), at(low)].concat();
+    let longest = flats.iter().map(|(from, to)| to - from + 1).max().unwrap_or(0);
+    if flats.len() < 2 && longest < 8 { Vec::new() } else { flats }
 }
 
 /// Stretches of at least [`FLAT`] samples at the extreme: first and last sample.

@@ -4,11 +4,13 @@ use super::{Fault, Finding, Severity};
 use crate::recording::channel::Channel;
 use crate::recording::run::Run;
 
+/// A gap is bridged, its samples not being judged, up to this length, s: longer than that the reference in between is a guess.
+const BRIDGED: f64 = 0.2;
 /// A gap of fewer samples is a dropped sample, which a recording may have.
 const STRETCH: usize = 10;
 
 /// More dropped samples than this part of a run are too many, however short each gap is.
-const MANY: f64 = 0.02;
+const MANY: f64 = 0.05;
 
 /// Looks for stretches of NaN in every channel; one stretch in all channels is one finding, about time.
 pub(super) fn check(run: &Run) -> Vec<Finding> {
@@ -30,7 +32,8 @@ fn finding(run: &Run, channel: Channel, missing: &[bool]) -> Option<Finding> {
         return None;
     }
     let (from, length) = longest(missing);
-    let bad = length >= STRETCH || total as f64 > MANY * run.len() as f64;
+    let gap = length as f64 * run.dt > BRIDGED && length >= STRETCH;
+    let bad = gap || total as f64 > MANY * run.len() as f64;
     let severity = if bad { Severity::BadData } else { Severity::Remark };
     let finding = Finding::whole(run, channel, Fault::MissingStretch, severity).between(run, from, from + length);
     let problem = format!(

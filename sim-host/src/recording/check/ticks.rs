@@ -27,6 +27,12 @@ impl Ticks {
         }
     }
 
+    /// Time between ticks, s.
+    pub(crate) fn period(self) -> f64 {
+        let (Self::Faster(_, dt) | Self::Slower(_, dt)) = self;
+        dt
+    }
+
     /// What `law` makes of samples at the controller's rate, given with the time between ticks, as a recording sees it.
     pub(crate) fn seen(self, samples: &[f64], law: impl Fn(&[f64], f64) -> [Vec<f64>; 2]) -> [Vec<f64>; 2] {
         let n = samples.len();

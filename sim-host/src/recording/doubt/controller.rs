@@ -7,7 +7,8 @@
 use super::replay::{Linear, gains};
 use super::{Doubt, SetUpFinding};
 use crate::recording::experiment::Experiment;
-use crate::recording::law::Law;
+use crate::recording::channel::Channel;
+use crate::recording::law::{Law, Shaping};
 use crate::recording::run::Run;
 use nalgebra::{DMatrix, DVector};
 
@@ -22,7 +23,7 @@ const FAR_LESS: f64 = 0.25;
 /// How far found gains may be from stated ones, as a factor: beyond it a unit is the likelier fault.
 const FACTOR: f64 = 6.0;
 /// Delays tried, samples.
-const DELAYS: [i32; 3] = [0, 1, 2];
+const DELAYS: [i32; 4] = [0, 1, 2, 3];
 
 /// A law fitted to the recorded commands of the runs that state it.
 #[derive(Debug, Clone)]
@@ -40,38 +41,46 @@ struct Fitted {
 /// Fits each stated law and corrects it.
 pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     let mut findings = Vec::new();
-    let mut seen: Vec<Law> = Vec::new();
-    let laws: Vec<Law> = experiment.runs.iter().map(|run| run.law.clone()).collect();
-    for law in laws {
-        if seen.contains(&law) {
+    let mut seen: Vec<(Law, Shaping)> = Vec::new();
+    let laws: Vec<(Law, Shaping)> = experiment.runs.iter().map(|run| (run.law.clone(), run.shaping)).collect();
+    for (law, shaping) in laws {
+        if seen.contains(&(law.clone(), shaping)) {
             continue;
         }
-        seen.push(law.clone());
+        seen.push((law.clone(), shaping));
+        let same = |run: &Run| run.law == law && run.shaping == shaping;
         let Some(stated) = gains(&law) else { continue };
-        let runs: Vec<&Run> = experiment.runs.iter().filter(|run| run.law == law).collect();
+        let runs: Vec<&Run> = experiment.runs.iter().filter(|run| same(run)).collect();
         let Some((fitted, delay, shift)) = best(&runs) else { continue };
         if fitted.share > EXPLAINED * EXPLAINED || !credible(stated, &fitted.gains) {
             continue;
         }
         let corrected = corrected(&law, &fitted);
         findings.extend(different(&law, &corrected, &fitted, &runs));
-        if delay > 0 {
-            let found = f64::from(delay) * runs[0].dt;
-            findings.push(SetUpFinding::new(Doubt::ControllerDelay, found, "s").against(0.0));
+        let feed = fitted.gains.get(2).zip(fitted.std.get(2));
+        let kvf = feed.filter(|(kvf, std)| moved(shaping.kvf, **kvf, **std, 0.1 * ROUNDED)).map_or(shaping.kvf, |f| *f.0);
+        if moved(shaping.kvf, kvf, 0.0, ROUNDED) {
+            let finding = SetUpFinding::new(Doubt::ControllerKvf, kvf, "unit of u s per m").against(shaping.kvf);
+            findings.push(finding.within(fitted.std.get(2).copied().unwrap_or(0.0)));
         }
-        if shift != 0 {
+        let late = f64::from(delay.max(-shift)) * runs[0].dt;
+        if late > 0.0 {
+            findings.push(SetUpFinding::new(Doubt::ControllerDelay, late, "s").against(0.0));
+        }
+        if shift > 0 {
             let found = f64::from(shift) * runs[0].dt;
-            let finding = SetUpFinding::new(Doubt::SampleShift, found, "s").against(0.0);
-            findings.push(finding.of_channel(crate::recording::Channel::Displacement));
+            findings.push(SetUpFinding::new(Doubt::SampleShift, found, "s").against(0.0).of_channel(Channel::Displacement));
         }
-        for run in experiment.runs.iter_mut().filter(|run| run.law == law) {
+        for run in experiment.runs.iter_mut().filter(|run| run.law == law && run.shaping == shaping) {
             run.law = corrected.clone();
-            run.law_delay = delay as usize;
-            if shift != 0
-                && let Some(x) = run.channel(crate::recording::Channel::Displacement)
+            let (late_command, late_displacement) = (delay as usize, (-shift).max(0) as usize);
+            run.shaping = Shaping { kvf, late_command, late_displacement, ..shaping };
+            // A displacement recorded late is moved; one that the controller sees late was recorded as it was.
+            if shift > 0
+                && let Some(x) = run.channel(Channel::Displacement)
             {
                 let moved = super::replay::shifted(x, shift);
-                run.channels.set(crate::recording::Channel::Displacement, moved);
+                run.channels.set(Channel::Displacement, moved);
             }
         }
     }
@@ -81,7 +90,7 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
 /// The law as it fits best: as recorded, unless a delay or a shift of the displacement leaves far less.
 fn best(runs: &[&Run]) -> Option<(Fitted, i32, i32)> {
     let plain = fit(runs, 0, 0, false)?;
-    let others = DELAYS.iter().skip(1).map(|&d| (d, 0)).chain([(0, 1), (0, 2), (0, -1)]);
+    let others = DELAYS.iter().skip(1).map(|&d| (d, 0)).chain([(0, 1), (0, 2), (0, -1), (0, -2), (0, -3)]);
     let tried = others.filter_map(|(delay, shift)| Some((fit(runs, shift, delay, false)?, delay, shift)));
     let least = tried.min_by(|a, b| a.0.power.total_cmp(&b.0.power));
     let (fitted, delay, shift) = match least {
@@ -89,7 +98,7 @@ fn best(runs: &[&Run]) -> Option<(Fitted, i32, i32)> {
         _ => (plain, 0, 0),
     };
     let fed = fit(runs, shift, delay, true);
-    let stated_feed = matches!(runs.first().map(|r| &r.law), Some(Law::ProportionalIntegral { kvf, .. }) if *kvf != 0.0);
+    let stated_feed = runs.first().is_some_and(|run| run.shaping.kvf != 0.0);
     match fed {
         Some(fed) if stated_feed || (fed.power < FAR_LESS * fitted.power && significant(fitted.share)) => {
             Some((fed, delay, shift))
@@ -116,10 +125,7 @@ fn corrected(law: &Law, fitted: &Fitted) -> Law {
         _ => stated,
     };
     match law {
-        Law::ProportionalIntegral { kp, ki, kvf } => {
-            let kvf = if fitted.gains.len() > 2 { pick(*kvf, 2) } else { *kvf };
-            Law::ProportionalIntegral { kp: pick(*kp, 0), ki: pick(*ki, 1), kvf }
-        }
+        Law::ProportionalIntegral { kp, ki } => Law::ProportionalIntegral { kp: pick(*kp, 0), ki: pick(*ki, 1) },
         Law::Cascade { kp, kv } => {
             let (product, inner) = (pick(kp * kv, 0), pick(*kv, 1));
             Law::Cascade { kp: product / inner, kv: inner }
@@ -138,12 +144,11 @@ fn moved(stated: f64, found: f64, std: f64, least: f64) -> bool {
 fn different(stated: &Law, found: &Law, fitted: &Fitted, runs: &[&Run]) -> Vec<SetUpFinding> {
     let rows: Vec<(Doubt, f64, f64, f64, &str)> = match (stated, found) {
         (
-            Law::ProportionalIntegral { kp, ki, kvf },
-            Law::ProportionalIntegral { kp: found_kp, ki: found_ki, kvf: found_kvf },
+            Law::ProportionalIntegral { kp, ki },
+            Law::ProportionalIntegral { kp: found_kp, ki: found_ki },
         ) => vec![
             (Doubt::ControllerKp, *kp, *found_kp, fitted.std[0], "unit of u per m"),
             (Doubt::ControllerKi, *ki, *found_ki, fitted.std[1], "unit of u per m s"),
-            (Doubt::ControllerKvf, *kvf, *found_kvf, fitted.std.get(2).copied().unwrap_or(0.0), "unit of u s per m"),
         ],
         (Law::Cascade { kp, kv }, Law::Cascade { kp: found_kp, kv: found_kv }) => vec![
             (Doubt::ControllerKp, *kp, *found_kp, fitted.std[0] / kv.abs(), "1/s"),

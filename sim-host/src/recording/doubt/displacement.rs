@@ -42,13 +42,9 @@ fn rise(run: &Run, noise: f64) -> Option<f64> {
         Law::ProportionalIntegral { kp, .. } => kp,
         _ => stated[0],
     };
-    let linear = Linear::of(run, 0, 0, matches!(run.law, Law::ProportionalIntegral { kvf, .. } if kvf != 0.0))?;
+    let linear = Linear::of(run, -(run.shaping.late_displacement as i32), run.shaping.late_command as i32, run.shaping.kvf != 0.0)?;
     let mut all = stated.to_vec();
-    if let Law::ProportionalIntegral { kvf, .. } = run.law
-        && linear.terms.len() > 2
-    {
-        all.push(kvf);
-    }
+    all.push(run.shaping.kvf);
     let residual = linear.residual(&all);
     let [_, slope, curve] = parabola(&residual, &linear.known);
     let flat: Vec<f64> = residual

@@ -4,6 +4,7 @@ use crate::recording::channel::Channel;
 use crate::recording::check::Ticks;
 use crate::recording::law::Law;
 use crate::recording::run::Run;
+use crate::plant::simulate::NotchFilter;
 use crate::recording::signal::filled;
 use nalgebra::{DMatrix, DVector};
 
@@ -21,7 +22,7 @@ pub(super) struct Linear {
 /// The gains that a law multiplies its terms by; none for a law without gains.
 pub(super) fn gains(law: &Law) -> Option<[f64; 2]> {
     match law {
-        Law::ProportionalIntegral { kp, ki, .. } => Some([*kp, *ki]),
+        Law::ProportionalIntegral { kp, ki } => Some([*kp, *ki]),
         Law::Cascade { kp, kv } => Some([kp * kv, *kv]),
         Law::Open | Law::Core { .. } => None,
     }
@@ -39,6 +40,9 @@ impl Linear {
         let mut command = filled(command);
         if let Some(added) = get(Channel::Disturbance) {
             command.iter_mut().zip(filled(added)).for_each(|(u, d)| *u -= d);
+        }
+        if let Some(pressure) = get(Channel::PressureDifference).filter(|_| run.shaping.kdp != 0.0) {
+            command.iter_mut().zip(filled(pressure)).for_each(|(u, p)| *u += run.shaping.kdp * p);
         }
         let (reference, displacement) = (filled(reference), shifted(&filled(displacement), late));
         let error: Vec<f64> = reference.iter().zip(&displacement).map(|(r, x)| r - x).collect();
@@ -59,6 +63,10 @@ impl Linear {
             terms.push(rate);
         }
         for term in &mut terms {
+            if let Some(notch) = run.shaping.notch {
+                let mut filter = NotchFilter::<f64>::new(notch, ticks.period());
+                term.iter_mut().for_each(|x| *x = filter.step(*x));
+            }
             *term = shifted(term, -delayed);
         }
         Some(Self { command, terms, known })
