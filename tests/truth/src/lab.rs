@@ -4,6 +4,7 @@
 
 pub mod answer;
 mod case;
+pub mod closure;
 pub mod engine;
 pub mod forms;
 pub mod law;
@@ -14,5 +15,7 @@ pub mod scene;
 pub mod setup;
 pub mod sheet;
 pub mod stated;
+#[cfg(test)]
+mod testing;
 
 pub use case::{Case, case, cases};

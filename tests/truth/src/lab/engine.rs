@@ -31,6 +31,7 @@ pub fn simulate(plant: &Plant, run: &Run, sensor: Option<&Sensor>) -> Option<Tra
         let command = sim.control.step(reference, measured);
         sim.send(t, command);
         let moving = sim.motion();
+        let supply = plant.supply(&sim.y);
         let at = Now { x: sim.y[X], v: moving.actuator, ..sim.now };
         sim.advance(t, t + 0.5 * run.dt);
         let after = sim.half_sample();
@@ -41,7 +42,7 @@ pub fn simulate(plant: &Plant, run: &Run, sensor: Option<&Sensor>) -> Option<Tra
         out.command.push(command);
         out.velocity.push(moving.actuator);
         out.pressure.push(mean(1) + mean(2));
-        out.supply.push(1.0);
+        out.supply.push(supply);
         before = after;
         sim.advance(t + 0.5 * run.dt, t + run.dt);
         if !sim.y[X].is_finite() || sim.y[X].abs() > runaway {

@@ -3,8 +3,12 @@
 
 pub mod backlash;
 pub mod column;
+pub mod flow;
 pub mod friction;
 pub mod sensors;
+pub mod structure;
+pub mod table;
+pub mod valve;
 
 use super::plant::Plant;
 use crate::effect::Draw;
@@ -89,7 +93,17 @@ pub(crate) const SATURATION: Needs = Needs { saturation: true, servo: true, ..AN
 
 /// Every form of every listed effect.
 pub fn all() -> Vec<Form> {
-    [friction::FORMS, backlash::FORMS, sensors::FORMS].concat()
+    [
+        valve::FORMS,
+        flow::FORMS,
+        column::FORMS,
+        friction::FORMS,
+        table::FORMS,
+        backlash::FORMS,
+        structure::FORMS,
+        sensors::FORMS,
+    ]
+    .concat()
 }
 
 /// Identifiers of the listed effects that have a form, each once.

@@ -88,8 +88,14 @@ pub trait Law: Debug + Send + Sync {
     fn rates(&self, _now: &Now, _input: f64, _y: &[f64], _m: &[f64], _dy: &mut [f64]) {}
     /// Updates the memories over `h` seconds.
     fn remember(&self, _now: &Now, _input: f64, _h: f64, _m: &mut [f64]) {}
+    /// Updates the memories from the law's own states, once a step.
+    fn watch(&self, _y: &[f64], _m: &mut [f64]) {}
     /// The signal behind the law. Forces and leaks add to what comes in.
     fn out(&self, now: &Now, input: f64, y: &[f64], m: &[f64]) -> f64;
+    /// Supply pressure over its start (1), where the law holds one.
+    fn supply(&self, _y: &[f64]) -> Option<f64> {
+        None
+    }
     /// Fastest rate in the law (rad/s); bounds the integration step.
     fn fastest(&self) -> f64 {
         0.0

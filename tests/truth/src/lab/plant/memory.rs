@@ -7,13 +7,14 @@ impl Plant {
     /// Updates the memories over `h` seconds from the instant as [`Self::rates`] gave it.
     pub fn remember(&self, now: &Now, h: f64, y: &State, m: &mut State) {
         for k in 0..self.parts.len() {
-            let (part, (_, j)) = (&self.parts[k], self.layout[k]);
+            let (part, (i, j)) = (&self.parts[k], self.layout[k]);
             let memories = part.law.memories();
             if memories == 0 {
                 continue;
             }
             let input = self.input(k, now, y, m);
             part.law.remember(now, input, h, &mut m[j..j + memories]);
+            part.law.watch(&y[i..i + part.law.states()], &mut m[j..j + memories]);
         }
     }
 
