@@ -52,10 +52,15 @@ pub(crate) fn refused(path: &Path, error: impl Display, hint: &str) -> Failure {
 pub(crate) const EXPERIMENT: &str =
     "an experiment is TOML: `shakedown init FOLDER` proposes one for the recordings of a folder";
 
+/// A number for a message: in powers of ten where its digits would be many.
+pub(crate) fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
+}
+
 /// Refuses an option whose value lies outside its range, or is no number.
 pub(crate) fn within(option: &str, value: f64, low: f64, high: f64) -> Result<(), Failure> {
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    Err(Failure::Input(format!("{option} {value}: expected {low} to {high}")))
+    Err(Failure::Input(format!("{option} {}: expected {low} to {high}", number(value))))
 }
