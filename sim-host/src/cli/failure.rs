@@ -32,10 +32,17 @@ impl Failure {
 /// Longest message, characters.
 const LONGEST: usize = 4000;
 
+/// A message without the numbers that the operating system has for its errors.
+fn without_numbers(message: &str) -> String {
+    let mut parts = message.split(" (os error ");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + part.split_once(')').map_or("", |(_, rest)| rest))
+}
+
 /// A message without what a damaged file makes unreadable: control characters, and what is beyond [`LONGEST`].
 fn short(message: &str) -> String {
     let clean = |c: char| if c.is_control() && c != '\n' { '\u{fffd}' } else { c };
-    let mut text: String = message.chars().take(LONGEST).map(clean).collect();
+    let mut text: String = without_numbers(message).chars().take(LONGEST).map(clean).collect();
     if message.chars().nth(LONGEST).is_some() {
         text.push_str(" ... (cut)");
     }

@@ -150,6 +150,7 @@ enum Measure {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let method = args.method()?;
     let limits = args.limits()?;
+    args.check_target()?;
     // Said before the work, not after it.
     let plan = args.plan()?;
     let (record, inputs) = args.read()?;
@@ -360,12 +361,18 @@ impl Args {
         parts.join("; ")
     }
 
+    fn check_target(&self) -> Result<(), Failure> {
+        match self.target {
+            Some(target) if !(target > 0.0 && target.is_finite()) => {
+                Err(Failure::Input(format!("--target {target}: expected a number above zero")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// What it would take to meet the target, by the velocity limit and by all limits together.
     fn relaxations(&self, motion: &Motion, limits: &Limits, tell: impl Fn(&str)) -> Result<Vec<Relaxation>, Failure> {
         let Some(target) = self.target else { return Ok(Vec::new()) };
-        if !(target > 0.0 && target.is_finite()) {
-            return Err(Failure::Input(format!("modify: --target {target}: expected a number above zero")));
-        }
         let start = motion.displacement.first().copied().unwrap_or(0.0);
         let reference = Reference::new(motion.dt, motion.velocity.clone(), start).map_err(|e| failure(&e))?;
         let mut found = Vec::new();

@@ -258,7 +258,10 @@ impl Scenario {
         let table = match self.table.as_ref().map(|path| Twin::load(path)) {
             None => Twin::from(self.plant),
             Some(Ok(table)) => table,
-            Some(Err(e)) => return refuse("table", e.to_string()),
+            Some(Err(e)) => {
+                let (place, text) = (self.table.as_ref().map_or(String::new(), |path| path.display().to_string()), e.to_string());
+                return refuse("table", if text.contains(&place) { text } else { format!("{place}: {text}") });
+            }
         };
         Ok(Setup { settings, table, sensors: self.sensors.clone(), steps: self.steps })
     }

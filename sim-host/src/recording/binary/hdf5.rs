@@ -38,7 +38,9 @@ pub fn parse(bytes: Vec<u8>) -> Result<Content, Flaw> {
 }
 
 fn flaw(error: impl std::fmt::Display) -> Flaw {
-    format!("is HDF5 that cannot be read: {error}")
+    let text = error.to_string();
+    let text = text.strip_prefix("HDF5 format error: ").unwrap_or(&text);
+    format!("is HDF5 that cannot be read ({text}): save it again, or as text")
 }
 
 impl Walk {
