@@ -151,7 +151,10 @@ impl Controller {
         self.quiet = Quiet::No;
         self.supervisor.request(request)?;
         match request {
-            Request::Arm => self.start_at(self.readings.displacement),
+            Request::Arm => {
+                self.watch.arm();
+                self.start_at(self.readings.displacement);
+            }
             Request::Hold | Request::Stop if whole => self.anchor = self.target,
             _ => {}
         }
@@ -237,6 +240,8 @@ impl Controller {
         self.readings.external = sample.external;
         self.readings.displacement = sample.displacement;
         self.readings.acceleration = sample.acceleration;
+        self.readings.limit_switch = sample.limit_switch;
+        self.readings.relay_closed = sample.relay_closed;
         match self.watch.step::<true, true>(&self.config, &self.readings, self.drive()) {
             None if self.decide::<true, true>() => return Course::Whole,
             None => {}
@@ -250,7 +255,7 @@ impl Controller {
     #[inline(never)]
     fn go_on(&mut self, missing: Channels, cause: Option<Trip>) {
         if cause.is_some() || !self.supervisor.steady() {
-            self.supervise(cause);
+            self.supervise(missing, cause);
         }
         let whole = missing.is_empty() && self.supervisor.steady();
         if !self.supervisor.moves() {
@@ -273,14 +278,25 @@ impl Controller {
 
     /// Takes up what the guard has found, and moves the ramps on.
     #[inline(never)]
-    fn supervise(&mut self, cause: Option<Trip>) {
+    fn supervise(&mut self, missing: Channels, cause: Option<Trip>) {
         if !self.config.parts.guard {
             return;
         }
         if let Some(cause) = cause {
             self.supervisor.doubt(cause);
+            if self.zero_flow_is_unknown(missing, cause) {
+                self.supervisor.open_relay_at_once();
+            }
         }
         self.supervisor.advance(self.config.guard.ramps);
+    }
+
+    /// Whether the zero-flow output cannot be known: what stands behind the device subtracts the LVDT (Fig. 2, or an existing
+    /// position controller), and its reading is lost or stuck. A ramp would then end at some command, not at zero flow.
+    #[cold]
+    fn zero_flow_is_unknown(&self, missing: Channels, cause: Trip) -> bool {
+        let lost = cause == Trip::SensorLost && missing.any(Channels::DISPLACEMENT);
+        self.config.cancellation != 0.0 && (lost || cause == Trip::DisplacementStuck)
     }
 
     /// The first tick for which every needed channel is there. Until then nothing moves.
@@ -297,7 +313,12 @@ impl Controller {
     /// What pushes the table since the last tick.
     #[inline]
     fn drive(&self) -> Drive {
-        Drive { reference: self.reference, excess: self.excess }
+        Drive {
+            reference: self.reference,
+            excess: self.excess,
+            moves: self.supervisor.moves(),
+            relay: self.supervisor.relay(),
+        }
     }
 
     /// What they say where some parts that look on are not in use.

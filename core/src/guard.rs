@@ -1,16 +1,23 @@
 //! The guard: what stands between any law, ours or another's, and the actuator.
 
 pub mod envelope;
+mod gain;
+pub mod inputs;
+pub mod noise;
 pub mod plausibility;
 pub mod supervisor;
 pub mod valve;
 pub mod walls;
+pub mod witness;
 
 pub use envelope::{Envelope, EnvelopeSettings};
+pub use inputs::{InputMonitor, InputSettings, InputState};
+pub use noise::{NoiseMonitor, NoiseState};
 pub use plausibility::{Plausibility, PlausibilitySettings};
 pub use supervisor::{Refused, Request, State, Supervisor};
 pub use valve::{ValveMonitor, ValveMonitorSettings, ValveMonitorState};
 pub use walls::Walls;
+pub use witness::{DisplacementWitness, WitnessSettings, WitnessState};
 
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +29,12 @@ pub struct GuardSettings {
     pub envelope: EnvelopeSettings,
     /// When a sensor is not believed.
     pub plausibility: PlausibilitySettings,
+    /// When LVDT and accelerometer contradict each other over a window.
+    pub witness: WitnessSettings,
     /// When the valve is not believed.
     pub valve: ValveMonitorSettings,
+    /// Which inputs there are beside the sensors.
+    pub inputs: InputSettings,
     /// How the test starts, holds and ends.
     pub ramps: RampSettings,
 }
@@ -80,4 +91,16 @@ pub enum Trip {
     Internal,
     /// Asked for from outside: emergency stop, overrun, supply.
     External,
+    /// The table is at a limit switch.
+    LimitSwitch,
+    /// The relay's contact is not where its coil was told to be: welded, or open with the coil energised.
+    RelayAstray,
+}
+
+impl Trip {
+    /// Whether no command is known to stop the table after this trip, whatever the wiring: the relay then opens at the tick
+    /// of the trip instead of at the end of the safe ramp.
+    pub(crate) const fn opens_relay_at_once(self) -> bool {
+        matches!(self, Self::ValveStuck)
+    }
 }

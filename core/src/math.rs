@@ -56,6 +56,12 @@ pub fn exp_m1(x: f32) -> f32 {
     libm::expm1f(x)
 }
 
+/// Sine of an angle in rad; configurations only.
+#[inline]
+pub fn sin(x: f32) -> f32 {
+    libm::sinf(x)
+}
+
 /// Tangent of an angle in rad.
 #[inline]
 pub fn tan(x: f32) -> f32 {

@@ -22,6 +22,12 @@ pub struct Sample {
     pub reference_velocity: f32,
     /// Reference acceleration, m/s2. Read where the rates are supplied.
     pub reference_acceleration: f32,
+    /// Table displacement from a second sensor, m. Read where one is fitted.
+    pub second_displacement: f32,
+    /// Whether the table is at a limit switch. Read where there are any.
+    pub limit_switch: bool,
+    /// Whether the relay's contact reads closed. Read where there is read-back.
+    pub relay_closed: bool,
 }
 
 impl Sample {
@@ -36,6 +42,9 @@ impl Sample {
             pressure_difference: 0.0,
             reference_velocity: 0.0,
             reference_acceleration: 0.0,
+            second_displacement: 0.0,
+            limit_switch: false,
+            relay_closed: false,
         }
     }
 }
@@ -61,6 +70,8 @@ impl Channels {
     pub const PRESSURE_DIFFERENCE: Self = Self(32);
     /// Velocity and acceleration of the reference.
     pub const REFERENCE_RATES: Self = Self(64);
+    /// Second displacement sensor.
+    pub const SECOND_DISPLACEMENT: Self = Self(128);
 
     /// Whether any channel of `other` is in this set.
     #[inline]

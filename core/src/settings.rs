@@ -4,9 +4,13 @@
 //! when [`Settings::validate`] accepts all of it; what is accepted at one end is accepted at the other, because it is the
 //! same check.
 
+mod consistency;
+mod findings;
 mod validate;
 
 use serde::{Deserialize, Serialize};
+
+pub use findings::Finding;
 
 use crate::block::BlockError;
 use crate::control::{InnerLoop, TrackingSettings};
@@ -223,6 +227,20 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The output at which no oil flows with the LVDT at `displacement` (m), m: what a loop behind the device subtracts, and
+    /// the valve's null bias where the valve is the device's own.
+    pub fn zero_flow(&self, displacement: f32) -> f32 {
+        match self.mode {
+            Mode::Modifier => displacement,
+            Mode::Guard | Mode::Controller => self.inner_loop.cancellation(displacement) + self.valve.null_bias,
+        }
+    }
+
+    /// Whether a second displacement sensor is fitted.
+    pub(crate) fn reads_second_displacement(&self) -> bool {
+        self.guard.is_some_and(|guard| guard.inputs.second_displacement.is_some())
+    }
+
     /// Whether anything looks at the pressure difference.
     pub(crate) fn reads_pressure(&self) -> bool {
         let limits = self.guard.is_some_and(|guard| guard.envelope.force.is_some());
@@ -252,6 +270,21 @@ pub enum SettingsError {
         /// What it contradicts.
         with: &'static str,
     },
+    /// A field is within its own range, but not with the others.
+    Conflict {
+        /// The field's name.
+        field: &'static str,
+        /// What was given.
+        value: f32,
+        /// Smallest value accepted with the others as they are.
+        low: f32,
+        /// Largest value accepted with the others as they are.
+        high: f32,
+        /// Why.
+        because: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
 }
 
 impl core::fmt::Display for SettingsError {
@@ -259,6 +292,9 @@ impl core::fmt::Display for SettingsError {
         match self {
             Self::OutOfRange { field, value, low, high } => write!(f, "{field} is {value}, not within {low} to {high}"),
             Self::Contradiction { field, with } => write!(f, "{field} does not go with {with}"),
+            Self::Conflict { field, value, low, high, because, remedy } => {
+                write!(f, "{field} is {value}, not within {low} to {high}: {because}; {remedy}")
+            }
         }
     }
 }

@@ -5,7 +5,9 @@ use crate::block::{BlockError, require};
 use crate::control::{AccelerationLoop, DisplacementLoop, LoopGains, VelocityLoop};
 use crate::filter::{Differentiator, Fusion, Lag};
 use crate::guard::supervisor::Ramps;
-use crate::guard::{Envelope, GuardSettings, Plausibility, ValveMonitor, Walls};
+use crate::guard::{
+    DisplacementWitness, Envelope, GuardSettings, InputMonitor, NoiseMonitor, Plausibility, ValveMonitor, Walls,
+};
 use crate::math::Magnitude;
 use crate::modifier::Modifier;
 use crate::saturation::Detector;
@@ -55,6 +57,9 @@ impl Parts {
 pub(crate) struct Guard {
     pub(crate) envelope: Envelope,
     pub(crate) plausibility: Plausibility,
+    pub(crate) noise: NoiseMonitor,
+    pub(crate) witness: DisplacementWitness,
+    pub(crate) inputs: InputMonitor,
     pub(crate) valve: ValveMonitor,
     pub(crate) ramps: Ramps,
     pub(crate) lost: u32,
@@ -176,6 +181,9 @@ impl Guard {
         Self {
             envelope: Envelope::none(),
             plausibility: Plausibility::none(),
+            noise: NoiseMonitor::none(),
+            witness: DisplacementWitness::none(),
+            inputs: InputMonitor::none(),
             valve: ValveMonitor::none(),
             ramps: Ramps::none(),
             lost: 0,
@@ -190,6 +198,9 @@ impl Guard {
             // An existing controller's reference is not ours to know.
             envelope: if s.mode == Mode::Guard { envelope.without_tracking() } else { envelope },
             plausibility,
+            noise: NoiseMonitor::new(&guard.plausibility, &guard.envelope, s.observer.accelerometer, dt)?,
+            inputs: InputMonitor::new(&guard.inputs, guard.plausibility.lost, dt)?,
+            witness: DisplacementWitness::new(&guard.witness, s.velocity_limit, dt)?,
             valve: ValveMonitor::new(&guard.valve, s.valve.lag, turn)?,
             ramps: Ramps::new(&guard.ramps, dt)?,
             lost: (require("guard.plausibility.lost", guard.plausibility.lost, 0.0, 1.0)? / dt) as u32,

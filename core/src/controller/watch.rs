@@ -13,7 +13,7 @@ use crate::filter::fusion::FusionState;
 use crate::filter::lag::LagState;
 use crate::guard::envelope::{EnvelopeState, Motion};
 use crate::guard::plausibility::PlausibilityState;
-use crate::guard::{Trip, ValveMonitorState};
+use crate::guard::{InputState, NoiseState, Trip, ValveMonitorState, WitnessState};
 use crate::sample::{Channels, Sample};
 use crate::saturation::{DetectorState, Evidence};
 use crate::settings::Mode;
@@ -38,6 +38,9 @@ pub(super) struct Watch {
     detector: DetectorState,
     envelope: EnvelopeState,
     plausibility: PlausibilityState,
+    noise: NoiseState,
+    witness: WitnessState,
+    inputs: InputState,
     valve: ValveMonitorState,
     lost: u32,
     turn: u8,
@@ -54,6 +57,9 @@ impl Watch {
             detector: DetectorState::at(config.velocity_limit),
             envelope: EnvelopeState::default(),
             plausibility: PlausibilityState::default(),
+            noise: NoiseState::default(),
+            witness: WitnessState::default(),
+            inputs: InputState::default(),
             valve: ValveMonitorState::default(),
             lost: 0,
             turn: 0,
@@ -66,6 +72,11 @@ impl Watch {
         self.observer = FusionState::at(displacement);
     }
 
+    /// A test is armed: the table's gain is learned anew, since another payload may be on it.
+    pub(super) fn arm(&mut self) {
+        self.valve.forget_gain();
+    }
+
     /// Goes on under new settings; the limit in force is forgotten where the set one changed.
     pub(super) fn retune(&mut self, config: &Config, before: &Config) {
         if !config.parts.detector || !before.parts.detector || config.velocity_limit != before.velocity_limit {
@@ -75,6 +86,7 @@ impl Watch {
         if config.mode != before.mode {
             self.valve = ValveMonitorState::default();
         }
+        self.valve.forget_gain();
     }
 
     /// Measured velocity, m/s.
@@ -132,26 +144,27 @@ impl Watch {
         if !ALL && !config.parts.guard {
             return None;
         }
+        let noisy = self.hear_sensors(config, readings, drive);
         // A whole tick follows one that found nothing, or the test would not run: there is nothing to forget.
         match word {
             Word::Nothing if ALL => {
-                let left = config.guard.envelope.left_by(readings.displacement, self.observer.velocity);
+                let left = config.guard.envelope.left_by(readings.displacement, self.observer.velocity).or(noisy);
                 if left.is_some() {
                     self.cause.now = left;
                 }
                 left
             }
-            Word::Nothing => self.blame(config, readings, None),
-            Word::Unusual(doubt) => self.blame(config, readings, doubt),
+            Word::Nothing => self.blame(config, readings, noisy, None),
+            Word::Unusual(doubt) => self.blame(config, readings, noisy, doubt),
         }
     }
 
-    /// What the envelope says, which must not wait, or else the `doubt` of a monitor.
+    /// What the envelope says, which must not wait, or else a sensor that is `noisy`, or else the `doubt` of a monitor.
     #[cold]
     #[inline(never)]
-    fn blame(&mut self, config: &Config, readings: &Sample, doubt: Option<Trip>) -> Option<Trip> {
+    fn blame(&mut self, config: &Config, readings: &Sample, noisy: Option<Trip>, doubt: Option<Trip>) -> Option<Trip> {
         let left = config.guard.envelope.left_by(readings.displacement, self.velocity(config, readings));
-        self.cause.hear(left, doubt)
+        self.cause.hear(left.or(noisy), doubt)
     }
 
     /// The same under any configuration.
@@ -179,6 +192,7 @@ impl Watch {
         let seen = if missing.any(SENSORS) {
             if config.parts.observer && lost <= COAST {
                 config.observer.coast(&mut self.observer);
+                config.guard.witness.coast(&mut self.witness, readings.acceleration);
             }
             None
         } else {
@@ -190,6 +204,23 @@ impl Watch {
         }
         self.cause.now = seen.or((lost > config.guard.lost).then_some(Trip::SensorLost));
         self.cause.now
+    }
+
+    /// What must not wait of what the sensors say of themselves and of each other.
+    #[inline]
+    fn hear_sensors(&mut self, config: &Config, readings: &Sample, drive: Drive) -> Option<Trip> {
+        let (guard, x, a) = (&config.guard, readings.displacement, readings.acceleration);
+        let noisy = guard.noise.advance(&mut self.noise, x, a);
+        let disagree = if !config.parts.plausibility {
+            false
+        } else if drive.moves {
+            guard.witness.advance(&mut self.witness, x, a)
+        } else {
+            guard.witness.follow(&mut self.witness, &self.observer, x);
+            false
+        };
+        let inputs = guard.inputs.advance(&mut self.inputs, readings, drive.relay);
+        inputs.or(if disagree { Some(Trip::SensorsDisagree) } else { noisy })
     }
 
     /// Velocity and low-passed acceleration of the table. A reading that is not there stands at zero.

@@ -2,12 +2,11 @@
 //!
 //! ```text
 //! n = lag(|innovation|, 50 ms),   m = lag(innovation, 50 ms)
-//! r = lag(min(|acceleration[k] - acceleration[k-1]|, 2 acceleration_noise), 50 ms)
 //! ```
 //! `n > disagreement`: LVDT and accelerometer contradict each other where most of n is m, and else the LVDT is noisy.
-//! An offset of the accelerometer beyond `offset`, as the observer learns it: they contradict each other too. A quarter of the disagreement is enough against a sensor that has not changed by a bit for `stuck`: it is that
-//! one. `r` beyond its limit: the accelerometer is too noisy. A table at rest with quiet sensors changes nothing and
-//! trips nothing.
+//! An offset of the accelerometer beyond `offset`, as the observer learns it: they contradict each other too. A quarter of
+//! the disagreement is enough against a sensor that has not changed by a bit for `stuck`: it is that one. A table at rest
+//! with quiet sensors changes nothing and trips nothing. How noisy a sensor may be by itself: [`super::noise`].
 //!
 //! Readings that the walls refused for longer than `lost`: open, saturated or dead.
 
@@ -18,7 +17,7 @@ use crate::block::{Block, BlockError, require};
 use crate::filter::Lag;
 use crate::filter::fusion::FusionState;
 use crate::filter::lag::LagState;
-use crate::math::{Magnitude, min};
+use crate::math::Magnitude;
 
 /// When a sensor is not believed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -32,7 +31,7 @@ pub struct PlausibilitySettings {
     pub disagreement: f32,
     /// Largest offset that the accelerometer can have, m/s2.
     pub offset: f32,
-    /// Largest mean change of acceleration from tick to tick, m/s2.
+    /// Largest mean change of acceleration from tick to tick that is noise and not motion, m/s2.
     pub acceleration_noise: f32,
 }
 
@@ -49,9 +48,6 @@ pub struct Plausibility {
     suspicious: f32,
     disagreement: f32,
     offset: Magnitude,
-    acceleration_noise: f32,
-    /// Twice that.
-    spike: f32,
     mean: Lag,
 }
 
@@ -64,36 +60,23 @@ pub struct PlausibilityState {
     acceleration_same: u32,
     innovation: LagState,
     innovation_size: LagState,
-    roughness: LagState,
 }
 
 impl Plausibility {
     /// No monitor: nothing is believed.
     pub(crate) fn none() -> Self {
-        Self {
-            stuck: 0,
-            suspicious: 0.0,
-            disagreement: 0.0,
-            offset: Magnitude::ZERO,
-            acceleration_noise: 0.0,
-            spike: 0.0,
-            mean: Lag::none(),
-        }
+        Self { stuck: 0, suspicious: 0.0, disagreement: 0.0, offset: Magnitude::ZERO, mean: Lag::none() }
     }
 
     /// A monitor at ticks of `dt` (s).
     pub fn new(settings: &PlausibilitySettings, dt: f32) -> Result<Self, BlockError> {
         let s = settings;
         let disagreement = require("guard.plausibility.disagreement", s.disagreement, 1e-6, 1.0)?;
-        let noise = s.acceleration_noise;
-        let acceleration_noise = require("guard.plausibility.acceleration_noise", noise, 1e-3, 1e4)?;
         Ok(Self {
             stuck: (require("guard.plausibility.stuck", s.stuck, 0.0, 10.0)? / dt) as u32,
             suspicious: 0.25 * disagreement,
             disagreement,
             offset: Magnitude::new(require("guard.plausibility.offset", s.offset, 0.01, 1e3)?),
-            acceleration_noise,
-            spike: 2.0 * acceleration_noise,
             mean: Lag::new(0.05, dt)?,
         })
     }
@@ -119,17 +102,14 @@ impl Plausibility {
         acceleration: f32,
         seen: &FusionState,
     ) -> bool {
-        let change = acceleration - state.acceleration;
         state.displacement_same = count(state.displacement_same, displacement == state.displacement);
-        state.acceleration_same = count(state.acceleration_same, change == 0.0);
+        state.acceleration_same = count(state.acceleration_same, acceleration == state.acceleration);
         state.displacement = displacement;
         state.acceleration = acceleration;
 
         self.mean.advance(&mut state.innovation, seen.innovation);
         let innovation = self.mean.advance(&mut state.innovation_size, seen.innovation.abs());
-        // A single spike, such as a valve that closes at speed makes, is not noise.
-        let roughness = self.mean.advance(&mut state.roughness, min(self.spike, change.abs()));
-        innovation <= self.suspicious && roughness <= self.acceleration_noise && self.offset.holds(seen.offset)
+        innovation <= self.suspicious && self.offset.holds(seen.offset)
     }
 
     /// The other half: what to doubt, if it is enough for that.
@@ -142,13 +122,7 @@ impl Plausibility {
         {
             return Some(trip);
         }
-        if !self.offset.holds(seen.offset) {
-            Some(Trip::SensorsDisagree)
-        } else if self.mean.last(&state.roughness) > self.acceleration_noise {
-            Some(Trip::AccelerationNoisy)
-        } else {
-            None
-        }
+        (!self.offset.holds(seen.offset)).then_some(Trip::SensorsDisagree)
     }
 
     /// Which sensor it is, given a suspicious mean magnitude of the `innovation` (m).

@@ -15,8 +15,9 @@
 //! output at which no oil flows.
 //!
 //! There is no way from Tripped but `reset`, and `reset` is refused until the safe ramp has ended. The relay of the
-//! hydraulic block is open in Off, and from the end of the safe ramp on in Tripped; at once when the valve itself is not
-//! believed, since no command would stop it.
+//! hydraulic block is open in Off, and from the end of the safe ramp on in Tripped. It opens at the tick of the trip where no
+//! command is known to stop the table: the valve itself is not believed, or the zero-flow output follows an LVDT that is lost
+//! or stuck.
 
 use serde::{Deserialize, Serialize};
 
@@ -108,6 +109,8 @@ pub struct Supervisor {
     presence: f32,
     command: f32,
     relay: Relay,
+    /// Whether the relay opens without waiting for the safe ramp, because no command is known to stop the table.
+    open_at_once: bool,
     steady: bool,
     changes: u8,
 }
@@ -121,6 +124,7 @@ impl Supervisor {
             presence: 0.0,
             command: 0.0,
             relay: Relay::Open,
+            open_at_once: false,
             steady: false,
             changes: 0,
         }
@@ -134,6 +138,7 @@ impl Supervisor {
             presence: 1.0,
             command: 0.0,
             relay: Relay::Closed,
+            open_at_once: false,
             steady: true,
             changes: 0,
         }
@@ -174,7 +179,7 @@ impl Supervisor {
     fn settle(&mut self) {
         self.relay = match self.state {
             State::Off => Relay::Open,
-            State::Tripped if self.command <= 0.0 || self.trip == Some(Trip::ValveStuck) => Relay::Open,
+            State::Tripped if self.command <= 0.0 || self.open_at_once => Relay::Open,
             _ => Relay::Closed,
         };
         self.steady = self.state == State::Running && self.presence >= 1.0;
@@ -229,6 +234,7 @@ impl Supervisor {
                 Some(trip) if self.command > 0.0 => return Err(Refused::StillMoving(trip)),
                 _ => {
                     self.trip = None;
+                    self.open_at_once = false;
                     State::Off
                 }
             },
@@ -254,7 +260,17 @@ impl Supervisor {
         }
         self.command = if self.moves() { 1.0 } else { 0.0 };
         self.trip = Some(cause);
+        self.open_at_once = cause.opens_relay_at_once();
         self.enter(State::Tripped);
+    }
+
+    /// Opens the relay of a tripped test without waiting for the end of the safe ramp: no command is known to stop the table.
+    #[cold]
+    pub fn open_relay_at_once(&mut self) {
+        if self.state == State::Tripped {
+            self.open_at_once = true;
+            self.settle();
+        }
     }
 
     /// One tick of the weights. Needed while it is not [`Supervisor::steady`].

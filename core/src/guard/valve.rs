@@ -13,9 +13,12 @@
 //! stands still while the table moves evenly, of which the accelerometer sees nothing; an even speed below a tenth of
 //! mismatch / memory is not seen, so that an unknown null does not trip a table at rest. No command stops a valve stuck hard
 //! over, and none is right without an LVDT: this trip opens the relay of the hydraulic block at once.
+//!
+//! A gain of the table by its LVDT that changes during a test trips as well (`gain`).
 
 use serde::{Deserialize, Serialize};
 
+use super::gain::{GainState, GainWitness};
 use crate::block::{Block, BlockError, require};
 use crate::filter::Lag;
 use crate::filter::lag::LagState;
@@ -56,6 +59,7 @@ pub struct ValveMonitor {
     still_keep: f32,
     still_band: Magnitude,
     still_limit: Magnitude,
+    gain: GainWitness,
 }
 
 /// What the monitor remembers.
@@ -67,6 +71,14 @@ pub struct ValveMonitorState {
     /// Where the LVDT has stood since it last moved, m, and what it was told to move since, m.
     stood: f32,
     told: f32,
+    gain: GainState,
+}
+
+impl ValveMonitorState {
+    /// Learns the table's gain anew, as after arming.
+    pub(crate) fn forget_gain(&mut self) {
+        self.gain = GainState::default();
+    }
 }
 
 impl ValveMonitor {
@@ -84,6 +96,7 @@ impl ValveMonitor {
             still_keep: 0.0,
             still_band: none,
             still_limit: none,
+            gain: GainWitness::none(),
         }
     }
 
@@ -104,6 +117,7 @@ impl ValveMonitor {
             still_keep: 1.0 - (0.2 * dt / memory).min(1.0),
             still_band: Magnitude::new(0.05 * mismatch),
             still_limit: Magnitude::new(0.5 * mismatch),
+            gain: GainWitness::new(dt),
         })
     }
 
@@ -118,8 +132,10 @@ impl ValveMonitor {
         velocity: f32,
         displacement: f32,
     ) -> bool {
+        let wanted = asked;
         let asked = asked.bounded(limit);
         let expected = self.lag.advance(&mut state.velocity, asked);
+        let changed = self.gain.advance(&mut state.gain, wanted, limit, expected, velocity);
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);
         if self.still_band.holds(displacement - state.stood) {
             state.told = self.still_keep * state.told + self.dt * asked;
@@ -127,7 +143,7 @@ impl ValveMonitor {
             state.stood = displacement;
             state.told = 0.0;
         }
-        !(self.mismatch.holds(state.unexplained) && self.still_limit.holds(state.told))
+        changed || !(self.mismatch.holds(state.unexplained) && self.still_limit.holds(state.told))
     }
 
     /// Between two of these: true where the LVDT creeps.

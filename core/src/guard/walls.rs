@@ -61,6 +61,7 @@ impl Walls {
             (settings.velocity_source == VelocitySource::Sensor, Channels::VELOCITY),
             (settings.reads_pressure(), Channels::PRESSURE_DIFFERENCE),
             (settings.reference_rates == ReferenceRates::Supplied, Channels::REFERENCE_RATES),
+            (settings.reads_second_displacement(), Channels::SECOND_DISPLACEMENT),
         ];
         Self {
             ranges: Within::new(&settings.ranges),
@@ -103,17 +104,16 @@ impl Walls {
         if self.accelerometer {
             take(Channels::ACCELERATION, s.acceleration, r.acceleration, &mut readings.acceleration);
         }
+        (readings.limit_switch, readings.relay_closed) = (s.limit_switch, s.relay_closed);
         if self.rare.is_empty() {
             return missing;
         }
-        let rare = [s.velocity, s.pressure_difference, s.reference_velocity, s.reference_acceleration];
-        missing.and(self.take_rare(rare, readings))
+        missing.and(self.take_rare(s, readings))
     }
 
     #[inline(never)]
-    fn take_rare(&self, rare: [f32; 4], readings: &mut Sample) -> Channels {
+    fn take_rare(&self, s: &Sample, readings: &mut Sample) -> Channels {
         let r = &self.ranges;
-        let [velocity, pressure_difference, reference_velocity, reference_acceleration] = rare;
         let mut missing = Channels::NONE;
         let mut take = |channel, value: f32, range: Magnitude, reading: &mut f32| {
             if self.rare.any(channel) {
@@ -124,12 +124,14 @@ impl Walls {
                 }
             }
         };
-        take(Channels::VELOCITY, velocity, r.velocity, &mut readings.velocity);
+        take(Channels::VELOCITY, s.velocity, r.velocity, &mut readings.velocity);
         let pressure = &mut readings.pressure_difference;
-        take(Channels::PRESSURE_DIFFERENCE, pressure_difference, r.pressure_difference, pressure);
-        take(Channels::REFERENCE_RATES, reference_velocity, r.velocity, &mut readings.reference_velocity);
+        take(Channels::PRESSURE_DIFFERENCE, s.pressure_difference, r.pressure_difference, pressure);
+        take(Channels::REFERENCE_RATES, s.reference_velocity, r.velocity, &mut readings.reference_velocity);
         let acceleration = &mut readings.reference_acceleration;
-        take(Channels::REFERENCE_RATES, reference_acceleration, r.acceleration, acceleration);
+        take(Channels::REFERENCE_RATES, s.reference_acceleration, r.acceleration, acceleration);
+        let second = &mut readings.second_displacement;
+        take(Channels::SECOND_DISPLACEMENT, s.second_displacement, r.displacement, second);
         missing
     }
 }

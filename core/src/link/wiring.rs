@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{Settings, SettingsError};
+use crate::guard::InputSettings;
+use crate::settings::{Mode, Settings, SettingsError};
 
 /// A straight line between converter codes and SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -19,6 +20,12 @@ impl Scale {
     #[inline]
     pub fn to_si(&self, code: u16) -> f32 {
         (f32::from(code) - self.zero) * self.per_code
+    }
+
+    /// What the codes from `first` to `last` stand for: smallest and largest value, in the channel's SI unit.
+    pub fn span(&self, first: u16, last: u16) -> [f32; 2] {
+        let [a, b] = [first, last].map(|code| self.to_si(code));
+        if a < b { [a, b] } else { [b, a] }
     }
 }
 
@@ -82,6 +89,17 @@ pub enum SetupError {
         /// What was given.
         value: f32,
     },
+    /// A channel of the wiring does not reach as far as the settings ask of it.
+    Reach {
+        /// The channel's name.
+        field: &'static str,
+        /// What its converter reaches, SI units: from, to.
+        reach: [f32; 2],
+        /// What the settings ask of it, SI units: from, to.
+        needed: [f32; 2],
+        /// Why, and what to do.
+        remedy: &'static str,
+    },
 }
 
 impl core::fmt::Display for SetupError {
@@ -90,6 +108,9 @@ impl core::fmt::Display for SetupError {
             Self::Control(error) => write!(f, "control.{error}"),
             Self::NoGuard => write!(f, "control.guard is missing: a device does not run without one"),
             Self::Wiring { field, value } => write!(f, "wiring.{field} is {value}, which no converter can have"),
+            Self::Reach { field, reach: [low, high], needed: [from, to], remedy } => {
+                write!(f, "wiring.{field} reaches {low} to {high}, and {from} to {to} is needed: {remedy}")
+            }
         }
     }
 }
@@ -103,6 +124,20 @@ impl Setup {
         if self.control.guard.is_none() {
             return Err(SetupError::NoGuard);
         }
+        self.control.validate_for_device().map_err(SetupError::Control)?;
+        let inputs = self.control.guard.map(|guard| guard.inputs).unwrap_or_default();
+        if inputs != InputSettings::default() {
+            let with = "a wiring, which has no such inputs yet";
+            return Err(SetupError::Control(SettingsError::Contradiction { field: "guard.inputs", with }));
+        }
+        self.check_wiring()?;
+        self.check_stroke()?;
+        self.check_ranges()?;
+        self.check_zero_flow()
+    }
+
+    /// Every line of the wiring by itself.
+    fn check_wiring(&self) -> Result<(), SetupError> {
         let wiring = &self.wiring;
         let scales = [
             ("reference", wiring.reference),
@@ -118,6 +153,60 @@ impl Setup {
         }
         require("full_scale", f32::from(wiring.full_scale), wiring.full_scale >= 255)
     }
+
+    /// The LVDT reads the whole stroke, with a code to spare at either end where the rails are faults.
+    fn check_stroke(&self) -> Result<(), SetupError> {
+        let wiring = &self.wiring;
+        let spare = u16::from(wiring.rails_are_faults);
+        let reach = wiring.displacement.span(spare, wiring.full_scale - spare);
+        let needed = [-self.control.stroke, self.control.stroke];
+        let remedy = "control.stroke must lie within what the LVDT reads; lower it, or rescale the input";
+        covers("displacement", reach, needed, remedy)
+    }
+
+    /// A converter at its rail is a fault: by its code, or because the rail lies beyond what is believed.
+    fn check_ranges(&self) -> Result<(), SetupError> {
+        let (wiring, control) = (&self.wiring, &self.control);
+        if wiring.rails_are_faults {
+            return Ok(());
+        }
+        let channels = [
+            ("displacement", wiring.displacement, control.ranges.displacement, true),
+            ("acceleration", wiring.acceleration, control.ranges.acceleration, control.observer.accelerometer),
+            ("external", wiring.external, control.ranges.external, control.mode == Mode::Guard),
+            ("reference", wiring.reference, control.ranges.reference, self.reads_reference()),
+        ];
+        for (field, scale, range, read) in channels {
+            let [low, high] = scale.span(0, wiring.full_scale);
+            if read && (range >= high || -range <= low) {
+                let remedy =
+                    "a converter at its rail must read beyond control.ranges; lower the range, or set rails_are_faults";
+                return Err(SetupError::Reach { field, reach: [low, high], needed: [-range, range], remedy });
+            }
+        }
+        Ok(())
+    }
+
+    fn reads_reference(&self) -> bool {
+        self.wiring.source == Source::Analog && self.control.mode != Mode::Guard
+    }
+
+    /// The output reaches zero flow wherever in its stroke the table is, with a code to spare at either side.
+    fn check_zero_flow(&self) -> Result<(), SetupError> {
+        let (wiring, control) = (&self.wiring, &self.control);
+        let reach = wiring.output.span(1, wiring.full_scale - 1);
+        let [low, high] = [-control.stroke, control.stroke].map(|x| control.zero_flow(x));
+        let remedy = "the output must reach zero flow at both ends of the stroke; use a bipolar output or rescale it";
+        covers("output", reach, [low, high], remedy)
+    }
+}
+
+/// Whether `reach` covers what is `needed`; a reach that is no number covers nothing.
+fn covers(field: &'static str, reach: [f32; 2], needed: [f32; 2], remedy: &'static str) -> Result<(), SetupError> {
+    if reach[0] <= needed[0] && reach[1] >= needed[1] {
+        return Ok(());
+    }
+    Err(SetupError::Reach { field, reach, needed, remedy })
 }
 
 fn require(field: &'static str, value: f32, holds: bool) -> Result<(), SetupError> {

@@ -3,7 +3,7 @@
 use crate::tape::{Noise, Tape};
 use shakedown_core::control::InnerLoop;
 use shakedown_core::math;
-use shakedown_core::{Controller, Course, Mode, Relay, Request, Sample, Settings};
+use shakedown_core::{Command, Controller, Mode, Relay, Request, Sample, Settings};
 
 /// A table of four operations: a valve that lags, a limit, two sensors.
 #[derive(Debug)]
@@ -112,17 +112,15 @@ pub(crate) fn play(tape: &mut Tape, settings: &Settings, other: &Settings) {
         let mut sample = table.sample(reference, before);
         before = reference;
         spoil(k, &mut sample);
-        tape.count(controller.passes(&sample));
-        let course = controller.advance(&sample);
-        note(tape, &controller, course);
+        let command = controller.step(&sample);
+        note(tape, &controller, &command);
         let now = if (1900..2300).contains(&k) { other } else { settings };
-        table.advance(answer(now, &controller, &table), controller.relay());
+        table.advance(answer(now, command.valve, &table), command.status.relay);
     }
 }
 
 /// What the valve gets of the output.
-fn answer(settings: &Settings, controller: &Controller, table: &Table) -> f32 {
-    let output = controller.valve();
+fn answer(settings: &Settings, output: f32, table: &Table) -> f32 {
     match (settings.mode, settings.inner_loop) {
         (Mode::Modifier, _) => 8.0 * (output - table.x),
         (_, InnerLoop::Hardwired) => output - table.x,
@@ -130,15 +128,12 @@ fn answer(settings: &Settings, controller: &Controller, table: &Table) -> f32 {
     }
 }
 
-fn note(tape: &mut Tape, controller: &Controller, course: Course) {
-    let command = controller.command(course.missing());
-    assert_eq!(command.valve.to_bits(), controller.valve().to_bits());
-    assert_eq!((command.status.relay, command.status.state), (controller.relay(), controller.state()));
-    assert_eq!(command.status.trip, controller.trip());
-    assert_eq!(command.status.held, !course.missing().is_empty());
+fn note(tape: &mut Tape, controller: &Controller, command: &Command) {
+    let status = &command.status;
+    assert_eq!((status.state, status.trip), (controller.state(), controller.trip()));
+    assert_eq!(status.held, !status.missing.is_empty());
     tape.note_all([command.valve, command.reference, command.status.velocity_limit]);
     tape.count(command.status.bits());
-    tape.count(course.missing().bits());
+    tape.count(status.missing.bits());
     tape.count(controller.changes());
-    tape.count(u32::from(course == Course::Whole));
 }

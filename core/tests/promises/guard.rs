@@ -1,11 +1,14 @@
 //! The guard: each hazard of docs/hazards.md made to happen to a table in a running test, and what must not happen.
 
 use proptest::prelude::*;
+use shakedown_core::control::InnerLoop;
 use shakedown_core::guard::envelope::ForceSettings;
 use shakedown_core::guard::{
-    EnvelopeSettings, GuardSettings, PlausibilitySettings, RampSettings, ValveMonitorSettings,
+    EnvelopeSettings, GuardSettings, InputSettings, PlausibilitySettings, RampSettings, ValveMonitorSettings,
+    WitnessSettings,
 };
 use shakedown_core::saturation::Detection;
+use shakedown_core::settings::Finding;
 use shakedown_core::settings::Gains;
 use shakedown_core::{Command, Controller, Mode, Modification, Refused, Relay, Request, Sample, Settings, State, Trip};
 
@@ -69,7 +72,7 @@ impl Rig {
         fault(&mut sample);
         let command = self.controller.step(&sample);
         let valve = match self.mode {
-            Mode::Modifier => 10.0 * (f64::from(command.valve) - self.table.x),
+            Mode::Modifier => 10.0 * (f64::from(command.valve) - self.table.lvdt()),
             _ => f64::from(command.valve),
         };
         if command.status.relay == Relay::Closed {
@@ -127,6 +130,40 @@ fn check_all(causes: &[Trip], latency: f64, fault: impl Fn(&mut Sample)) {
 #[test]
 fn open_lvdt() {
     check_all(&[Trip::SensorLost], 0.013, |s| s.displacement = f32::NAN);
+}
+
+/// A table at rest at 110 mm whose only LVDT is cut, for the device and for the loop behind it, which sees its converter's
+/// rail: where it ends up, m, and how long after the trip the relay opened, s.
+fn lost_lvdt_behind(mut settings: Settings, hardwired: bool) -> (f64, f64) {
+    settings.guard.as_mut().unwrap().envelope.margin = 0.005;
+    let mut rig = Rig::running(&settings);
+    rig.table.hardwired = hardwired;
+    let to = |t: f64| 0.11 * (0.25 * t).min(1.0);
+    while rig.t < 6.0 {
+        let reference = to(rig.t);
+        rig.tick(reference, |_| ());
+    }
+    assert!(rig.tripped.is_none() && rig.table.x > 0.108, "{:?} {}", rig.tripped, rig.table.x);
+    rig.table.heard = Some(-0.16);
+    let mut opened = None;
+    while rig.t < 7.0 {
+        if rig.tick(0.11, |s| s.displacement = f32::NAN).status.relay == Relay::Open {
+            opened = opened.or(Some(rig.t));
+        }
+    }
+    assert_eq!(rig.tripped.map(|(_, cause)| cause), Some(Trip::SensorLost));
+    (rig.farthest, opened.unwrap() - rig.tripped.unwrap().0)
+}
+
+/// No command is zero flow for a loop that subtracts an LVDT that is lost: only the relay stops the table.
+#[test]
+fn open_lvdt_under_a_loop_that_subtracts_it() {
+    let hardwired = Settings { inner_loop: InnerLoop::Hardwired, ..settings(Mode::Controller) };
+    for (settings, hardwired) in [(hardwired, true), (settings(Mode::Modifier), false)] {
+        let (farthest, after) = lost_lvdt_behind(settings, hardwired);
+        assert!(farthest < 0.12, "{:?}: {farthest} m", settings.mode);
+        assert!(after < 1e-9, "{:?}: the relay opened {after} s after the trip", settings.mode);
+    }
 }
 
 #[test]
@@ -199,6 +236,33 @@ fn noisy_accelerometer() {
         flip.set(-flip.get());
         s.acceleration += 8.0 * flip.get();
     });
+}
+
+/// A healthy sine of `frequency` (Hz) and `acceleration` (m/s2) behind an existing controller: what tripped, and the largest
+/// acceleration of the table, m/s2.
+fn healthy_sine(rate: f32, frequency: f64, acceleration: f64) -> (Option<Trip>, f64) {
+    let mut rig = Rig::running(&Settings { rate, ..settings(Mode::Guard) });
+    let w = std::f64::consts::TAU * frequency;
+    // Through Eq. 7: (b0 + b1 s) / (a1 + s) from command to velocity.
+    let command = acceleration / w * (57.65_f64.hypot(w)) / (138.0_f64.hypot(0.69 * w));
+    let mut largest = 0.0_f64;
+    while rig.t < 6.0 {
+        let external = command * (w * rig.t).cos();
+        rig.tick(0.0, |s| s.external = external as f32);
+        largest = largest.max(rig.table.a.abs());
+    }
+    (rig.tripped.map(|(_, cause)| cause), largest)
+}
+
+#[test]
+fn healthy_sines_within_the_envelope_do_not_trip() {
+    for rate in [500.0, 1000.0, 4000.0] {
+        for (frequency, acceleration) in [(5.0, 6.0), (10.0, 13.0), (15.0, 21.0), (20.0, 27.0), (30.0, 26.0)] {
+            let (tripped, largest) = healthy_sine(rate, frequency, acceleration);
+            assert_eq!(tripped, None, "{frequency} Hz, {acceleration} m/s2 at {rate} Hz");
+            assert!(largest > 0.9 * acceleration, "{frequency} Hz: only {largest} of {acceleration} m/s2");
+        }
+    }
 }
 
 /// A valve that goes on with `command` (m) from the third second on: what tripped, after how long, and the travel, m.
@@ -293,13 +357,71 @@ fn creeping_lvdt(settings: &Settings, speed: f64) -> (Option<Trip>, f64) {
     (rig.tripped.map(|(_, cause)| cause), speed.abs() * (rig.t - 3.0))
 }
 
+/// A shared LVDT whose reading is wrong by `error(t, x)` (m): device and existing loop read the same. Returns what tripped and
+/// the farthest that the table went, m, in `seconds` of a sine of `amplitude` (m) and `frequency` (Hz).
+fn wrong_lvdt(
+    settings: &Settings,
+    (amplitude, frequency): (f64, f64),
+    seconds: f64,
+    error: impl Fn(f64, f64) -> f64,
+) -> (Option<Trip>, f64) {
+    let mut rig = Rig::running(settings);
+    let end = 8.0 + seconds;
+    while rig.t < end {
+        let reference = amplitude * (std::f64::consts::TAU * frequency * rig.t).sin();
+        let off = if rig.t < 8.0 { 0.0 } else { error(rig.t - 8.0, rig.table.x) };
+        rig.table.heard = Some(rig.table.x + off);
+        rig.tick(reference, |s| {
+            s.displacement += off as f32;
+            s.external -= 10.0 * off as f32;
+        });
+        assert!(rig.t > 8.0 || rig.tripped.is_none(), "{:?} while healthy", rig.tripped);
+    }
+    (rig.tripped.map(|(_, cause)| cause), rig.farthest)
+}
+
+/// A loop that is closed over the LVDT carries the table along, so that LVDT and reference agree.
+#[test]
+fn a_shared_lvdt_that_drifts_is_contradicted() {
+    for mode in [Mode::Guard, Mode::Modifier, Mode::Controller] {
+        for speed in [0.1, -0.15, 0.3] {
+            for motion in [(0.0, 1.0), (0.03, 0.5), (0.02, 1.0)] {
+                let (cause, farthest) = wrong_lvdt(&settings(mode), motion, 10.0, |t, _| speed * t);
+                assert!(cause.is_some(), "{mode:?} {speed} m/s {motion:?}: {farthest} m");
+                assert!(farthest < 0.1, "{mode:?} {speed} m/s {motion:?}: {farthest} m, {cause:?}");
+            }
+        }
+    }
+}
+
+/// An LVDT whose gain sinks from 1 to 0.5 over 20 s: the table goes ever farther, the readings do not.
+#[test]
+fn an_lvdt_whose_gain_sinks_is_contradicted() {
+    let sinking = |t: f64, x: f64| -x * (0.025 * t).min(0.5);
+    for (mode, slowest) in [(Mode::Guard, 0.1), (Mode::Controller, 0.1), (Mode::Modifier, 0.3)] {
+        for frequency in [0.1, 0.3, 0.5, 1.0] {
+            if frequency < slowest {
+                continue;
+            }
+            for amplitude in [0.05, 0.067, 0.08] {
+                let amplitude = f64::min(amplitude, 0.2 / (std::f64::consts::TAU * frequency));
+                let (cause, farthest) = wrong_lvdt(&settings(mode), (amplitude, frequency), 25.0, sinking);
+                println!("{mode:?} {amplitude} {frequency} Hz: {farthest} m, {cause:?}");
+                assert!(cause.is_some(), "{mode:?} {frequency} Hz: {farthest} m");
+                assert!(farthest < 0.115, "{mode:?} {frequency} Hz: {farthest} m, {cause:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn creeping_lvdt_in_a_closed_loop() {
     // The loop carries the table along, so that LVDT, accelerometer and reference agree: the valve is what knows.
     for mode in [Mode::Guard, Mode::Controller] {
         for speed in [0.02, -0.03, 0.1] {
             let (cause, way) = creeping_lvdt(&settings(mode), speed);
-            assert_eq!(cause, Some(Trip::ValveStuck), "{mode:?} at {speed} m/s after {way} m");
+            let named = [Some(Trip::ValveStuck), Some(Trip::SensorsDisagree)].contains(&cause);
+            assert!(named, "{mode:?} at {speed} m/s after {way} m: {cause:?}");
             assert!(way < 0.07, "{mode:?} at {speed} m/s: {way} m");
         }
         assert_eq!(creeping_lvdt(&settings(mode), 0.005).0, None);
@@ -517,6 +639,73 @@ fn in_guard_mode_no_distance_from_a_reference_trips() {
     }
 }
 
+/// Without an accelerometer the valve command, through the model, is the second witness, and the LVDT's noise is judged by
+/// itself.
+#[test]
+fn without_an_accelerometer_the_command_contradicts_the_lvdt() {
+    for mode in [Mode::Guard, Mode::Controller] {
+        let mut settings = settings(mode);
+        settings.observer.accelerometer = false;
+        let findings: Vec<_> = settings.findings().collect();
+        assert!(findings.contains(&Finding::NoAccelerometer), "{findings:?}");
+        let motion = (0.03, 0.5);
+        let (drift, farthest) = wrong_lvdt(&settings, motion, 10.0, |t, _| 0.15 * t);
+        assert!(drift.is_some() && farthest < 0.1, "{mode:?}: {drift:?} {farthest} m");
+        let (sinking, farthest) = wrong_lvdt(&settings, (0.067, 0.2), 25.0, |t, x| -x * (0.025 * t).min(0.5));
+        assert!(sinking.is_some() && farthest < 0.115, "{mode:?}: {sinking:?} {farthest} m");
+        let flip = std::cell::Cell::new(1.0);
+        let (noisy, farthest) = wrong_lvdt(&settings, motion, 3.0, |_, _| 0.01 * flip.replace(-flip.get()));
+        assert!(noisy == Some(Trip::DisplacementNoisy) && farthest < 0.1, "{mode:?}: {noisy:?} {farthest} m");
+        assert_eq!(wrong_lvdt(&settings, motion, 10.0, |_, _| 0.0).0, None);
+    }
+}
+
+/// The inputs beside the sensors, where they are fitted.
+fn with_inputs(inputs: InputSettings) -> Rig {
+    let guard = settings(Mode::Controller).guard.map(|guard| GuardSettings { inputs, ..guard });
+    Rig::running(&Settings { guard, ..settings(Mode::Controller) })
+}
+
+#[test]
+fn limit_switches_and_a_second_sensor_trip() {
+    let mut rig = with_inputs(InputSettings { limit_switches: true, ..InputSettings::default() });
+    rig.swing(3.0, |_| ());
+    assert_eq!(rig.tick(0.0, |s| s.limit_switch = true).status.trip, Some(Trip::LimitSwitch));
+    let mut rig = with_inputs(InputSettings { second_displacement: Some(0.005), ..InputSettings::default() });
+    rig.swing(3.0, |s| s.second_displacement = s.displacement + 0.004);
+    assert_eq!(rig.tripped, None);
+    // A drift too slow for anything else.
+    let from = rig.t;
+    while rig.tripped.is_none() && rig.t < from + 5.0 {
+        let crept = 0.005 * (rig.t - from);
+        let reference = swing(rig.t);
+        rig.tick(reference, |s| {
+            s.second_displacement = s.displacement;
+            s.displacement += crept as f32;
+        });
+    }
+    assert_eq!(rig.tripped.map(|(_, cause)| cause), Some(Trip::SensorsDisagree));
+    assert!(rig.t - from < 1.1, "{}", rig.t - from);
+}
+
+#[test]
+fn a_relay_that_does_not_follow_is_seen() {
+    let feedback = InputSettings { relay_feedback: Some(0.05), ..InputSettings::default() };
+    let guard = settings(Mode::Controller).guard.map(|guard| GuardSettings { inputs: feedback, ..guard });
+    let mut controller = Controller::new(&Settings { guard, ..settings(Mode::Controller) }).unwrap();
+    let step = |controller: &mut Controller, closed| {
+        let mut last = Command::default();
+        (0..100).for_each(|_| last = controller.step(&Sample { relay_closed: closed, ..Sample::default() }));
+        last.status
+    };
+    // Welded: it reads closed with the coil off.
+    step(&mut controller, true);
+    assert_eq!(controller.request(Request::Arm), Err(Refused::Cause(Trip::RelayAstray)));
+    step(&mut controller, false);
+    controller.request(Request::Arm).unwrap();
+    assert_eq!(step(&mut controller, false).trip, Some(Trip::RelayAstray));
+}
+
 /// A sensor that is not fitted stands at zero for ever, and is not stuck.
 #[test]
 fn without_an_accelerometer_none_is_missed() {
@@ -637,9 +826,10 @@ fn deaf_monitors_would_be_seen() {
     let deaf = |mode| {
         let guard = settings(mode).guard.unwrap();
         let valve = ValveMonitorSettings { mismatch: 10.0, ..guard.valve };
+        let witness = WitnessSettings { bias: 100.0, ..guard.witness };
         let envelope =
             EnvelopeSettings { margin: 0.0, stopping_latency: 0.0, stopping_deceleration: 1000.0, ..guard.envelope };
-        Settings { guard: Some(GuardSettings { plausibility, valve, envelope, ..guard }), ..settings(mode) }
+        Settings { guard: Some(GuardSettings { plausibility, valve, witness, envelope, ..guard }), ..settings(mode) }
     };
     let unseen = |fault: fn(&mut Sample)| {
         let mut rig = Rig::running(&deaf(Mode::Guard));
@@ -666,7 +856,7 @@ fn the_hazard_table_names_real_tests() {
         eprintln!("skipped: no docs/hazards.md beside the package");
         return;
     };
-    let here = ["guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs"];
+    let here = ["guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs", "wiring.rs"];
     let here = here.map(|file| root.join("tests/promises").join(file));
     let of_the_image = ["faults.rs", "device.rs"].map(|file| root.join("../tests/replay/tests").join(file));
     let sources: String = here.iter().chain(&of_the_image).map(|file| std::fs::read_to_string(file).unwrap()).collect();

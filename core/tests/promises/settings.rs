@@ -5,8 +5,8 @@ use shakedown_core::control::TrackingSettings;
 use shakedown_core::control::tracking::NotchSettings;
 use shakedown_core::control::tracking::oil::OilSettings;
 use shakedown_core::control::tracking::pressure::PressureSettings;
-use shakedown_core::guard::GuardSettings;
 use shakedown_core::guard::envelope::ForceSettings;
+use shakedown_core::guard::{GuardSettings, InputSettings};
 use shakedown_core::saturation::Detection;
 use shakedown_core::settings::ReferenceRates;
 use shakedown_core::{Controller, Modification, Settings, SettingsError};
@@ -92,6 +92,13 @@ const FIELDS: &[Field] = &[
     ("guard.plausibility.disagreement", |s| &mut guard(s).plausibility.disagreement),
     ("guard.plausibility.offset", |s| &mut guard(s).plausibility.offset),
     ("guard.plausibility.acceleration_noise", |s| &mut guard(s).plausibility.acceleration_noise),
+    ("guard.witness.frequency", |s| &mut guard(s).witness.frequency),
+    ("guard.witness.scale", |s| &mut guard(s).witness.scale),
+    ("guard.witness.delay", |s| &mut guard(s).witness.delay),
+    ("guard.witness.bias", |s| &mut guard(s).witness.bias),
+    ("guard.witness.noise", |s| &mut guard(s).witness.noise),
+    ("guard.inputs.second_displacement", |s| guard(s).inputs.second_displacement.as_mut().unwrap()),
+    ("guard.inputs.relay_feedback", |s| guard(s).inputs.relay_feedback.as_mut().unwrap()),
     ("guard.valve.mismatch", |s| &mut guard(s).valve.mismatch),
     ("guard.valve.memory", |s| &mut guard(s).valve.memory),
     ("guard.ramps.test", |s| &mut guard(s).ramps.test),
@@ -125,6 +132,8 @@ fn full() -> Settings {
         modification: Modification::Preview { seconds: 0.1 },
         ..Settings::default()
     };
+    guard(&mut settings).inputs =
+        InputSettings { second_displacement: Some(0.01), limit_switches: true, relay_feedback: Some(0.1) };
     guard(&mut settings).envelope.force = Some(ForceSettings { limit: 280e3, piston_area: 0.024 });
     settings
 }
@@ -208,8 +217,8 @@ fn the_list_above_misses_no_number() {
     let bytes = postcard::to_slice(&full(), &mut buffer).unwrap().len();
     let tags = bytes - 4 * FIELDS.len();
     // mode, inner_loop, anti_windup, modification, reference_rates, velocity_source, accelerometer; saturation, tracking with
-    // oil, pressure and notch, guard, force.
-    assert_eq!(tags, 14, "a field was added: name it in FIELDS");
+    // oil, pressure and notch, guard, force, second displacement, limit switches, relay.
+    assert_eq!(tags, 17, "a field was added: name it in FIELDS");
 }
 
 #[test]

@@ -20,6 +20,8 @@ pub(crate) struct Table {
     pub(crate) oil: bool,
     /// Whether a hard-wired loop subtracts the LVDT.
     pub(crate) hardwired: bool,
+    /// What the LVDT says to a loop behind the device, where it is not the truth, m.
+    pub(crate) heard: Option<f64>,
     /// Standard deviation of the accelerometer's noise, m/s2, and the LVDT's step, m.
     pub(crate) noise: f64,
     pub(crate) step: f64,
@@ -40,6 +42,7 @@ impl Table {
             stuck: None,
             oil: true,
             hardwired: false,
+            heard: None,
             noise: 0.0,
             step: 0.0,
             x: 0.0,
@@ -70,6 +73,11 @@ impl Table {
         Sample::new(reference as f32, x as f32, (self.a + noise) as f32)
     }
 
+    /// What the LVDT says to a loop behind the device, m.
+    pub(crate) fn lvdt(&self) -> f64 {
+        self.heard.unwrap_or(self.x)
+    }
+
     /// One tick under `output`, m.
     pub(crate) fn advance(&mut self, output: f64) {
         let (a1, b0, b1) = (57.65, 138.0 * self.gain, 0.69 * self.gain);
@@ -78,7 +86,7 @@ impl Table {
         let v_before = self.before;
         let mut middle = self.v;
         for i in 0..STEPS {
-            let u = self.stuck.unwrap_or(if self.hardwired { output - self.x } else { output });
+            let u = self.stuck.unwrap_or(if self.hardwired { output - self.lvdt() } else { output });
             self.z = phi * self.z + (1.0 - phi) / a1 * (b0 - b1 * a1) * u;
             let flow = (self.z + b1 * u).clamp(-self.limits.1, self.limits.0);
             self.v = if self.oil { flow } else { 0.0 };
@@ -125,6 +133,7 @@ pub(crate) fn any_sample() -> impl proptest::strategy::Strategy<Value = Sample> 
             pressure_difference: p,
             reference_velocity: rv,
             reference_acceleration: ra,
+            ..Sample::default()
         }
     })
 }

@@ -1,11 +1,12 @@
 //! Wiring: what a code stands for, what no converter can have, and a device that does not run without a guard.
 
+use shakedown_core::control::InnerLoop;
 use shakedown_core::guard::GuardSettings;
 use shakedown_core::link::{Scale, Setup, SetupError, Source, Wiring};
-use shakedown_core::{Settings, SettingsError};
+use shakedown_core::{Mode, Settings, SettingsError};
 
 fn setup() -> Setup {
-    let line = Scale { zero: 2048.0, per_code: -5e-5 };
+    let line = Scale { zero: 2048.0, per_code: -7.44e-5 };
     Setup {
         telemetry_every: 10,
         wiring: Wiring {
@@ -41,7 +42,9 @@ fn a_code_is_as_far_from_zero_as_its_line_says() {
 #[test]
 fn a_line_that_no_converter_can_have_is_refused_by_name() {
     assert_eq!(setup().validate(), Ok(()));
+    // What the stroke and zero flow ask of a line is another matter, below.
     for (name, line) in LINES {
+        let line_holds = |setup: &Setup| !matches!(setup.validate(), Err(SetupError::Wiring { .. }));
         for (slope, holds) in [
             (1.1e-12, true),
             (-1.1e-12, true),
@@ -57,7 +60,7 @@ fn a_line_that_no_converter_can_have_is_refused_by_name() {
             let mut setup = setup();
             line(&mut setup.wiring).per_code = slope;
             let refused = matches!(setup.validate(), Err(SetupError::Wiring { field, .. }) if field == name);
-            assert_eq!(setup.validate().is_ok(), holds, "{name} {slope}");
+            assert_eq!(line_holds(&setup), holds, "{name} {slope}");
             assert_eq!(refused, !holds, "{name} {slope}");
         }
         for zero in [f32::NAN, f32::INFINITY] {
@@ -71,7 +74,7 @@ fn a_line_that_no_converter_can_have_is_refused_by_name() {
         setup.wiring.full_scale = full_scale;
         setup.validate()
     };
-    assert_eq!(full_scale(255), Ok(()));
+    assert!(matches!(full_scale(255), Err(SetupError::Reach { field: "displacement", .. })));
     assert_eq!(full_scale(254), Err(SetupError::Wiring { field: "full_scale", value: 254.0 }));
 }
 
@@ -86,4 +89,68 @@ fn a_device_needs_settings_that_hold_and_a_guard() {
         panic!("a stroke of -1 m was accepted");
     };
     assert_eq!(field, "stroke");
+}
+
+fn refusal(change: impl Fn(&mut Setup)) -> (&'static str, String) {
+    let mut changed = setup();
+    change(&mut changed);
+    let error = changed.validate().unwrap_err();
+    let field = match error {
+        SetupError::Reach { field, .. } | SetupError::Control(SettingsError::Conflict { field, .. }) => field,
+        other => panic!("{other}"),
+    };
+    (field, error.to_string())
+}
+
+/// Fields that are each within their own range, but not with the others: refused by the field, with its value and a remedy.
+#[test]
+fn fields_that_do_not_go_together_are_refused_with_a_remedy() {
+    fn guard(setup: &mut Setup) -> &mut GuardSettings {
+        setup.control.guard.as_mut().unwrap()
+    }
+    type Change = fn(&mut Setup);
+    let cases: [(&str, Change); 18] = [
+        ("displacement", |s| s.control.stroke = 10.0),
+        ("displacement", |s| s.control.stroke = 0.1525),
+        ("output", |s| s.wiring.output.zero = 1e30),
+        // Unipolar, behind a hard-wired loop: it cannot reach zero flow on one side.
+        ("output", |s| {
+            s.control.inner_loop = InnerLoop::Hardwired;
+            s.wiring.output = Scale { zero: 0.0, per_code: 1e-4 };
+        }),
+        ("output", |s| {
+            s.control.mode = Mode::Modifier;
+            s.wiring.output = Scale { zero: 2048.0, per_code: 5e-5 };
+        }),
+        ("displacement", |s| s.wiring.rails_are_faults = false),
+        ("acceleration", |s| {
+            s.wiring.rails_are_faults = false;
+            (s.control.ranges.displacement, s.control.ranges.acceleration) = (0.15, 30.0);
+        }),
+        ("guard.envelope.stopping_latency", |s| guard(s).ramps.safe = 10.0),
+        ("guard.envelope.stopping_latency", |s| guard(s).envelope.stopping_latency = 0.0),
+        ("guard.envelope.stopping_deceleration", |s| guard(s).envelope.stopping_deceleration = 1000.0),
+        ("guard.envelope.velocity", |s| guard(s).envelope.velocity = 100.0),
+        ("guard.envelope.acceleration", |s| guard(s).envelope.acceleration = 1e4),
+        ("guard.envelope.tracking", |s| guard(s).envelope.tracking = 100.0),
+        ("guard.envelope.persistence", |s| guard(s).envelope.persistence = 10.0),
+        ("guard.plausibility.lost", |s| guard(s).plausibility.lost = 1.0),
+        ("guard.plausibility.disagreement", |s| guard(s).plausibility.disagreement = 1.0),
+        ("guard.valve.mismatch", |s| guard(s).valve.mismatch = 10.0),
+        ("guard.valve.memory", |s| guard(s).valve.memory = 0.01),
+    ];
+    for (k, (name, change)) in cases.iter().enumerate() {
+        let (field, text) = refusal(|setup| {
+            if *name == "displacement" {
+                setup.control.ranges.displacement = 20.0;
+                setup.control.ranges.reference = 20.0;
+            }
+            change(setup);
+        });
+        assert_eq!(field, *name, "case {k}: {text}");
+        assert!(text.contains(name) && text.contains([';', ':']), "case {k}: {text}");
+    }
+    let (_, text) = refusal(|s| guard(s).ramps.safe = 10.0);
+    assert!(text.starts_with("control.guard.envelope.stopping_latency is 0.05, not within 5.01"), "{text}");
+    assert!(text.ends_with("shorten guard.ramps.safe, or plan for a longer stop"), "{text}");
 }

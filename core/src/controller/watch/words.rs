@@ -2,6 +2,7 @@
 
 use super::TURNS;
 use crate::guard::Trip;
+use crate::sample::Relay;
 
 /// What a monitor has to say after its turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,4 +52,8 @@ pub(crate) struct Drive {
     pub(crate) reference: f32,
     /// Command beyond zero flow, m.
     pub(crate) excess: f32,
+    /// Whether a law moves the table, rather than the safe ramp or nothing.
+    pub(crate) moves: bool,
+    /// What the relay is told to be.
+    pub(crate) relay: Relay,
 }

@@ -1,0 +1,74 @@
+//! The valve command as a second witness of the LVDT's gain: how far the table moves by its LVDT for what the command asks.
+//!
+//! ```text
+//! g = mean(v w) / mean(w^2)        over the turns in which |w| > V / 10 and the command is not at the limit in force
+//! |g - g0| > 0.25 g0: the LVDT's gain or the flow gain has changed
+//! ```
+//! v is the measured velocity (m/s), w the one that the identified model makes of the command (m/s), V the velocity limit; the
+//! means have a time constant of [`MEMORY`] of such turns. g0 is g after the first of them since the test was armed, so a
+//! model whose gain is wrong by any factor judges as well as a good one. A quarter is more than what load, amplitude and
+//! frequency within a record change of a table's flow gain; a loop that is closed over the LVDT goes 1 / 0.75 of its
+//! reference by then. A supply that sags below 0.56 of its pressure changes the flow gain as much, and trips as well.
+
+use crate::math::{Magnitude, max};
+
+/// Time constant of the means, s of motion.
+const MEMORY: f32 = 2.0;
+/// Largest change of the gain, 1.
+const CHANGE: f32 = 0.25;
+
+/// The witness's configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct GainWitness {
+    share: f32,
+    /// Turns until the gain is known.
+    learn: u32,
+}
+
+/// What it remembers: mean of v w and of w^2, m2/s2; turns so far; and the gain at first, 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct GainState {
+    both: f32,
+    square: f32,
+    turns: u32,
+    first: f32,
+}
+
+impl GainWitness {
+    pub(super) const fn none() -> Self {
+        Self { share: 0.0, learn: u32::MAX }
+    }
+
+    /// A witness at turns of `dt` (s).
+    pub(super) fn new(dt: f32) -> Self {
+        Self { share: dt / MEMORY, learn: (MEMORY / dt) as u32 }
+    }
+
+    /// One turn: velocity asked for (m/s), limit in force (m/s), velocity expected of it and measured (m/s). True: the gain
+    /// has changed.
+    #[inline]
+    pub(super) fn advance(self, state: &mut GainState, asked: f32, limit: f32, expected: f32, measured: f32) -> bool {
+        if !Magnitude::new(0.95 * limit).holds(asked) || Magnitude::new(0.1 * limit).holds(expected) {
+            return false;
+        }
+        if state.turns < self.learn {
+            // A plain mean at first, so that the first gain is as good as the later ones.
+            state.turns += 1;
+            let share = max(self.share, 1.0 / state.turns as f32);
+            state.average(share, expected, measured);
+            state.first = if state.square > 0.0 { state.both / state.square } else { 0.0 };
+            return false;
+        }
+        state.average(self.share, expected, measured);
+        let change = state.both - state.first * state.square;
+        !Magnitude::new(CHANGE * state.first * state.square).holds(change)
+    }
+}
+
+impl GainState {
+    #[inline]
+    fn average(&mut self, share: f32, expected: f32, measured: f32) {
+        self.both += share * (measured * expected - self.both);
+        self.square += share * (expected * expected - self.square);
+    }
+}

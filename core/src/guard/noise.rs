@@ -1,0 +1,122 @@
+//! Whether a sensor is noisier than a motion within the envelope can make it look.
+//!
+//! ```text
+//! d[k] = (y[k] - 3 y[k-1] + 3 y[k-2] - y[k-3]) / sqrt(10)        third difference of the reading y
+//! r    = lag(min(|d|, 2 limit), 50 ms),   noisy: r > limit
+//! limit = noise + (2 / pi) A_w (2 sin(w dt / 2))^3 / sqrt(10)     A_w = min(A, J / w)
+//! ```
+//! White noise gives d the mean magnitude of its change from tick to tick, which is what `noise` states. A sine of
+//! amplitude A and angular frequency w gives the second term, so the limit leaves alone every sine within acceleration A
+//! and jerk J of the envelope up to w: a tenth of the rate, or the corner J / A up to which the envelope allows A, whichever
+//! is higher. A single spike, such as a valve that closes at speed makes, counts for twice the limit at most.
+
+use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
+
+use super::{EnvelopeSettings, PlausibilitySettings, Trip};
+use crate::block::{Block, BlockError, require};
+use crate::filter::Lag;
+use crate::filter::lag::LagState;
+use crate::math::{self, min};
+
+/// 1 / sqrt(10): mean magnitude of a change from tick to tick over that of the third difference, for white noise.
+const WHITE: f32 = 0.316_227_77;
+/// Time over which roughness is averaged, s.
+const AVERAGE: f32 = 0.05;
+
+/// The roughness of one reading: its configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Roughness {
+    limit: f32,
+    mean: Lag,
+}
+
+/// What it remembers: the last three readings and the mean.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct RoughnessState {
+    before: [f32; 3],
+    heard: u8,
+    mean: LagState,
+}
+
+impl Roughness {
+    fn new(limit: f32, dt: f32) -> Result<Self, BlockError> {
+        Ok(Self { limit, mean: Lag::new(AVERAGE, dt)? })
+    }
+
+    /// One tick: whether the `reading` has been too rough.
+    #[inline]
+    fn advance(self, state: &mut RoughnessState, reading: f32) -> bool {
+        let [y1, y2, y3] = state.before;
+        state.before = [reading, y1, y2];
+        if state.heard < 3 {
+            // Where a reading begins is no change of it.
+            state.heard += 1;
+            return false;
+        }
+        let third = (reading - y3 + 3.0 * (y2 - y1)).abs() * WHITE;
+        self.mean.advance(&mut state.mean, min(2.0 * self.limit, third)) > self.limit
+    }
+}
+
+/// The monitor's configuration: LVDT, and accelerometer where one is fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseMonitor {
+    displacement: Roughness,
+    acceleration: Option<Roughness>,
+}
+
+/// What the monitor remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NoiseState {
+    displacement: RoughnessState,
+    acceleration: RoughnessState,
+}
+
+impl NoiseMonitor {
+    /// No monitor: any noise will do.
+    pub(crate) fn none() -> Self {
+        let deaf = Roughness { limit: f32::INFINITY, mean: Lag::none() };
+        Self { displacement: deaf, acceleration: None }
+    }
+
+    /// A monitor of a motion within `envelope` at ticks of `dt` (s); `accelerometer` where one is fitted.
+    pub fn new(
+        settings: &PlausibilitySettings,
+        envelope: &EnvelopeSettings,
+        accelerometer: bool,
+        dt: f32,
+    ) -> Result<Self, BlockError> {
+        let noise = require("guard.plausibility.acceleration_noise", settings.acceleration_noise, 1e-3, 1e4)?;
+        let [of_acceleration, of_displacement] = motion(envelope, dt);
+        let acceleration = Roughness::new(noise + of_acceleration, dt)?;
+        Ok(Self {
+            displacement: Roughness::new(settings.disagreement + of_displacement, dt)?,
+            acceleration: accelerometer.then_some(acceleration),
+        })
+    }
+
+    /// One tick: displacement (m) and acceleration (m/s2) as read, and which of them is too noisy.
+    #[inline]
+    pub fn advance(&self, state: &mut NoiseState, displacement: f32, acceleration: f32) -> Option<Trip> {
+        let displacement = self.displacement.advance(&mut state.displacement, displacement);
+        let acceleration = self.acceleration.is_some_and(|of| of.advance(&mut state.acceleration, acceleration));
+        if displacement {
+            Some(Trip::DisplacementNoisy)
+        } else if acceleration {
+            Some(Trip::AccelerationNoisy)
+        } else {
+            None
+        }
+    }
+}
+
+/// Mean roughness of the acceleration (m/s2) and of the displacement (m) of the roughest sine within `envelope`.
+fn motion(envelope: &EnvelopeSettings, dt: f32) -> [f32; 2] {
+    let corner = envelope.jerk / envelope.acceleration;
+    let angular = math::max(0.1 * TAU / dt, corner);
+    let amplitude = min(envelope.acceleration, envelope.jerk / angular);
+    let half = min(0.5 * angular * dt, FRAC_PI_2);
+    let step = 2.0 * math::sin(half);
+    let rough = FRAC_2_PI * WHITE * amplitude * step * step * step;
+    [rough, rough / (angular * angular)]
+}
