@@ -2,12 +2,13 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use shakedown::files::layout::Stated;
 use shakedown::recording::csv;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
     let path = Path::new("fuzz.csv");
-    let Ok(headings) = csv::headings(bytes, path) else { return };
+    let Ok(headings) = csv::headings(bytes, path, &Stated::default()) else { return };
     let names: Vec<&str> = headings.iter().map(|heading| heading.name.as_str()).collect();
-    let _ = csv::read(bytes, path, &names);
+    let _ = csv::read(bytes, path, &names, &Stated::default());
 });

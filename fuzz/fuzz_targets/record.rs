@@ -12,6 +12,7 @@ fuzz_target!(|bytes: &[u8]| {
         dt: (choice & 1 != 0).then_some(0.01),
         unit: None,
         channel: if choice & 2 != 0 { Channel::Wrapped } else { Channel::First },
+        ..Options::default()
     };
     match record_from_bytes(Path::new("fuzz.txt"), content.to_vec(), &options) {
         Ok(record) => assert!(record.acceleration.iter().all(|a| a.is_finite())),

@@ -2,6 +2,7 @@
 
 pub mod bounded;
 pub mod json;
+pub mod layout;
 
 use std::io::{ErrorKind, Result, Write as _};
 use std::path::{Path, PathBuf};

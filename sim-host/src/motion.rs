@@ -5,6 +5,7 @@
 //! asked to follow. Units are SI throughout; conversion happens where a file or a person is read or written.
 
 pub mod condition;
+pub mod drive;
 pub mod filter;
 pub mod fit;
 pub mod fit_area;

@@ -3,6 +3,7 @@
 //! [`Experiment::load`] reads the TOML of docs/formats.md and every file it names, and gives typed runs in SI on an even
 //! time grid. Nothing is guessed: what is not as stated is an error that names the file, the place and the remedy.
 
+pub mod binary;
 pub mod channel;
 pub mod check;
 pub mod clock;
@@ -32,3 +33,22 @@ pub use experiment::Experiment;
 pub use law::{Law, Shaping};
 pub use model::{Accuracy, Baseline, ForceBalance, Model, RigidMass, Servo, StatedEffect};
 pub use run::{Run, Use};
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    /// A file of the development data, or `None`, said plainly, where it is not at hand.
+    pub(crate) fn data(name: &str) -> Option<PathBuf> {
+        let folder = std::env::var("SHAKEDOWN_DATA").unwrap_or_else(|_| "../../shared/data".into());
+        let path = Path::new(&folder).join(name);
+        if path.exists() {
+            return Some(path);
+        }
+        eprintln!(
+            "SKIPPED: {} is not at hand; set SHAKEDOWN_DATA to the folder of the development data",
+            path.display()
+        );
+        None
+    }
+}

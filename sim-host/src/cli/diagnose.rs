@@ -34,6 +34,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let experiment =
         Experiment::load(&args.experiment).map_err(|e| failure::refused(&args.experiment, e, failure::EXPERIMENT))?;
+    super::source::told(&experiment);
     let spinner = progress::spinner("reading".into());
     let say = |what: &str, _share: f64| spinner.set_message(what.to_owned());
     let examined = diagnose(&experiment, &Options { progress: Some(&say) }).map_err(failure)?;

@@ -5,6 +5,7 @@ use super::output::{Outputs, print, print_table};
 use serde_json::json;
 use shakedown::plant::effects::{ENTRIES, Entry, Role, entry, identifiers};
 use shakedown::plant::model::Kind;
+use shakedown::recording::error::suggestion;
 use shakedown::report::{Item, Page, Section, Table};
 use std::fmt::Write as _;
 
@@ -30,7 +31,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let chosen: Vec<&Entry> = match &args.id {
         None => ENTRIES.to_vec(),
         Some(id) => vec![entry(id).ok_or_else(|| {
-            Failure::Input(format!("no effect is called `{id}`; the library holds: {}", identifiers().join(", ")))
+            let meant =
+                suggestion(id, identifiers()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            Failure::Input(format!(
+                "no effect is called `{id}`{meant}; the library holds: {}",
+                identifiers().join(", ")
+            ))
         })?],
     };
     args.outputs.write_report(&mut page(&chosen), &[])?;

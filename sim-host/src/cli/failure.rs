@@ -32,10 +32,17 @@ impl Failure {
 /// Longest message, characters.
 const LONGEST: usize = 4000;
 
+/// A message without the numbers that the operating system has for its errors.
+fn without_numbers(message: &str) -> String {
+    let mut parts = message.split(" (os error ");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + part.split_once(')').map_or("", |(_, rest)| rest))
+}
+
 /// A message without what a damaged file makes unreadable: control characters, and what is beyond [`LONGEST`].
 fn short(message: &str) -> String {
     let clean = |c: char| if c.is_control() && c != '\n' { '\u{fffd}' } else { c };
-    let mut text: String = message.chars().take(LONGEST).map(clean).collect();
+    let mut text: String = without_numbers(message).chars().take(LONGEST).map(clean).collect();
     if message.chars().nth(LONGEST).is_some() {
         text.push_str(" ... (cut)");
     }
@@ -52,10 +59,15 @@ pub(crate) fn refused(path: &Path, error: impl Display, hint: &str) -> Failure {
 pub(crate) const EXPERIMENT: &str =
     "an experiment is TOML: `shakedown init FOLDER` proposes one for the recordings of a folder";
 
+/// A number for a message: in powers of ten where its digits would be many.
+pub(crate) fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
+}
+
 /// Refuses an option whose value lies outside its range, or is no number.
 pub(crate) fn within(option: &str, value: f64, low: f64, high: f64) -> Result<(), Failure> {
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    Err(Failure::Input(format!("{option} {value}: expected {low} to {high}")))
+    Err(Failure::Input(format!("{option} {}: expected {low} to {high}", number(value))))
 }

@@ -54,6 +54,9 @@ pub(crate) struct Args {
 
 /// Runs the campaign, or one run of it.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(folder) = args.out.as_ref().filter(|folder| folder.exists() && !folder.is_dir()) {
+        return Err(Failure::Input(format!("--out {}: is a file; name a folder", folder.display())));
+    }
     let motions = Motions::new(args.records.as_deref()).map_err(|e| Failure::Input(e.to_string()))?;
     if let Some(number) = args.run {
         return again(args, number, &motions);

@@ -35,6 +35,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let experiment =
         Experiment::load(&args.experiment).map_err(|e| failure::refused(&args.experiment, e, failure::EXPERIMENT))?;
+    super::source::told(&experiment);
     let spinner = progress::spinner("fitting".into());
     let found = identify(&experiment).map_err(|e| failure(args, e));
     spinner.finish_and_clear();

@@ -2,8 +2,9 @@
 
 use super::Failure;
 use super::output::{Outputs, print, write_whole};
+use super::source::Text;
 use serde_json::json;
-use shakedown::recording::propose::{Proposal, propose};
+use shakedown::recording::propose::{Proposal, propose_as};
 use shakedown::recording::{Experiment, Severity, check};
 use shakedown::report::{Item, Page, Section, Table};
 use std::ffi::OsString;
@@ -21,7 +22,7 @@ Then settle what it lists, and:
   shakedown identify recordings/experiment.toml
   shakedown diagnose recordings/experiment.toml")]
 pub(crate) struct Args {
-    /// The folder with the recordings: CSV or other text with a header line, or MATLAB v5.
+    /// The folder with the recordings: text with a header line (CSV, MTS 793, LabVIEW .lvm), MATLAB, HDF5, TDMS or RPC III.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// Name of the experiment's file in that folder; `-` prints it.
@@ -30,6 +31,8 @@ pub(crate) struct Args {
     /// Replaces a file of that name.
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    text: Text,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -43,7 +46,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             format!("{}: is there already; name another with --out, or replace it with --force", path.display());
         return Err(Failure::Input(message));
     }
-    let proposal = propose(&args.folder).map_err(|e| Failure::Input(e.to_string()))?;
+    let proposal = propose_as(&args.folder, &args.text.stated()).map_err(|e| Failure::Input(e.to_string()))?;
     if !to_terminal {
         write_whole(&path, proposal.text.as_bytes())?;
     }
@@ -67,7 +70,7 @@ fn as_json(proposal: &Proposal, experiment: Option<&PathBuf>) -> serde_json::Val
     let left_out = proposal.left_out.iter().map(|(file, reason)| json!({ "file": file, "reason": reason }));
     json!({
         "experiment": experiment, "files": proposal.files, "left_out": left_out.collect::<Vec<_>>(),
-        "channels": channels.collect::<Vec<_>>(), "to_settle": proposal.open,
+        "channels": channels.collect::<Vec<_>>(), "notes": proposal.notes, "to_settle": proposal.open,
         "controller": proposal.control.as_ref().map(|law| json!({ "law": law.text, "misses": law.error })),
     })
 }
@@ -104,6 +107,9 @@ fn summary(proposal: &Proposal, path: &Path) -> String {
         let unit = choice.unit.map_or("unit unknown", |u| u.symbol);
         let mark = if choice.doubtful { "  CONFIRM" } else { "" };
         let _ = writeln!(text, "  {:<22} [{unit}]  {}{mark}", choice.channel.name(), choice.evidence.join("; "));
+    }
+    for note in &proposal.notes {
+        let _ = writeln!(text, "Found: {note}");
     }
     for (name, reason) in &proposal.left_out {
         let _ = writeln!(text, "Left out {name}: {reason}");

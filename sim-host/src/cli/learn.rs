@@ -2,7 +2,7 @@
 
 use super::failure::within;
 use super::output::Outputs;
-use super::source::Source;
+use super::source::{Source, plausible};
 use super::{Failure, present, progress};
 use clap::builder::PossibleValuesParser;
 use serde_json::json;
@@ -73,6 +73,7 @@ impl Args {
     fn wanted(&self, record: &Record) -> Result<Motion, Failure> {
         let wrong = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", record.name));
         let motion = Recipe::table1(named::RATE).apply(record).map_err(|e| wrong(&e))?;
+        plausible(&record.name, &motion);
         let Some(fit) = Fit::parse(&self.fit) else { return Ok(motion) };
         let bar = progress::spinner(format!("fitting {}", record.name));
         let fitted = fit.apply(&motion, self.velocity, self.stroke, |line| bar.set_message(line.to_owned()));

@@ -1,10 +1,13 @@
-//! `shakedown modify`: fits a record to the table's limits and writes the drive in the record's own format.
+//! `shakedown modify`: fits a record to the table's limits and writes the drive, with its provenance.
 
 mod answer;
+mod out;
 mod page;
 
+use super::failure::number;
 use super::output::Outputs;
 use super::places::place;
+use super::source::{Text, plausible, record as read_record};
 use super::{Failure, present, progress};
 use answer::Answer;
 use clap::ValueEnum;
@@ -15,29 +18,29 @@ use shakedown::motion::fit::named::PREVIEW;
 use shakedown::motion::fit::spectrum::Band;
 use shakedown::motion::fit::{FitError, Limits, Norm, Reference};
 use shakedown::motion::resample::Interpolation;
-use shakedown::motion::{AccelerationUnit, Motion, Record, generate, read, write};
-use std::path::{Path, PathBuf};
+use shakedown::motion::{Motion, Record, generate, read};
+use std::path::PathBuf;
 use std::time::Instant;
 
-/// Fits a record to the table's limits: the drive is written in the record's own format.
+/// Fits a record to the table's limits and writes the drive: CSV, RPC III or AT2, by the file's name.
 #[derive(Debug, clap::Args)]
-#[command(
-    allow_negative_numbers = true,
-    after_help = "Examples:
+#[command(after_help = "Examples:
   shakedown modify KJM000.AT2 --out drive.AT2 --scale-to 0.74g
-  shakedown modify KJM000.AT2 --out drive.AT2 --velocity 0.3 --stroke 0.15 --report fit.html
+  shakedown modify KJM000.AT2 --out drive.csv --drive displacement --drive-unit mm --rate 1000
+  shakedown modify KJM000.AT2 --out drive.rpc --velocity 0.3 --stroke 0.15 --report fit.html
   shakedown modify KJM000.AT2 --objective spectrum --band 0.05,0.5 --tolerance 0.05 --out drive.AT2
   shakedown modify KJM000.AT2 --preview 0.5 --json -      what the device itself would make of it
   shakedown modify KJM000.AT2 --table found.toml          within what a diagnosed table can do
   shakedown modify KJM000.AT2 --target 0.2                what it would take to come that near
-  shakedown modify near-field-strong --report fit.html    a generated record, with no file at hand"
-)]
+  shakedown modify near-field-strong --report fit.html    a generated record, with no file at hand")]
 pub(crate) struct Args {
     /// The record: a file, or the name of a generated one (near-field-strong, near-field-moderate, far-field).
     record: PathBuf,
-    /// Where the drive goes; without it only the figures are given.
+    /// Where the drive goes, .csv, .rpc or .AT2; without it only the figures are given.
     #[arg(long, value_name = "FILE", value_parser = place())]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    shape: out::Shape,
     /// Largest speed, m/s [default: 0.242, or the table's].
     #[arg(long, value_name = "M/S")]
     velocity: Option<f64>,
@@ -93,15 +96,17 @@ pub(crate) struct Args {
     /// Sampling interval, s, where the file states none.
     #[arg(long, value_name = "S")]
     dt: Option<f64>,
-    /// Unit of the values, where the file states none: g, m/s2, cm/s2, gal ...
-    #[arg(long)]
-    unit: Option<AccelerationUnit>,
+    /// Unit of the record's values, where the file states none: g, m/s2, cm/s2, gal ...; m, mm, V or % is the drive's unit.
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<String>,
     /// Which component of the file: its number or a part of its name.
-    #[arg(long, default_value = "")]
-    channel: read::Channel,
-    /// Seed of a generated record.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    #[arg(long, value_name = "NAME")]
+    channel: Option<read::Channel>,
+    #[command(flatten)]
+    text: Text,
+    /// Seed of a generated record [default: 1].
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -145,15 +150,12 @@ enum Measure {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let method = args.method()?;
     let limits = args.limits()?;
+    args.check_target()?;
     // Said before the work, not after it.
-    if let Some(folder) = args.out.as_deref().and_then(Path::parent)
-        && !folder.as_os_str().is_empty()
-        && !folder.is_dir()
-    {
-        return Err(Failure::Input(format!("modify: --out: {} is no folder: make it first", folder.display())));
-    }
+    let plan = args.plan()?;
     let (record, inputs) = args.read()?;
     let motion = args.condition(&record)?;
+    plausible(&args.record.display().to_string(), &motion);
     let spinner = progress::spinner(format!("fitting {}", record.name));
     let tell = |line: &str| spinner.set_message(format!("{}: {line}", record.name));
     let begin = Instant::now();
@@ -162,11 +164,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let clipped = modify(&motion, &limits, Method::Clip, |_| {}).map_err(|e| failure(&e))?;
     let relaxations = args.relaxations(&motion, &limits, tell)?;
     spinner.finish_and_clear();
-    if let Some(out) = &args.out {
-        let drive = Record { dt: motion.dt, acceleration: modified.motion.acceleration.clone(), ..record.clone() };
-        write::write(out, &drive).map_err(|e| Failure::Work(format!("modify: {e}")))?;
-    }
-    let answer = Answer {
+    let mut answer = Answer {
         name: record.name.clone(),
         conditioning: args.conditioning(),
         method,
@@ -177,13 +175,18 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         relaxations,
         target: args.target,
         seconds,
+        drive: Vec::new(),
     };
+    if let Some(plan) = &plan {
+        answer.drive = out::write(args, plan, &record, &answer, &inputs)?;
+    }
     args.give(&answer, &inputs)
 }
 
 impl Args {
     fn give(&self, answer: &Answer, inputs: &[PathBuf]) -> Result<(), Failure> {
         let mut page = page::page(answer)?;
+        page.provenance.extend(answer.drive.iter().map(|(key, value)| (format!("drive: {key}"), value.clone())));
         if !self.outputs.quiet() {
             for section in &page.sections {
                 present::print_section(section);
@@ -251,6 +254,19 @@ impl Args {
     fn limits(&self) -> Result<Limits, Failure> {
         let table = super::table(self.table.as_deref())?;
         let velocity = self.velocity.unwrap_or_else(|| table.velocity_limit());
+        for (name, value, low, high, unit) in [
+            ("--velocity", Some(velocity), 1e-3, 20.0, "m/s"),
+            ("--stroke", Some(self.stroke), 1e-4, 5.0, "m"),
+            ("--acceleration", self.acceleration, 1e-2, 1e3, "m/s2"),
+            ("--jerk", self.jerk, 1e-1, 1e6, "m/s3"),
+            ("--stall", self.stall, 1e-1, 1e5, "m/s2"),
+            ("--preview", self.preview, 1e-3, 60.0, "s"),
+            ("--damping", self.damping, 1e-3, 0.5, "1"),
+            ("--tolerance", self.tolerance, 1e-4, 1.0, "1"),
+            ("--dt", self.dt, 1e-5, 1.0, "s"),
+        ] {
+            in_range(name, value, (low, high), unit)?;
+        }
         Ok(Limits {
             acceleration: self.acceleration,
             jerk: self.jerk,
@@ -262,13 +278,38 @@ impl Args {
     /// The record and the files it came from.
     fn read(&self) -> Result<(Record, Vec<PathBuf>), Failure> {
         let generated = self.record.to_str().and_then(generate::Recipe::named).filter(|_| !self.record.exists());
+        let unit = self.unit.as_deref().map(str::parse).transpose();
+        // Of the drive where it is no unit of acceleration: judged with the drive.
+        let unit = match unit {
+            Err(_) if self.out.is_some() => None,
+            other => other.map_err(|e| Failure::Input(format!("--unit: {e}")))?,
+        };
         if let Some(recipe) = generated {
-            let record = recipe.generate(self.seed).map_err(|e| Failure::Input(format!("modify: {e}")))?;
+            let own = [("--dt", self.dt.is_some()), ("--unit", unit.is_some()), ("--channel", self.channel.is_some())];
+            let given = own.into_iter().find(|(_, given)| *given).map(|(name, _)| name).or_else(|| self.text.given());
+            if let Some(option) = given {
+                return Err(Failure::Input(format!(
+                    "{option} describes a file, and {} is generated: leave it out",
+                    recipe.name
+                )));
+            }
+            let record = recipe.generate(self.seed.unwrap_or(1)).map_err(|e| Failure::Input(format!("modify: {e}")))?;
             return Ok((record, Vec::new()));
         }
-        let options = read::Options { dt: self.dt, unit: self.unit, channel: self.channel.clone() };
-        let record = read::record(&self.record, &options).map_err(|e| Failure::Input(e.to_string()))?;
-        Ok((record, vec![self.record.clone()]))
+        if self.seed.is_some() {
+            return Err(Failure::Input("--seed is of a generated record, and a file was named: leave it out".into()));
+        }
+        if !self.record.exists() && self.record.extension().is_none() && self.record.components().count() == 1 {
+            let names: Vec<&str> = generate::RECIPES.iter().map(|recipe| recipe.name).collect();
+            let place = self.record.display();
+            return Err(Failure::Input(format!(
+                "{place}: no such file, and no generated record; those are {}",
+                names.join(", ")
+            )));
+        }
+        let channel = self.channel.clone().unwrap_or_default();
+        let options = read::Options { dt: self.dt, unit, channel, text: self.text.stated() };
+        Ok((read_record(&self.record, &options)?, vec![self.record.clone()]))
     }
 
     /// What is done to the record before it is fitted.
@@ -276,10 +317,16 @@ impl Args {
         let mut steps = Vec::new();
         if let Some(values) = &self.trim {
             let (from_s, to_s) = pair("--trim", values)?;
+            let length = record.duration();
+            if !(from_s >= 0.0 && from_s < to_s && from_s < length) {
+                let text =
+                    format!("--trim {from_s},{to_s}: expected FROM below TO within the record, 0 to {length:.3} s");
+                return Err(Failure::Input(text));
+            }
             steps.push(Step::Trim { from_s, to_s });
         }
         if let Some(text) = &self.scale_to {
-            let peak = peak_acceleration(text).map_err(|e| Failure::Input(format!("modify: --scale-to {e}")))?;
+            let peak = peak_acceleration(text).map_err(|e| Failure::Input(format!("--scale-to {e}")))?;
             steps.push(Step::ScaleToPeak { peak });
         }
         if !self.as_is {
@@ -314,12 +361,18 @@ impl Args {
         parts.join("; ")
     }
 
+    fn check_target(&self) -> Result<(), Failure> {
+        match self.target {
+            Some(target) if !(target > 0.0 && target.is_finite()) => {
+                Err(Failure::Input(format!("--target {target}: expected a number above zero")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// What it would take to meet the target, by the velocity limit and by all limits together.
     fn relaxations(&self, motion: &Motion, limits: &Limits, tell: impl Fn(&str)) -> Result<Vec<Relaxation>, Failure> {
         let Some(target) = self.target else { return Ok(Vec::new()) };
-        if !(target > 0.0 && target.is_finite()) {
-            return Err(Failure::Input(format!("modify: --target {target}: expected a number above zero")));
-        }
         let start = motion.displacement.first().copied().unwrap_or(0.0);
         let reference = Reference::new(motion.dt, motion.velocity.clone(), start).map_err(|e| failure(&e))?;
         let mut found = Vec::new();
@@ -341,6 +394,14 @@ const RATE: f64 = 200.0;
 const BEFORE: f64 = 3.0;
 const AFTER: f64 = 5.0;
 const CORNER: f64 = 0.1;
+
+/// Refuses a value that no table has; where it would be one in thousandths or hundredths, that is asked.
+fn in_range(name: &str, value: Option<f64>, (low, high): (f64, f64), unit: &str) -> Result<(), Failure> {
+    let Some(value) = value.filter(|value| !(low..=high).contains(value)) else { return Ok(()) };
+    let smaller = [1e-3, 1e-2].map(|f| value * f).into_iter().find(|v| (low..=high).contains(v));
+    let meant = smaller.map_or_else(String::new, |v| format!("; did you mean {v} {unit}?"));
+    Err(Failure::Input(format!("{name} {}: expected {low} to {high} {unit}{meant}", number(value))))
+}
 
 /// Two numbers of an argument, `FROM,TO`.
 fn pair(name: &str, values: &[f64]) -> Result<(f64, f64), Failure> {

@@ -3,6 +3,7 @@
 mod engine;
 mod recordings;
 
+use super::failure::within;
 use super::output::{Outputs, print_table, tell};
 use super::shard::Shard;
 use super::{Failure, progress};
@@ -85,6 +86,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Some(Part::Merge { folder, outputs }) => show(&joined(folder)?, outputs),
         Some(Part::Recordings { experiments, outputs }) => recordings::run(experiments, outputs),
         Some(Part::Seals { deal }) => {
+            within("--cases", deal.cases as f64, 1.0, 1e7)?;
             seals(*deal);
             Ok(())
         }
@@ -93,6 +95,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn campaign(args: &Args) -> Result<(), Failure> {
+    within("--cases", args.deal.cases as f64, 1.0, 1e7)?;
+    if let Some(folder) = args.out.as_ref().filter(|folder| folder.exists() && !folder.is_dir()) {
+        return Err(Failure::Input(format!("--out {}: is a file; name a folder", folder.display())));
+    }
     let scratch = tempfile::tempdir().map_err(|e| Failure::Work(format!("no temporary folder: {e}")))?;
     let folder = args.out.as_deref().unwrap_or(scratch.path());
     let engine = Engine::new(args.examinee.as_deref())?;

@@ -5,7 +5,7 @@ mod trace;
 
 use super::output::Outputs;
 use super::places::place;
-use super::source::Source;
+use super::source::{Source, Text, plausible};
 use super::{Failure, failure, present, progress};
 use clap::ValueEnum;
 use serde_json::json;
@@ -14,6 +14,7 @@ use shakedown::closed_loop::scenario::{Conditioning, NamedRecipe, RecordSource, 
 use shakedown::closed_loop::trial::{Scores, Seen, Setup, Trial, TrialError};
 use shakedown::motion::Motion;
 use shakedown::motion::condition::{Step, peak_acceleration};
+use shakedown::motion::drive::Drive;
 use shakedown::motion::fit::FitError;
 use shakedown::motion::fit::named::{Fit, PREVIEW};
 use shakedown::plant::sensors::{GRAVITY, SensorModel};
@@ -115,6 +116,9 @@ impl Args {
                 RecordSource { file: source.record.clone(), seed: source.seed, ..RecordSource::default() };
         }
         let record = &mut scenario.record;
+        if let (Some(option), None) = (source.text.given(), &record.file) {
+            return Err(Failure::Input(format!("{option} describes a file: give it with --record FILE")));
+        }
         record.dt = source.dt.or(record.dt);
         record.unit = source.unit.clone().or(record.unit.take());
         record.channel = source.channel.clone().or(record.channel.take());
@@ -146,21 +150,29 @@ impl Online {
 /// A motion as it was asked for, and as it is played.
 struct Played {
     name: String,
+    /// What was done to it before it was played.
+    conditioning: String,
+    /// The provenance of a drive; empty for a record.
+    drive: Vec<(String, String)>,
     original: Motion,
     fitted: Motion,
 }
 
 /// Reads, conditions, scales and fits the motion.
-fn motion(scenario: &Scenario, setup: &Setup) -> Result<Played, Failure> {
+fn motion(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Played, Failure> {
+    if let Some(played) = drive(scenario, text, setup)? {
+        return Ok(played);
+    }
     let record = &scenario.record;
     let source = Source {
         record: record.file.clone(),
         dt: record.dt,
         unit: record.unit.clone(),
         channel: record.channel.clone(),
+        text: text.clone(),
         seed: record.seed,
     };
-    let record = source.load()?;
+    let record = source.load().map_err(|failure| stated_at(scenario, failure))?;
     let place = source.record.as_ref().map_or_else(|| record.name.clone(), |path| path.display().to_string());
     let refuse = |what: &str, e: String| Failure::Input(format!("{place}: {what}{e}"));
     let mut recipe = scenario.recipe(setup.rate());
@@ -169,11 +181,81 @@ fn motion(scenario: &Scenario, setup: &Setup) -> Result<Played, Failure> {
         recipe.steps.push(Step::ScaleToPeak { peak });
     }
     let original = recipe.apply(&record).map_err(|e| refuse("conditioning: ", e.to_string()))?;
+    plausible(&place, &original);
     let fitted = match scenario.fit {
         None => original.clone(),
         Some(fit) => fitted(fit, &original, setup, &record.name).map_err(|e| refuse("fit: ", e.to_string()))?,
     };
-    Ok(Played { name: record.name, original, fitted })
+    let conditioning = conditioning(scenario);
+    Ok(Played { name: record.name, conditioning, drive: Vec::new(), original, fitted })
+}
+
+/// A record that was refused, with where the scenario names it.
+fn stated_at(scenario: &Scenario, failure: Failure) -> Failure {
+    let line = scenario.line("record", "file");
+    match (failure, &scenario.source) {
+        (Failure::Input(text), Some((path, _))) if !line.is_empty() => {
+            Failure::Input(format!("{text} ({}{line})", path.display()))
+        }
+        (other, _) => other,
+    }
+}
+
+/// A drive, played as it is; none where the file is no drive.
+fn drive(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Option<Played>, Failure> {
+    let Some(path) = &scenario.record.file else { return Ok(None) };
+    let place = path.display();
+    let Some(drive) = Drive::read(path).map_err(|e| Failure::Input(e.to_string()))? else { return Ok(None) };
+    let record = &scenario.record;
+    let given = [
+        ("--fit", scenario.fit.is_some()),
+        ("--scale-to", scenario.scale_to.is_some()),
+        ("--conditioning", !matches!(scenario.conditioning, Conditioning::Table1)),
+        ("--dt", record.dt.is_some()),
+        ("--unit", record.unit.is_some()),
+        ("--channel", record.channel.is_some()),
+    ];
+    let option = given.into_iter().find(|(_, given)| *given).map(|(name, _)| name).or_else(|| text.given());
+    if let Some(option) = option {
+        return Err(Failure::Input(format!("{place}: is a drive and played as it is: leave {option} out")));
+    }
+    let rate = 1.0 / drive.dt;
+    if (rate / setup.rate() - 1.0).abs() > 1e-6 {
+        let wanted = setup.rate();
+        return Err(Failure::Input(format!(
+            "{place}: is a drive at {rate:.3} Hz and the controller runs at {wanted:.3} Hz: write it with `modify --rate {wanted}`"
+        )));
+    }
+    let motion = drive.motion();
+    plausible(&place.to_string(), &motion);
+    let source = drive.fact("source").unwrap_or("a motion").to_owned();
+    Ok(Some(Played {
+        name: format!("drive from {source}"),
+        conditioning: "none: a drive is played as it is".into(),
+        drive: drive.facts,
+        original: motion.clone(),
+        fitted: motion,
+    }))
+}
+
+/// What is done to a record before it is played, in words.
+fn conditioning(scenario: &Scenario) -> String {
+    let mut text = match &scenario.conditioning {
+        Conditioning::Table1 | Conditioning::Named(NamedRecipe::Table1) => {
+            "table1: 3 s of rest before and 5 s after, 4.7 Hz 6th-order low-pass, 0.05 Hz high-pass".to_owned()
+        }
+        Conditioning::Named(NamedRecipe::Plain) => {
+            "plain: 3 s of rest before and 5 s after, 0.05 Hz high-pass".to_owned()
+        }
+        Conditioning::Named(NamedRecipe::Fitting) => {
+            "fitting: first 40 s, 200 Hz, 3 s of rest before and 5 s after, 0.1 Hz high-pass".to_owned()
+        }
+        Conditioning::Steps(recipe) => format!("{} steps of the scenario", recipe.steps.len()),
+    };
+    if let Some(peak) = &scenario.scale_to {
+        text += &format!("; scaled to {peak}");
+    }
+    text
 }
 
 /// The motion brought within the plant's speed and the settings' stroke.
@@ -218,7 +300,7 @@ fn test(played: Played, setup: &Setup) -> Result<Outcome, Failure> {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let scenario = args.scenario()?;
     let setup = scenario.setup().map_err(|e| Failure::Input(e.to_string()))?;
-    let outcome = test(motion(&scenario, &setup)?, &setup)?;
+    let outcome = test(motion(&scenario, &args.source.text, &setup)?, &setup)?;
     let sections = page::sections(&outcome, &setup)?;
     if !args.outputs.quiet() {
         sections.iter().for_each(present::print_section);
@@ -244,7 +326,11 @@ fn metrics(scores: &Scores) -> serde_json::Value {
 
 fn json(outcome: &Outcome, scenario: &Scenario) -> serde_json::Value {
     json!({
-        "name": scenario.name, "record": outcome.played.name,
+        "name": scenario.name, "record": outcome.played.name, "conditioning": outcome.played.conditioning,
+        "fit": scenario.fit.map(|fit| format!("{fit:?}")),
+        "drive": (!outcome.played.drive.is_empty()).then(|| {
+            outcome.played.drive.iter().map(|(key, value)| (key.clone(), json!(value))).collect::<serde_json::Map<_, _>>()
+        }),
         "controller": scenario.controller.as_deref().unwrap_or(if scenario.settings.is_some() { "settings" } else { "current" }),
         "metrics": metrics(&outcome.truth), "metrics_with_sensors": metrics(&outcome.with_sensors),
         "times_real_time": outcome.times_real_time, "seed": scenario.sensors.seed,

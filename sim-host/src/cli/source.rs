@@ -1,9 +1,12 @@
 //! The ground motion of a command: a file, or a generated near-field motion.
 
 use super::Failure;
+use super::output::tell;
+use shakedown::files::layout::{Decimal, Delimiter, Stated};
 use shakedown::motion::read::Options;
-use shakedown::motion::{Record, generate, read};
-use std::path::PathBuf;
+use shakedown::motion::{Motion, Record, STANDARD_GRAVITY, generate, peak, read};
+use shakedown::recording::Experiment;
+use std::path::{Path, PathBuf};
 
 /// Which record, and what its file leaves out.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -22,21 +25,56 @@ pub(crate) struct Source {
     /// Component, where the file has several: its number or a part of its name.
     #[arg(long, value_name = "NAME")]
     pub(crate) channel: Option<String>,
+    #[command(flatten)]
+    pub(crate) text: Text,
     /// Seed of the generated motion.
     #[arg(long, value_name = "N", conflicts_with = "record")]
     pub(crate) seed: Option<u64>,
+}
+
+/// How columns of text are laid out, as far as it is not to be found.
+#[derive(Debug, Clone, Default, clap::Args)]
+#[group(skip)]
+pub(crate) struct Text {
+    /// Columns of text: lines above the line with the names, or above the first row.
+    #[arg(long, value_name = "N")]
+    skip_lines: Option<usize>,
+    /// Columns of text: what separates them: tab, semicolon, comma or blank.
+    #[arg(long, value_name = "NAME")]
+    delimiter: Option<Delimiter>,
+    /// Columns of text: the decimal sign, point or comma.
+    #[arg(long, value_name = "NAME")]
+    decimal: Option<Decimal>,
+    /// Columns of text: unit of each column in order, such as s,mm,g; empty for one without.
+    #[arg(long, value_name = "UNIT,...", value_delimiter = ',')]
+    units: Option<Vec<String>>,
+}
+
+impl Text {
+    /// The same for the readers.
+    pub(crate) fn stated(&self) -> Stated {
+        let Self { skip_lines, delimiter, decimal, units } = self.clone();
+        Stated { skip_lines, delimiter, decimal, units }
+    }
+
+    /// The first option given.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let all = [
+            ("--skip-lines", self.skip_lines.is_some()),
+            ("--delimiter", self.delimiter.is_some()),
+            ("--decimal", self.decimal.is_some()),
+            ("--units", self.units.is_some()),
+        ];
+        all.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+    }
 }
 
 impl Source {
     /// Reads or generates the record.
     pub(crate) fn load(&self) -> Result<Record, Failure> {
         let Some(path) = &self.record else {
-            for (option, given) in
-                [("--dt", self.dt.is_some()), ("--unit", self.unit.is_some()), ("--channel", self.channel.is_some())]
-            {
-                if given {
-                    return Err(Failure::Input(format!("{option} describes a file: give it with --record FILE")));
-                }
+            if let Some(option) = self.describes() {
+                return Err(Failure::Input(format!("{option} describes a file: give it with --record FILE")));
             }
             return generate::NEAR_FIELD_STRONG
                 .generate(self.seed.unwrap_or(1))
@@ -50,12 +88,63 @@ impl Source {
                 let Ok(channel) = name.parse();
                 channel
             }),
+            text: self.text.stated(),
         };
-        read::record(path, &options).map_err(|e| Failure::Input(e.to_string()))
+        record(path, &options)
+    }
+
+    /// The first option given that describes a file.
+    fn describes(&self) -> Option<&'static str> {
+        let own = [("--dt", self.dt.is_some()), ("--unit", self.unit.is_some()), ("--channel", self.channel.is_some())];
+        own.into_iter().find(|(_, given)| *given).map(|(name, _)| name).or_else(|| self.text.given())
+    }
+
+    /// The first option given, for parts of a command that take no motion.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let own = [("--record", self.record.is_some()), ("--seed", self.seed.is_some())];
+        own.into_iter().find(|(_, given)| *given).map(|(name, _)| name).or_else(|| self.describes())
     }
 
     /// The files read.
     pub(crate) fn inputs(&self) -> Vec<PathBuf> {
         self.record.iter().cloned().collect()
+    }
+}
+
+/// Reads a record; what was assumed of its layout is said.
+pub(crate) fn record(path: &Path, options: &Options) -> Result<Record, Failure> {
+    let record = read::record(path, options).map_err(|e| Failure::Input(e.to_string()))?;
+    for fact in record.facts.iter().filter(|fact| fact.key == "layout") {
+        tell(&format!("note: {}: {}", path.display(), fact.value));
+    }
+    Ok(record)
+}
+
+/// Says what was assumed of an experiment's recordings, and which effects begin at the library's own values.
+pub(crate) fn told(experiment: &Experiment) {
+    for note in &experiment.notes {
+        tell(&format!("note: {note}"));
+    }
+    for effect in experiment.model.effects.iter().filter(|effect| effect.parameters.is_empty()) {
+        tell(&format!(
+            "note: {}: no parameter of {} is stated: each begins at the library's value",
+            experiment.path.display(),
+            effect.id
+        ));
+    }
+}
+
+/// Beyond these no earthquake was recorded: m/s2 and m.
+const STRONGEST: f64 = 5.0 * STANDARD_GRAVITY;
+const FARTHEST: f64 = 2.0;
+
+/// Says where a motion is stronger than any that was recorded: its unit or its scale is wrong, or it is no earthquake.
+pub(crate) fn plausible(place: &str, motion: &Motion) {
+    let (a, x) = (peak(&motion.acceleration), peak(&motion.displacement));
+    if a > STRONGEST || x > FARTHEST {
+        tell(&format!(
+            "warning: {place}: peaks of {:.3} g and {x:.3} m are beyond any recorded earthquake (5 g, 2 m): check the unit and the scale",
+            a / STANDARD_GRAVITY
+        ));
     }
 }

@@ -74,13 +74,34 @@ impl What {
             Self::SawTooth => saw_tooth::run(),
             Self::TradeOff => trade_off::run(&args.source),
             Self::Cancellation => cancellation::run(),
-            Self::SlewRate => slew_rate::run(&args.slew_rate),
+            Self::SlewRate => Ok(slew_rate::run(&args.slew_rate)),
         }
+    }
+}
+
+impl Args {
+    /// Refuses what no part takes, and what a part cannot take, before any of them is computed.
+    fn check(&self) -> Result<(), Failure> {
+        let wanted = |what: What| self.write.is_none() && (self.parts.is_empty() || self.parts.contains(&what));
+        if let Some(option) = self.source.given().filter(|_| !wanted(What::TradeOff)) {
+            return Err(Failure::Input(format!(
+                "sweep: {option} is for trade-off alone: name that part, or leave {option} out"
+            )));
+        }
+        if let Some(folder) = self.write.as_ref().filter(|folder| folder.exists() && !folder.is_dir()) {
+            return Err(Failure::Input(format!("--write {}: is a file; name a folder", folder.display())));
+        }
+        if wanted(What::Bode) || wanted(What::Mass) {
+            self.bode.grid()?;
+            self.bode.stable()?;
+        }
+        if wanted(What::SlewRate) { self.slew_rate.check() } else { Ok(()) }
     }
 }
 
 /// Computes the parts asked for, prints their tables, writes `--json` and `--report`.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    args.check()?;
     if let Some(folder) = &args.write {
         let experiment = sweep_recording::write(folder, Paper::default(), args.noise_seed)
             .map_err(|e| Failure::Work(e.to_string()))?;

@@ -66,6 +66,9 @@ pub struct Scenario {
     pub table: Option<PathBuf>,
     /// The sensors.
     pub sensors: SensorModel,
+    /// Where it was read, with its text for line numbers; none for one made by options.
+    #[serde(skip)]
+    pub source: Option<(PathBuf, String)>,
 }
 
 impl Default for Scenario {
@@ -84,6 +87,7 @@ impl Default for Scenario {
             plant: Paper::default(),
             table: None,
             sensors: SensorModel::laboratory(1),
+            source: None,
         }
     }
 }
@@ -147,9 +151,12 @@ impl ScenarioError {
 
 /// Reads a TOML file into what is asked for; a key that nobody knows is refused with its line.
 fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
-    let text = bounded::text(path, bounded::BY_HAND)
-        .map_err(|e| ScenarioError::of(path, String::new(), format!("{e}: expected a readable TOML file")))?;
-    parse_toml(path, &text)
+    parse_toml(path, &text_of(path)?)
+}
+
+fn text_of(path: &Path) -> Result<String, ScenarioError> {
+    bounded::text(path, bounded::BY_HAND)
+        .map_err(|e| ScenarioError::of(path, String::new(), format!("{e}: expected a readable TOML file")))
 }
 
 fn parse_toml<T: serde::de::DeserializeOwned>(path: &Path, text: &str) -> Result<T, ScenarioError> {
@@ -162,12 +169,30 @@ fn parse_toml<T: serde::de::DeserializeOwned>(path: &Path, text: &str) -> Result
 impl Scenario {
     /// Reads a scenario; its paths become relative to the working folder.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
-        read_toml(path).and_then(|scenario: Self| scenario.placed(path))
+        let text = text_of(path)?;
+        Self::from_text(path, &text)
     }
 
     /// The same from text at hand; `path` is what messages call it and what its own paths are relative to.
     pub fn from_text(path: &Path, text: &str) -> Result<Self, ScenarioError> {
-        parse_toml(path, text).and_then(|scenario: Self| scenario.placed(path))
+        let mut scenario: Self = parse_toml(path, text)?;
+        scenario.source = Some((path.to_path_buf(), text.to_owned()));
+        scenario.placed(path)
+    }
+
+    /// The line of a key of a section (the top one is empty), as `, line 4`; nothing where it is not stated.
+    pub fn line(&self, section: &str, key: &str) -> String {
+        let Some((_, text)) = &self.source else { return String::new() };
+        let mut within = section.is_empty();
+        for (number, line) in text.lines().enumerate().map(|(i, line)| (i + 1, line.trim())) {
+            if line.starts_with('[') {
+                let name = line.trim_matches(['[', ']']);
+                within = name == section || !section.is_empty() && name.starts_with(&format!("{section}."));
+            } else if within && line.split('=').next().is_some_and(|k| k.trim() == key) {
+                return format!(", line {number}");
+            }
+        }
+        String::new()
     }
 
     /// With what follows from where it was read.
@@ -188,8 +213,13 @@ impl Scenario {
 
     /// The loop that the scenario describes, checked.
     pub fn setup(&self) -> Result<Setup, ScenarioError> {
-        let here = Path::new(&self.name);
-        let refuse = |place: &str, problem: String| Err(ScenarioError::of(here, format!(", {place}"), problem));
+        let here = self.source.as_ref().map_or(Path::new(&self.name), |(path, _)| path.as_path());
+        let refuse = |place: &str, problem: String| {
+            // `displacement_step = inf: ...` begins with the key that is wrong.
+            let key = problem.split([' ', ':']).next().unwrap_or_default();
+            let line = [self.line(place, key), self.line("", place)].into_iter().find(|line| !line.is_empty());
+            Err(ScenarioError::of(here, format!("{}, {place}", line.unwrap_or_default()), problem))
+        };
         let mut settings = match (&self.settings, &self.controller) {
             (Some(path), _) => read_toml::<Settings>(path)?,
             (None, name) => {
@@ -214,13 +244,24 @@ impl Scenario {
         if let Err(e) = self.sensors.validate() {
             return refuse("sensors", e.to_string());
         }
+        for (key, value, most) in [
+            ("displacement_step", self.sensors.displacement_step, 0.1),
+            ("acceleration_noise", self.sensors.acceleration_noise, 1000.0),
+        ] {
+            if value > most {
+                return refuse("sensors", format!("{key} = {value:e}: expected at most {most}, in SI units"));
+            }
+        }
         if let Err(e) = super::Clock::new(f64::from(settings.rate), self.steps) {
             return refuse("steps", e.to_string());
         }
         let table = match self.table.as_ref().map(|path| Twin::load(path)) {
             None => Twin::from(self.plant),
             Some(Ok(table)) => table,
-            Some(Err(e)) => return refuse("table", e.to_string()),
+            Some(Err(e)) => {
+                let (place, text) = (self.table.as_ref().map_or(String::new(), |path| path.display().to_string()), e.to_string());
+                return refuse("table", if text.contains(&place) { text } else { format!("{place}: {text}") });
+            }
         };
         Ok(Setup { settings, table, sensors: self.sensors.clone(), steps: self.steps })
     }

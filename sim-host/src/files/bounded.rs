@@ -20,9 +20,13 @@ pub fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
 
 /// The same as text; [`ErrorKind::InvalidData`] where it is none.
 pub fn text(path: &Path, limit: u64) -> Result<String> {
-    String::from_utf8(bytes(path, limit)?).map_err(|e| {
+    let bytes = bytes(path, limit)?;
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) || bytes.get(1) == Some(&0) {
+        return Err(Error::new(ErrorKind::InvalidData, "is UTF-16: save it as UTF-8"));
+    }
+    String::from_utf8(bytes).map_err(|e| {
         let offset = e.utf8_error().valid_up_to();
-        Error::new(ErrorKind::InvalidData, format!("is not text: byte {offset} is no UTF-8"))
+        Error::new(ErrorKind::InvalidData, format!("is not text: byte {offset} is no UTF-8; save it as UTF-8"))
     })
 }
 
@@ -42,7 +46,7 @@ mod tests {
             (ErrorKind::FileTooLarge, "holds more than 4 bytes")
         );
         std::fs::write(&path, b"ab\xff").unwrap();
-        assert_eq!(text(&path, 5).unwrap_err().to_string(), "is not text: byte 2 is no UTF-8");
+        assert_eq!(text(&path, 5).unwrap_err().to_string(), "is not text: byte 2 is no UTF-8; save it as UTF-8");
     }
 
     /// What has no end is refused all the same.

@@ -109,11 +109,27 @@ pub enum ConditionError {
     #[error("a motion that is zero throughout cannot be scaled to a peak")]
     Zero,
     /// Fewer than two samples are left.
-    #[error("{what} leaves {samples} sample(s): expected at least two")]
+    #[error(
+        "{what} leaves {samples} sample(s): expected at least two; keep a longer stretch, or check the sampling interval"
+    )]
     TooShort {
         /// The step.
         what: &'static str,
         /// How many are left.
+        samples: usize,
+    },
+    /// A stretch of time with nothing in it.
+    #[error(
+        "{from_s} to {to_s} s keeps {samples} sample(s): expected a stretch, first its begin and then its end, within 0 to {duration:.3} s"
+    )]
+    Outside {
+        /// Its begin, s.
+        from_s: f64,
+        /// Its end, s.
+        to_s: f64,
+        /// Length of the motion, s.
+        duration: f64,
+        /// How many samples it has.
         samples: usize,
     },
     /// Numbers that no table and no controller can hold.
@@ -236,15 +252,30 @@ impl Step {
 /// A peak acceleration with its unit, such as `0.74g`, `7.2 m/s2` or `350 gal`, in m/s².
 pub fn peak_acceleration(text: &str) -> Result<f64, PeakError> {
     let text = text.trim();
-    let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '+' | '-'))).unwrap_or(text.len());
+    let plain =
+        |text: &str| text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '+' | '-'))).unwrap_or(text.len());
+    let mut end = plain(text);
+    // An exponent: no unit begins with e and a digit.
+    if let Some(rest) = text[end..].strip_prefix(['e', 'E'])
+        && rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-'))
+    {
+        end += 1 + plain(rest);
+    }
     let (number, unit) = text.split_at(end);
     if unit.trim().is_empty() {
         return Err(PeakError::NoUnit(text.to_owned()));
     }
     let value: f64 = number.parse().map_err(|_| PeakError::Number(text.to_owned()))?;
     let peak = value * unit.parse::<AccelerationUnit>()?.in_si();
-    if peak > 0.0 && peak.is_finite() { Ok(peak) } else { Err(PeakError::Number(text.to_owned())) }
+    match peak {
+        p if p > LARGEST_PEAK => Err(PeakError::TooLarge(text.to_owned())),
+        p if p > 0.0 => Ok(p),
+        _ => Err(PeakError::Number(text.to_owned())),
+    }
 }
+
+/// Largest peak acceleration that a motion is scaled to, m/s2.
+const LARGEST_PEAK: f64 = 1e4;
 
 /// Why a text is no peak acceleration.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -252,6 +283,9 @@ pub enum PeakError {
     /// It does not begin with a positive number.
     #[error("`{0}`: expected a positive number and a unit, such as 0.74g or 7.2m/s2")]
     Number(String),
+    /// It is beyond any table.
+    #[error("`{0}`: expected at most 1e4 m/s2 (1020 g)")]
+    TooLarge(String),
     /// It has no unit.
     #[error("`{0}` has no unit: say 0.74g or 7.2m/s2")]
     NoUnit(String),
@@ -283,7 +317,7 @@ fn trim(motion: &Motion, from_s: f64, to_s: f64) -> Result<Motion, ConditionErro
     let (from, to) = (index(from_s), index(to_s).saturating_add(1).min(motion.len()));
     let part = motion.acceleration.get(from..to).unwrap_or(&[]);
     if part.len() < 2 {
-        return Err(ConditionError::TooShort { what: "the stretch of time kept", samples: part.len() });
+        return Err(ConditionError::Outside { from_s, to_s, duration: motion.duration(), samples: part.len() });
     }
     Ok(Motion::from_acceleration(motion.dt, part.to_vec()))
 }

@@ -12,10 +12,11 @@ mod knet;
 mod peer;
 mod text;
 
-pub use error::{Problem, ReadError};
+pub use error::{LEAST_SAMPLES, Problem, ReadError};
 pub use text::SIZE_LIMIT;
 
-use super::{AccelerationUnit, Format, Record, STANDARD_GRAVITY};
+use super::{AccelerationUnit, Fact, Format, Record, STANDARD_GRAVITY};
+use crate::files::layout::Stated;
 use std::path::Path;
 use text::{Block, Source};
 
@@ -65,22 +66,44 @@ pub struct Options {
     pub unit: Option<AccelerationUnit>,
     /// Which component.
     pub channel: Channel,
+    /// How columns of text are laid out, as far as it is not to be found.
+    pub text: Stated,
 }
 
 /// Reads one component of a ground-motion record.
 pub fn record(path: &Path, options: &Options) -> Result<Record, ReadError> {
-    parse(&Source::open(path)?, options)
+    let record = parse(&Source::open(path)?, options, false)?;
+    let samples = record.acceleration.len();
+    if samples < LEAST_SAMPLES {
+        let problem = Box::new(Problem::TooShort { samples });
+        return Err(ReadError { file: path.to_owned(), line: None, column: None, problem });
+    }
+    Ok(record)
 }
 
 /// Reads a record from bytes already at hand; `name` stands for the file in messages.
 pub fn record_from_bytes(name: &Path, bytes: Vec<u8>, options: &Options) -> Result<Record, ReadError> {
-    parse(&Source::from_bytes(name, bytes)?, options)
+    parse(&Source::from_bytes(name, bytes)?, options, false)
 }
 
-fn parse(source: &Source, options: &Options) -> Result<Record, ReadError> {
+/// Reads a drive in the form of a record.
+pub(super) fn drive_from_bytes(name: &Path, bytes: Vec<u8>) -> Result<Record, ReadError> {
+    parse(&Source::from_bytes(name, bytes)?, &Options::default(), true)
+}
+
+fn parse(source: &Source, options: &Options, drive: bool) -> Result<Record, ReadError> {
     let lines = source.lines()?;
     let block = Block::whole(source, &lines);
-    let record = match detect(&block)? {
+    if !drive && block.lines.first().is_some_and(|line| super::drive::is_first_line(line)) {
+        return Err(block.at(0, Problem::Drive));
+    }
+    let format = detect(&block, options)?;
+    if format != Format::Columns && !options.text.is_empty() {
+        let found = format!("{format} has a layout of its own");
+        let stated = "--skip-lines, --delimiter, --decimal and --units describe columns of text".to_owned();
+        return Err(block.contradiction(0, "layout", (stated, found), "leave them out"));
+    }
+    let mut record = match format {
         Format::Peer => peer::read(&block),
         Format::Csmip => csmip::read(&block, &options.channel),
         Format::Cosmos => cosmos::read(&block, &options.channel),
@@ -88,12 +111,18 @@ fn parse(source: &Source, options: &Options) -> Result<Record, ReadError> {
         Format::KNet => knet::read(&block),
         Format::Columns | Format::Generated => columns::read(&block, options),
     }?;
+    if matches!(record.format, Format::Peer | Format::KNet) {
+        csmip::select(&block, std::slice::from_ref(&record.component), &options.channel)?;
+    }
     agree(&block, &record, options)?;
+    if let Some(note) = source.encoding.note() {
+        record.facts.push(Fact { key: "layout", value: note.to_owned(), line: 1 });
+    }
     Ok(record)
 }
 
 /// Tells the format by the content.
-fn detect(block: &Block) -> Result<Format, ReadError> {
+fn detect(block: &Block, options: &Options) -> Result<Format, ReadError> {
     let head: Vec<String> = block.lines.iter().take(40).map(|l| l.to_lowercase()).collect();
     let first = head.first().map_or("", String::as_str);
     let any = |needle: &str| head.iter().any(|l| l.contains(needle));
@@ -115,7 +144,7 @@ fn detect(block: &Block) -> Result<Format, ReadError> {
     if head.iter().take(5).any(|l| l.contains("npts") || l.contains("time series in units of")) {
         return Ok(Format::Peer);
     }
-    if block.lines.iter().take(200).any(|l| columns::is_row(l)) {
+    if !options.text.is_empty() || block.lines.iter().take(200).any(|l| columns::is_row(l)) {
         return Ok(Format::Columns);
     }
     Err(block.at(0, Problem::UnknownFormat { first: text::excerpt(block.lines.first().copied().unwrap_or("")) }))
@@ -125,7 +154,7 @@ fn detect(block: &Block) -> Result<Format, ReadError> {
 const CREDIBLE: f64 = 1000.0 * STANDARD_GRAVITY;
 
 /// Refuses an interval or a unit that the person states and the file contradicts, and a record of one sample or of
-/// accelerations beyond belief.
+/// accelerations beyond belief, or of nothing but zeros.
 fn agree(block: &Block, record: &Record, options: &Options) -> Result<(), ReadError> {
     if let Some(dt) = options.dt.filter(|dt| ((dt - record.dt) / record.dt).abs() > 1e-3) {
         return Err(block.contradiction(
@@ -150,8 +179,12 @@ fn agree(block: &Block, record: &Record, options: &Options) -> Result<(), ReadEr
         let (what, expected) = ("an acceleration in m/s2", "at most 1000 g, 9807 m/s2, in magnitude");
         return Err(block.at(0, Problem::OutOfRange { what, found, expected }));
     }
-    if record.acceleration.len() < 2 {
-        return Err(block.at(0, Problem::TooShort { samples: record.acceleration.len() }));
+    let samples = record.acceleration.len();
+    if samples < 2 {
+        return Err(block.at(0, Problem::TooShort { samples }));
+    }
+    if record.acceleration.iter().all(|a| *a == 0.0) {
+        return Err(block.at(0, Problem::Zero { samples }));
     }
     Ok(())
 }

@@ -1,187 +1,281 @@
-//! Recordings as text: one header line, then one row a sample; comma, semicolon, tab or blanks between the fields.
+//! Recordings as text: names on one line, then one row a sample, laid out as [`crate::files::layout`] finds it.
 //!
-//! Only the wanted columns are kept, so memory is bounded by [`MAX_VALUES`] and the longest line.
+//! Preamble, a row of units, decimal comma, semicolon and UTF-16 are found and said ([`Table::notes`]); what can be read in two
+//! ways is refused. Only the wanted columns are kept, so memory is bounded by [`MAX_VALUES`] and the longest line.
 
 use super::error::{Place, Problem, RecordingError};
 use super::table::{Heading, MAX_BYTES, MAX_VALUES, Table, locate};
-use csv::ByteRecord;
-use std::io::{BufRead, BufReader, Read};
+use crate::files::layout::{self, Encoding, Layout, Stated, decode};
+use lines::{Lines, MAX_LINE};
+use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
-/// Longest line that is read, bytes.
-const MAX_LINE: usize = 1 << 20;
+mod lines;
+
+/// Largest UTF-16 text that is read, bytes: it is held whole.
+const MAX_UTF16: u64 = 1 << 28;
+
+/// Largest magnitude that is taken for a measurement, in any unit.
+const CREDIBLE: f64 = 1e15;
 
 /// Reads the headings alone.
-pub fn headings(input: impl Read, path: &Path) -> Result<Vec<Heading>, RecordingError> {
-    let mut input = BufReader::new(input);
-    let (_, line) = header_line(&mut input, path)?;
-    Ok(split_header(&line, delimiter(&line)))
+pub fn headings(input: impl Read, path: &Path, stated: &Stated) -> Result<Vec<Heading>, RecordingError> {
+    Ok(open(input, path, stated)?.headings)
 }
 
 /// Reads the wanted columns of `input`; `path` is for messages.
-pub fn read(input: impl Read, path: &Path, wanted: &[&str]) -> Result<Table, RecordingError> {
-    let mut input = BufReader::new(input);
-    let (line_number, header) = header_line(&mut input, path)?;
-    let delimiter = delimiter(&header);
-    let headings = split_header(&header, delimiter);
-    refuse_numbers(&headings, path, line_number)?;
-    let places = locate(&headings, wanted, path)?;
-    let columns = rows(input, path, delimiter, &headings, &places, line_number)?;
-    Ok(Table { headings: places.iter().map(|&i| headings[i].clone()).collect(), columns })
+pub fn read(input: impl Read, path: &Path, wanted: &[&str], stated: &Stated) -> Result<Table, RecordingError> {
+    let mut text = open(input, path, stated)?;
+    let line = text.layout.header.map_or(1, |i| text.first_line + i);
+    let at_header = |e: RecordingError| RecordingError { place: Place { line: Some(line), ..e.place }, ..e };
+    let places = locate(&text.headings, wanted, path).map_err(at_header)?;
+    let columns = text.rows(path, &places)?;
+    Ok(Table { headings: places.iter().map(|&i| text.headings[i].clone()).collect(), columns, notes: text.notes })
 }
 
-/// The first line that is not blank, with its number.
-fn header_line(input: &mut impl BufRead, path: &Path) -> Result<(usize, String), RecordingError> {
-    let mut number = 0;
-    loop {
-        let mut line = Vec::new();
-        let read = next_line(input, &mut line, path)?;
-        if read > MAX_LINE {
-            return Err(Place::file(path).refuse(Problem::TooLarge { what: "bytes in one line", limit: MAX_LINE }));
+/// A text whose layout is known.
+struct Text<'a> {
+    lines: Lines<'a>,
+    /// The first lines, read to find the layout.
+    head: Vec<String>,
+    /// The number of the first of them, from 1.
+    first_line: usize,
+    layout: Layout,
+    headings: Vec<Heading>,
+    notes: Vec<String>,
+    /// A last column of remarks that rows may have and the header names, which is passed over.
+    remarks: bool,
+    /// Where another block of the same file begins, for forms that have several.
+    block_mark: Option<String>,
+}
+
+/// Reads as much as the layout takes to be found.
+fn open<'a>(input: impl Read + 'a, path: &Path, stated: &Stated) -> Result<Text<'a>, RecordingError> {
+    let (mut lines, encoding) = decoded(input, path)?;
+    let mut head = Vec::new();
+    let mut bytes = 0;
+    while head.len() < 500 + stated.skip_lines.unwrap_or(0) && bytes < 4 * MAX_LINE {
+        let Some(line) = lines.next(path)? else { break };
+        bytes += line.len();
+        head.push(line);
+    }
+    if head.iter().all(|line| line.trim().is_empty()) {
+        let problem = "is empty; a header line that names the columns is expected".to_owned();
+        return Err(Place::file(path).refuse(Problem::Malformed(problem)));
+    }
+    let special = special(&head);
+    let remarks = special.as_ref().is_some_and(|own| own.remarks.is_some());
+    if let Some((line, names)) = special.as_ref().and_then(|own| own.remarks.clone()) {
+        head[line] = names;
+    }
+    let (stated, block_mark, kind) = match special {
+        Some(own) if stated.is_empty() => (own.stated, own.block_mark, Some(own.kind)),
+        _ => (stated.clone(), None, None),
+    };
+    let borrowed: Vec<&str> = head.iter().map(String::as_str).collect();
+    let layout = layout::find(&borrowed, &stated).map_err(|e| {
+        let place = e.line.map_or_else(|| Place::file(path), |i| Place::line(path, i + 1));
+        place.refuse(Problem::Malformed(e.reason))
+    })?;
+    let headings = headings_of(&layout, path)?;
+    let notes =
+        kind.into_iter().map(str::to_owned).chain(encoding.note().map(str::to_owned)).chain(layout.notes()).collect();
+    Ok(Text { lines, head, first_line: 1, layout, headings, notes, remarks, block_mark })
+}
+
+/// What a known form says of its own layout.
+struct Special {
+    kind: &'static str,
+    stated: Stated,
+    block_mark: Option<String>,
+    /// The header's line, from 0, without its column of remarks.
+    remarks: Option<(usize, String)>,
+}
+
+/// MTS 793 and LabVIEW texts say on their first lines how they are written.
+fn special(head: &[String]) -> Option<Special> {
+    let first = head.first()?;
+    if first.starts_with("MTS793|") {
+        return mts793(head);
+    }
+    first.starts_with("LabVIEW Measurement").then(|| labview(head)).flatten()
+}
+
+/// `MTS793|program|language|version|delimiter|decimal|...`: delimiter 0 blank, 1 comma, 2 tab. The block with most rows is read;
+/// its first line says when it was taken, its second names the columns, its third their units.
+fn mts793(head: &[String]) -> Option<Special> {
+    let fields: Vec<&str> = head.first()?.split('|').collect();
+    let delimiter = match *fields.get(4)? {
+        "0" => layout::Delimiter::Blank,
+        "1" => layout::Delimiter::Comma,
+        _ => layout::Delimiter::Tab,
+    };
+    let decimal = fields.get(5)?.parse().ok();
+    let title = head.windows(3).position(|w| {
+        let names = delimiter.split(&w[1]).len();
+        let units = delimiter.split(&w[2]);
+        names > 1 && units.len() == names && units.iter().all(|u| u.is_empty() || layout::is_unit(u))
+    })?;
+    let mark = delimiter.split(&head[title]).first().map(|word| (*word).to_owned()).filter(|word| !word.is_empty());
+    let stated = Stated { skip_lines: Some(title + 1), delimiter: Some(delimiter), decimal, units: None };
+    Some(Special { kind: "MTS 793 text", stated, block_mark: mark, remarks: None })
+}
+
+/// The lines between `LabVIEW Measurement` and the last `***End_of_Header***` name separator and decimal sign.
+fn labview(head: &[String]) -> Option<Special> {
+    let end = head.iter().rposition(|line| line.starts_with("***End_of_Header***"))?;
+    let value = |key: &str| {
+        head[..end]
+            .iter()
+            .find_map(|line| Some(line.strip_prefix(key)?.trim_start_matches(['\t', ',', ';', ' ']).trim()))
+    };
+    let delimiter = match value("Separator") {
+        Some("Comma") => layout::Delimiter::Comma,
+        _ => layout::Delimiter::Tab,
+    };
+    let decimal = value("Decimal_Separator").and_then(|sign| sign.parse().ok());
+    let header = head.get(end + 1)?;
+    let remarks = header
+        .trim_end()
+        .strip_suffix("Comment")
+        .map(|names| (end + 1, names.trim_end_matches(['\t', ',']).to_owned()));
+    let stated = Stated { skip_lines: Some(end + 1), delimiter: Some(delimiter), decimal, units: None };
+    Some(Special { kind: "LabVIEW measurement file", stated, block_mark: None, remarks })
+}
+
+/// The lines of a text in its encoding.
+fn decoded<'a>(input: impl Read + 'a, path: &Path) -> Result<(Lines<'a>, Encoding), RecordingError> {
+    let mut input: BufReader<Box<dyn Read + 'a>> = BufReader::with_capacity(1 << 16, Box::new(input));
+    let refuse = |e| Place::file(path).refuse(Problem::Unreadable(e));
+    let start = input.fill_buf().map_err(refuse)?;
+    let whole = &start[..start.len().min(256)];
+    let encoding = match Encoding::of(whole) {
+        // A character may be cut where the first bytes end: line by line it is known.
+        Ok(Encoding::Windows1252) => Encoding::Utf8,
+        Ok(encoding) => encoding,
+        Err(reason) => return Err(Place::file(path).refuse(Problem::Malformed(reason))),
+    };
+    if encoding == Encoding::Utf8 {
+        return Ok((Lines::new(Box::new(input)), encoding));
+    }
+    let mut bytes = Vec::new();
+    let read = input.take(MAX_UTF16 + 1).read_to_end(&mut bytes).map_err(refuse)?;
+    if read as u64 > MAX_UTF16 {
+        let problem = Problem::TooLarge { what: "bytes of UTF-16; save it as UTF-8", limit: MAX_UTF16 as usize };
+        return Err(Place::file(path).refuse(problem));
+    }
+    let text = decode(&bytes, encoding).into_owned();
+    Ok((Lines::new(Box::new(Cursor::new(text.into_bytes()))), encoding))
+}
+
+/// The headings of a layout; a recording must name its columns.
+fn headings_of(layout: &Layout, path: &Path) -> Result<Vec<Heading>, RecordingError> {
+    if layout.header.is_none() {
+        let problem = "holds numbers; the line above the first row must be a header that names the columns".to_owned();
+        return Err(Place::line(path, layout.first_row + 1).refuse(Problem::Malformed(problem)));
+    }
+    let unit = |i: usize| layout.column_units.get(i).filter(|u| !u.is_empty());
+    let parse = |(i, name): (usize, &String)| {
+        let heading = Heading::parse(name);
+        match unit(i) {
+            Some(unit) if heading.unit.is_none() => {
+                let unit = unit.trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim().to_owned();
+                Heading { unit: Some(unit), ..heading }
+            }
+            _ => heading,
         }
-        if read == 0 {
-            let problem = "is empty; a header line that names the columns is expected".to_owned();
-            return Err(Place::file(path).refuse(Problem::Malformed(problem)));
-        }
-        if line.contains(&0) {
-            let problem = "is UTF-16 or no text at all; save it as text in UTF-8".to_owned();
-            return Err(Place::file(path).refuse(Problem::Malformed(problem)));
-        }
-        number += 1;
-        let text = String::from_utf8(line).unwrap_or_else(|e| latin1(&e.into_bytes()));
-        let text = text.trim_start_matches('\u{feff}');
-        if !text.trim().is_empty() {
-            return Ok((number, text.trim_end_matches(['\r', '\n']).to_owned()));
+    };
+    Ok(layout.names.iter().enumerate().map(parse).collect())
+}
+
+impl Text<'_> {
+    /// The values of the columns at `places`.
+    fn rows(&mut self, path: &Path, places: &[usize]) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let mut columns = vec![Vec::new(); places.len()];
+        let (mut bytes, mut kept) = (0, 0);
+        let head = std::mem::take(&mut self.head);
+        let mut early = head.into_iter().skip(self.layout.first_row);
+        let mut number = self.first_line + self.layout.first_row - 1;
+        loop {
+            let line = match early.next() {
+                Some(line) => line,
+                None => match self.lines.next(path)? {
+                    Some(line) => line,
+                    None => return Ok(columns),
+                },
+            };
+            (number, bytes) = (number + 1, bytes + line.len());
+            let too_large = |what, limit| Err(Place::line(path, number).refuse(Problem::TooLarge { what, limit }));
+            if bytes > MAX_BYTES {
+                return too_large("bytes", MAX_BYTES);
+            }
+            if self.block_mark.as_ref().is_some_and(|mark| line.starts_with(mark.as_str())) {
+                self.notes
+                    .push(format!("the block that begins in line {number} has a header of its own and is left out"));
+                return Ok(columns);
+            }
+            self.row(&line, (path, number), places, &mut columns)?;
+            kept += places.len();
+            if kept > MAX_VALUES {
+                return too_large("values", MAX_VALUES);
+            }
         }
     }
-}
 
-/// Older data loggers write superscripts and the micro sign in Latin-1.
-fn latin1(bytes: &[u8]) -> String {
-    bytes.iter().map(|&b| char::from(b)).collect()
-}
-
-/// The separator: the first of tab, semicolon and comma that the header has, else blanks.
-fn delimiter(header: &str) -> u8 {
-    [b'\t', b';', b','].into_iter().find(|&d| header.as_bytes().contains(&d)).unwrap_or(b' ')
-}
-
-fn split_header(line: &str, delimiter: u8) -> Vec<Heading> {
-    let mut reader =
-        csv::ReaderBuilder::new().delimiter(delimiter).has_headers(false).flexible(true).from_reader(line.as_bytes());
-    let mut record = ByteRecord::new();
-    // A text in memory cannot fail to be read.
-    let _ = reader.read_byte_record(&mut record);
-    let fields = record.iter().map(|f| String::from_utf8_lossy(f).trim().to_owned());
-    if delimiter != b' ' {
-        return fields.map(|f| Heading::parse(&f)).collect();
-    }
-    let mut names: Vec<String> = Vec::new();
-    for field in fields.filter(|f| !f.is_empty()) {
-        match names.last_mut() {
-            // `time [s]` with a blank between is one heading.
-            Some(name) if field.starts_with('[') => name.extend([" ", &field]),
-            _ => names.push(field),
+    /// One line's values, where it is a row.
+    fn row(
+        &self,
+        line: &str,
+        (path, number): (&Path, usize),
+        places: &[usize],
+        columns: &mut [Vec<f64>],
+    ) -> Result<(), RecordingError> {
+        let layout = &self.layout;
+        let mut fields = layout.delimiter.split(line);
+        if fields.iter().all(|f| f.is_empty()) || line.trim_start().starts_with(['#', '%', '!']) {
+            return Ok(());
         }
-    }
-    names.iter().map(|n| Heading::parse(n)).collect()
-}
-
-fn refuse_numbers(headings: &[Heading], path: &Path, line: usize) -> Result<(), RecordingError> {
-    if headings.iter().all(|h| h.text.is_empty() || h.text.parse::<f64>().is_ok()) {
-        let problem = "holds numbers; the first line must be a header that names the columns".to_owned();
-        return Err(Place::line(path, line).refuse(Problem::Malformed(problem)));
-    }
-    Ok(())
-}
-
-fn rows(
-    mut input: impl BufRead,
-    path: &Path,
-    delimiter: u8,
-    headings: &[Heading],
-    places: &[usize],
-    header_lines: usize,
-) -> Result<Vec<Vec<f64>>, RecordingError> {
-    let mut columns = vec![Vec::new(); places.len()];
-    let (mut text, mut line, mut bytes, mut kept) = (Vec::new(), header_lines, 0, 0);
-    let too_large = |line, what, limit| Err(Place::line(path, line).refuse(Problem::TooLarge { what, limit }));
-    loop {
-        let read = next_line(&mut input, &mut text, path)?;
-        if read == 0 {
-            return Ok(columns);
+        while fields.len() > layout.width
+            && (self.remarks && fields.len() == layout.width + 1 || fields.last().is_some_and(|f| f.is_empty()))
+        {
+            fields.pop();
         }
-        (line, bytes) = (line + 1, bytes + read);
-        if read > MAX_LINE {
-            return too_large(line, "bytes in one line", MAX_LINE);
+        if fields.len() != layout.width {
+            let problem = Problem::Ragged { expected: layout.width, found: fields.len() };
+            return Err(Place::line(path, number).refuse(problem));
         }
-        if bytes > MAX_BYTES {
-            return too_large(line, "bytes", MAX_BYTES);
-        }
-        let fields = fields(&text, delimiter);
-        if fields.iter().all(|f| f.is_empty()) {
-            continue;
-        }
-        check_width(&fields, headings, path, line)?;
         for (column, &place) in columns.iter_mut().zip(places) {
-            let refuse = |p| Place::line(path, line).column(&headings[place].name).refuse(p);
-            // A heading without a name, at the very end, may have no field.
-            column.push(number(fields.get(place).copied().unwrap_or_default()).map_err(refuse)?);
+            let refuse = |p| Place::line(path, number).column(&self.headings[place].name).refuse(p);
+            column.push(value(fields[place], layout).map_err(refuse)?);
         }
-        kept += places.len();
-        if kept > MAX_VALUES {
-            return too_large(line, "values", MAX_VALUES);
-        }
+        Ok(())
     }
-}
-
-/// Reads one line of at most one byte more than [`MAX_LINE`]; gives the bytes read, none at the end.
-fn next_line(input: &mut impl BufRead, text: &mut Vec<u8>, path: &Path) -> Result<usize, RecordingError> {
-    text.clear();
-    input
-        .take(MAX_LINE as u64 + 1)
-        .read_until(b'\n', text)
-        .map_err(|e| Place::file(path).refuse(Problem::Unreadable(e)))
-}
-
-/// The row's fields, trimmed; where blanks separate, any number of them does.
-fn fields(text: &[u8], delimiter: u8) -> Vec<&[u8]> {
-    if delimiter == b' ' {
-        text.split(u8::is_ascii_whitespace).filter(|f| !f.is_empty()).collect()
-    } else {
-        text.split(|&b| b == delimiter).map(<[u8]>::trim_ascii).collect()
-    }
-}
-
-/// A row must have as many fields as the header; a separator at the very end of either is forgiven.
-fn check_width(fields: &[&[u8]], headings: &[Heading], path: &Path, line: usize) -> Result<(), RecordingError> {
-    let named = headings.len() - usize::from(headings.last().is_some_and(|h| h.text.is_empty()));
-    let filled = fields.len() - usize::from(fields.last().is_some_and(|f| f.is_empty()) && fields.len() > named);
-    if filled == named || fields.len() == headings.len() {
-        return Ok(());
-    }
-    Err(Place::line(path, line).refuse(Problem::Ragged { expected: named, found: filled }))
 }
 
 /// A number, or NaN for a dropped sample.
-fn number(field: &[u8]) -> Result<f64, Problem> {
-    let text = std::str::from_utf8(field).map(|t| t.trim_matches('"').trim());
-    let parsed = text.ok().and_then(|t| t.parse::<f64>().ok());
+fn value(field: &str, layout: &Layout) -> Result<f64, Problem> {
+    let field = field.trim_matches('"').trim();
+    let parsed = layout.decimal.number(field);
     match parsed {
-        Some(value) if !value.is_infinite() => Ok(value),
-        _ => {
-            let shown: String = String::from_utf8_lossy(field).chars().take(40).collect();
-            let hint = if shown.is_empty() {
-                "; write NaN for a sample that was dropped"
-            } else if shown.replacen(',', ".", 1).parse::<f64>().is_ok() {
-                "; the decimal sign must be a point"
-            } else if parsed.is_some() {
-                "; an infinite value cannot be used, write NaN for a sample that was dropped"
-            } else {
-                ""
-            };
-            Err(Problem::NotANumber { found: shown, hint })
+        Some(value) if value.is_nan() || value.abs() <= CREDIBLE => return Ok(value),
+        _ => {}
+    }
+    let found: String = field.chars().take(40).collect();
+    let hint = match parsed {
+        Some(value) if value.is_infinite() => {
+            "; an infinite value cannot be used, write NaN for a sample that was dropped"
         }
+        Some(_) => "; beyond 1e15 it is no measurement, write NaN for a sample that was dropped",
+        None if found.is_empty() => "; write NaN for a sample that was dropped",
+        None if found.replacen(',', ".", 1).parse::<f64>().is_ok() => {
+            "; the decimal sign must be a point, as in the rows before"
+        }
+        None if found.parse::<f64>().is_ok() => "; the decimal sign must be a comma, as in the rows before",
+        None => "",
+    };
+    match parsed {
+        Some(_) => Err(Problem::NoMeasurement { found, hint }),
+        None => Err(Problem::NotANumber { found, hint }),
     }
 }
 

@@ -80,7 +80,19 @@ impl<'a> Section<'a> {
 
     /// The value of a key that must be there.
     pub(crate) fn required(&self, key: &'static str, remedy: &'static str) -> Result<Entry<'a>, RecordingError> {
-        self.get(key).ok_or_else(|| self.place().refuse(Problem::Missing { key, remedy }))
+        self.get(key)
+            .ok_or_else(|| self.misspelt(key).unwrap_or_else(|| self.place().refuse(Problem::Missing { key, remedy })))
+    }
+
+    /// The key that stands here in place of a missing one, where one is near enough.
+    pub(crate) fn misspelt(&self, key: &'static str) -> Option<RecordingError> {
+        let asked = self.asked.borrow();
+        let found = self.table.iter().find(|(name, _)| {
+            let name = name.get_ref().as_ref();
+            !asked.contains(&name) && nearest(name, [key]).is_some()
+        })?;
+        let place = self.source.place(found.0.span().start, &self.path_of(found.0.get_ref()));
+        Some(place.refuse(Problem::UnknownKey { suggestion: Some(key.to_owned()), known: key.to_owned() }))
     }
 
     /// A number, where it is there.

@@ -105,7 +105,7 @@ pub enum Problem {
         found: String,
     },
     /// A number outside its range.
-    #[error("is {value}; {expected}")]
+    #[error("is {}; {expected}", short(*.value))]
     OutOfRange {
         /// What was given.
         value: f64,
@@ -172,6 +172,14 @@ pub enum Problem {
         /// What may have been meant.
         hint: &'static str,
     },
+    /// A number that nothing measured.
+    #[error("`{found}` is no measurement{hint}")]
+    NoMeasurement {
+        /// What stands there.
+        found: String,
+        /// What to write.
+        hint: &'static str,
+    },
     /// A file with nothing to read.
     #[error("{0}")]
     Malformed(String),
@@ -201,19 +209,33 @@ pub enum Problem {
     Contradiction(String),
 }
 
+/// A number for a message: in powers of ten where its digits would be many.
+fn short(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
+}
+
 fn did_you_mean(suggestion: Option<&str>) -> String {
     suggestion.map_or_else(String::new, |s| format!("; did you mean `{s}`?"))
 }
 
-/// The entry of `known` nearest to `word`, where one is near enough to have been meant.
+/// The entry of `known` that was meant by `word`, where one is near enough or begins with it.
+pub fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    nearest(word, known)
+}
+
+/// The entry of `known` nearest to `word`, where one is near enough to have been meant; else the one that begins with it.
 pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let lower = word.to_lowercase();
+    let known: Vec<&str> = known.into_iter().collect();
+    let mut begins = known.iter().filter(|k| lower.len() >= 3 && k.to_lowercase().starts_with(&lower));
+    let begun = begins.next().filter(|_| begins.next().is_none()).map(|k| (*k).to_owned());
     known
         .into_iter()
         .map(|k| (edit_distance(&lower, &k.to_lowercase()), k))
         .min()
         .filter(|&(distance, k)| distance <= 1 + k.chars().count().min(word.chars().count()) / 4)
         .map(|(_, k)| k.to_owned())
+        .or(begun)
 }
 
 /// Insertions, deletions, replacements and swaps of neighbours that make one word of the other. Long words are cut.
@@ -246,6 +268,7 @@ mod tests {
         assert_eq!(nearest("dispalcement", known).as_deref(), Some("displacement"));
         assert_eq!(nearest("Velocity", known).as_deref(), Some("velocity"));
         assert_eq!(nearest("temperature", known), None);
+        assert_eq!(nearest("coulomb", ["coulomb_friction", "command"]).as_deref(), Some("coulomb_friction"));
         assert_eq!(edit_distance("kitten", "sitting"), 3);
         assert_eq!(edit_distance("ues", "use"), 1);
     }

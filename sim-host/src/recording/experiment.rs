@@ -7,6 +7,7 @@ use super::holdout::{HeldBack, assign};
 use super::law::{Law, Shaping};
 use super::model::{Baseline, Model, read_text};
 use super::run::{Run, Use};
+use crate::files::layout::Stated;
 use std::path::{Path, PathBuf};
 
 mod channels;
@@ -34,6 +35,8 @@ pub struct Experiment {
     pub held_back: HeldBack,
     /// Every file that was read, for fingerprints.
     pub inputs: Vec<PathBuf>,
+    /// What was assumed to read the recordings, each with its file, in words.
+    pub notes: Vec<String>,
 }
 
 /// One entry of `[[runs]]`, before its file is read.
@@ -62,18 +65,19 @@ impl Experiment {
         let name = root.string("name")?.unwrap_or_else(|| stem(path));
         let model = Model::read(&root, &folder, &mut inputs)?;
         let sources = channels::read(&root)?;
+        let text_layout = root.get("text").map(|e| layout(&e)).transpose()?.unwrap_or_default();
         let entries = run_entries(&root, &folder)?;
         root.finish()?;
         let channels_at = root.required("channels", "")?.place();
         for entry in &entries {
             check_needs(&model, &entry.law, &sources, &channels_at)?;
         }
-        let runs = load::runs(&entries, &sources, &folder)?;
+        let (runs, notes) = load::runs(&entries, &sources, &folder, &text_layout)?;
         for run in &runs {
             add_inputs(&mut inputs, &run.0);
         }
         let (runs, held_back) = assign(runs);
-        Ok(Self { name, path: path.to_path_buf(), model, sources, runs, held_back, inputs })
+        Ok(Self { name, path: path.to_path_buf(), model, sources, runs, held_back, inputs, notes })
     }
 
     /// The runs of one use.
@@ -101,6 +105,21 @@ fn add_inputs(inputs: &mut Vec<PathBuf>, run: &Run) {
 fn run_entries(root: &Section<'_>, folder: &Path) -> Result<Vec<RunEntry>, RecordingError> {
     let list = root.required("runs", "write a [[runs]] table with its `file` for every recording")?;
     let entries = list.list()?.iter().map(|e| run_entry(&e.section()?, folder)).collect::<Result<Vec<_>, _>>()?;
+    for (i, entry) in entries.iter().enumerate() {
+        let whole = |e: &RunEntry| e.from_s.is_none() && e.to_s.is_none();
+        let again = |e: &&RunEntry| e.file == entry.file && e.stated.is_some() && e.stated != entry.stated;
+        if let Some(first) =
+            entries[..i].iter().find(again).filter(|e| entry.stated.is_some() && whole(e) && whole(entry))
+        {
+            let use_of = |e: &RunEntry| if e.stated == Some(Use::Fit) { "fitted" } else { "held out" };
+            let problem = format!(
+                "the same file is {} above and {} here, so that it would judge itself; split it with `from_s` and `to_s`, or name another",
+                use_of(first),
+                use_of(entry)
+            );
+            return Err(entry.place.clone().refuse(Problem::Contradiction(problem)));
+        }
+    }
     if entries.is_empty() {
         let problem = Problem::Missing { key: "runs", remedy: "name at least one recording" };
         return Err(list.refuse(problem));
@@ -129,6 +148,27 @@ fn run_entry(section: &Section<'_>, folder: &Path) -> Result<RunEntry, Recording
     }
     section.finish()?;
     Ok(entry)
+}
+
+/// `[text]`: how the recordings' columns of text are laid out, as far as it is not to be found.
+fn layout(entry: &super::document::Entry<'_>) -> Result<Stated, RecordingError> {
+    let section = entry.section()?;
+    let refuse = |e: &super::document::Entry<'_>, why: String| e.refuse(Problem::Contradiction(why));
+    let mut stated = Stated::default();
+    if let Some(e) = section.get("skip_lines") {
+        stated.skip_lines = Some(e.not_negative()? as usize);
+    }
+    if let Some(e) = section.get("delimiter") {
+        stated.delimiter = Some(e.string()?.parse().map_err(|why| refuse(&e, why))?);
+    }
+    if let Some(e) = section.get("decimal") {
+        stated.decimal = Some(e.string()?.parse().map_err(|why| refuse(&e, why))?);
+    }
+    if let Some(e) = section.get("units") {
+        stated.units = Some(e.list()?.iter().map(|u| u.string().map(str::to_owned)).collect::<Result<_, _>>()?);
+    }
+    section.finish()?;
+    Ok(stated)
 }
 
 fn purpose(entry: &super::document::Entry<'_>) -> Result<Use, RecordingError> {

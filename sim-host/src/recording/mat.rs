@@ -7,8 +7,9 @@
 //!
 //! Source: The `MathWorks`, "MAT-File Format", the Level 5 chapters.
 
+use super::binary::{Column, pick};
 use super::error::{Place, Problem, RecordingError};
-use super::table::{Heading, MAX_BYTES, MAX_VALUES, Table, locate};
+use super::table::{Heading, MAX_BYTES, MAX_VALUES, Table};
 use super::unit::Unit;
 use element::Order;
 use flate2::read::ZlibDecoder;
@@ -28,12 +29,6 @@ const MAX_COLUMNS: usize = 10_000;
 /// What is wrong with a file's bytes, in words.
 type Flaw = String;
 
-/// A column and its heading.
-struct Column {
-    heading: Heading,
-    values: Vec<f64>,
-}
-
 /// Reads the names of all columns.
 pub fn headings(input: impl Read, path: &Path) -> Result<Vec<Heading>, RecordingError> {
     Ok(columns(input, path)?.into_iter().map(|c| c.heading).collect())
@@ -41,23 +36,7 @@ pub fn headings(input: impl Read, path: &Path) -> Result<Vec<Heading>, Recording
 
 /// Reads the wanted columns, each named as the module describes; `path` is for messages.
 pub fn read(input: impl Read, path: &Path, wanted: &[&str]) -> Result<Table, RecordingError> {
-    let columns = columns(input, path)?;
-    let headings: Vec<Heading> = columns.iter().map(|c| c.heading.clone()).collect();
-    let places =
-        locate(&headings, wanted, path).map_err(|e| RecordingError { place: Place { line: None, ..e.place }, ..e })?;
-    let chosen: Vec<&Column> = places.iter().map(|&i| &columns[i]).collect();
-    let expected = chosen.first().map_or(0, |c| c.values.len());
-    if let Some(odd) = chosen.iter().find(|c| c.values.len() != expected) {
-        let problem = Problem::LengthsDiffer { expected, found: odd.values.len() };
-        return Err(Place::file(path).column(&odd.heading.name).refuse(problem));
-    }
-    Ok(Table {
-        headings: chosen.iter().map(|c| c.heading.clone()).collect(),
-        columns: chosen
-            .iter()
-            .map(|c| c.values.iter().map(|v| if v.is_infinite() { f64::NAN } else { *v }).collect())
-            .collect(),
-    })
+    pick(columns(input, path)?, Vec::new(), path, wanted)
 }
 
 fn columns(input: impl Read, path: &Path) -> Result<Vec<Column>, RecordingError> {
@@ -84,9 +63,6 @@ fn columns(input: impl Read, path: &Path) -> Result<Vec<Column>, RecordingError>
 fn header(input: &mut impl Read) -> Result<Order, Flaw> {
     let mut bytes = [0; 128];
     input.read_exact(&mut bytes).map_err(|_| "is no MATLAB v5 file: it ends within its header".to_owned())?;
-    if bytes.starts_with(b"MATLAB 7.3") {
-        return Err("is a MATLAB 7.3 (HDF5) file; save it with `-v7`".to_owned());
-    }
     match &bytes[126..128] {
         b"IM" => Ok(Order::Little),
         b"MI" => Ok(Order::Big),

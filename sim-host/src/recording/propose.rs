@@ -4,6 +4,7 @@
 use super::error::RecordingError;
 use super::file;
 use super::table::{Heading, Table};
+use crate::files::layout::Stated;
 use std::path::{Path, PathBuf};
 
 mod columns;
@@ -26,6 +27,8 @@ pub struct Proposal {
     pub files: Vec<String>,
     /// Files that were left out, with the reason.
     pub left_out: Vec<(String, String)>,
+    /// What was assumed to read the first of them, in words.
+    pub notes: Vec<String>,
     /// The channels and what speaks for each.
     pub choices: Vec<Choice>,
     /// The controller that reproduces the recorded command.
@@ -47,7 +50,7 @@ pub enum ProposeError {
         error: std::io::Error,
     },
     /// No file in it is a recording.
-    #[error("{path}: holds no recording (.csv, .txt, .dat, .tsv or .mat with a header){}", reasons(.left_out))]
+    #[error("{path}: holds no recording (text with a header, .mat, .h5, .tdms or .rpc){}", reasons(.left_out))]
     NoRecordings {
         /// The folder.
         path: PathBuf,
@@ -70,12 +73,26 @@ struct Recording {
     table: Table,
 }
 
+/// The columns of a file that are numbers throughout, and what is wrong with the last of the others.
+#[derive(Default)]
+struct Numeric {
+    kept: Vec<Heading>,
+    columns: Vec<Vec<f64>>,
+    notes: Vec<String>,
+    error: Option<RecordingError>,
+}
+
 /// Looks at the recordings of a folder and proposes an experiment.
 pub fn propose(folder: &Path) -> Result<Proposal, ProposeError> {
+    propose_as(folder, &Stated::default())
+}
+
+/// The same of texts whose layout is stated in part.
+pub fn propose_as(folder: &Path, stated: &Stated) -> Result<Proposal, ProposeError> {
     let mut left_out = Vec::new();
     let mut groups: Vec<(Vec<Heading>, Vec<String>)> = Vec::new();
     for name in candidates(folder)? {
-        match file::headings(&folder.join(&name)) {
+        match file::headings_as(&folder.join(&name), stated) {
             Ok(headings) => match groups.iter_mut().find(|(h, _)| *h == headings) {
                 Some((_, names)) => names.push(name),
                 None => groups.push((headings, vec![name])),
@@ -91,19 +108,22 @@ pub fn propose(folder: &Path) -> Result<Proposal, ProposeError> {
     };
     let others = groups.flat_map(|(_, names)| names);
     left_out.extend(others.map(|n| (n, "has other columns; give it an experiment of its own".to_owned())));
-    let recording = first_readable(folder, &headings, &mut files, &mut left_out)?;
+    let recording = first_readable(folder, &headings, &mut files, &mut left_out, stated)?;
+    let notes = recording.table.notes.clone();
     let facts = columns::facts(&recording);
     let mut choices = columns::choose(&facts);
     units::settle(&mut choices, &facts);
     let control = control::find(&choices, &facts);
     let open = write::open_questions(&choices, control.as_ref());
-    let text = write::experiment(folder, &files, &left_out, &facts, &choices, control.as_ref(), &open);
-    Ok(Proposal { text, files, left_out, choices, control, open })
+    let mut text = write::experiment(folder, &files, &left_out, &facts, &choices, control.as_ref(), &open);
+    write::layout(&mut text, stated, &notes);
+    Ok(Proposal { text, files, left_out, notes, choices, control, open })
 }
 
 /// Names of the files that could be recordings, in order.
 fn candidates(folder: &Path) -> Result<Vec<String>, ProposeError> {
-    const KINDS: [&str; 5] = ["csv", "txt", "dat", "tsv", "mat"];
+    const KINDS: [&str; 14] =
+        ["csv", "txt", "dat", "tsv", "asc", "lvm", "mat", "h5", "hdf5", "tdms", "rpc", "rsp", "tim", "drv"];
     let fail = |error| ProposeError::Folder { path: folder.to_path_buf(), error };
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(fail)? {
@@ -123,10 +143,11 @@ fn first_readable(
     headings: &[Heading],
     files: &mut Vec<String>,
     left_out: &mut Vec<(String, String)>,
+    stated: &Stated,
 ) -> Result<Recording, ProposeError> {
     while let Some(name) = files.first().cloned() {
         let path = folder.join(&name);
-        let (mut kept, mut columns, error) = numeric_columns(&path, headings);
+        let Numeric { mut kept, mut columns, notes, error } = numeric_columns(&path, headings, stated);
         // A file of variables also holds single numbers: gains, a date.
         let longest = columns.iter().map(Vec::len).max().unwrap_or(0);
         let whole: Vec<bool> = columns.iter().map(|c| c.len() == longest).collect();
@@ -134,7 +155,7 @@ fn first_readable(
         kept.retain(|_| *keep.next().unwrap_or(&false));
         columns.retain(|c| c.len() == longest);
         if longest >= super::experiment::LEAST_SAMPLES && columns.len() >= 2 {
-            let table = Table { headings: kept.clone(), columns };
+            let table = Table { headings: kept.clone(), columns, notes };
             return Ok(Recording { headings: kept, table });
         }
         let reason = error.map_or_else(|| format!("{}: holds too few numbers", path.display()), |e| e.to_string());
@@ -145,23 +166,24 @@ fn first_readable(
 }
 
 /// The columns that are numbers throughout, and what is wrong with the last of the others.
-fn numeric_columns(path: &Path, headings: &[Heading]) -> (Vec<Heading>, Vec<Vec<f64>>, Option<RecordingError>) {
+fn numeric_columns(path: &Path, headings: &[Heading], stated: &Stated) -> Numeric {
     let named: Vec<&Heading> = headings.iter().filter(|h| !h.text.is_empty()).take(MOST_COLUMNS).collect();
     let all: Vec<&str> = named.iter().map(|h| h.text.as_str()).collect();
-    if let Ok(table) = file::read(path, &all) {
-        return (table.headings, table.columns, None);
+    if let Ok(Table { headings: kept, columns, notes }) = file::read_as(path, &all, stated) {
+        return Numeric { kept, columns, notes, error: None };
     }
-    let (mut kept, mut columns, mut error) = (Vec::new(), Vec::new(), None);
+    let mut found = Numeric::default();
     for heading in named {
-        match file::read(path, &[&heading.text]) {
+        match file::read_as(path, &[&heading.text], stated) {
             Ok(mut table) => {
-                columns.append(&mut table.columns);
-                kept.push(heading.clone());
+                found.columns.append(&mut table.columns);
+                found.kept.push(heading.clone());
+                found.notes = table.notes;
             }
-            Err(e) => error = Some(e),
+            Err(e) => found.error = Some(e),
         }
     }
-    (kept, columns, error)
+    found
 }
 
 #[cfg(test)]

@@ -28,6 +28,8 @@ pub struct Table {
     pub headings: Vec<Heading>,
     /// Their values, all of one length; NaN where a sample was dropped.
     pub columns: Vec<Vec<f64>>,
+    /// What was assumed to read them, in words.
+    pub notes: Vec<String>,
 }
 
 impl Heading {

@@ -22,6 +22,8 @@ pub(super) struct Answer {
     pub(super) relaxations: Vec<Relaxation>,
     pub(super) target: Option<f64>,
     pub(super) seconds: f64,
+    /// What was written, by key; empty where nothing was.
+    pub(super) drive: Vec<(String, String)>,
 }
 
 impl Answer {
@@ -92,6 +94,9 @@ impl Answer {
             "target": self.target,
             "relaxations": relaxations,
             "spectrum": spectrum,
+            "drive": (!self.drive.is_empty()).then(|| {
+                self.drive.iter().map(|(key, value)| (key.clone(), json!(value))).collect::<serde_json::Map<_, _>>()
+            }),
             "seconds": self.seconds,
         }))
     }

@@ -24,7 +24,14 @@ pub(super) fn page(outcome: &Outcome, scenario: &Scenario, sections: Vec<Section
             outcome.truth.saturated_s
         ),
         sections,
-        provenance: vec![("sensor seed".into(), scenario.sensors.seed.to_string())],
+        provenance: [
+            vec![
+                ("sensor seed".into(), scenario.sensors.seed.to_string()),
+                ("conditioning".into(), outcome.played.conditioning.clone()),
+            ],
+            outcome.played.drive.iter().map(|(key, value)| (format!("drive: {key}"), value.clone())).collect(),
+        ]
+        .concat(),
     }
 }
 
@@ -47,6 +54,7 @@ fn motion_text(outcome: &Outcome, setup: &Setup) -> String {
         outcome.played.original.duration(),
         setup.table.velocity_limit()
     );
+    text += &format!(" Conditioning: {}.", outcome.played.conditioning);
     if outcome.played.fitted != outcome.played.original {
         text += &format!(" Fitted beforehand to {}.", peaks(outcome.played.fitted.peaks()));
     }

@@ -62,6 +62,25 @@ impl Args {
     }
 }
 
+impl Args {
+    /// Refuses gains at which the linear loop does not settle: its response to a sine would be a number without meaning.
+    pub(super) fn stable(&self) -> Result<(), Failure> {
+        let Paper { b1, b0, a1, .. } = Paper::default();
+        for &(kp, ki) in &self.gains {
+            // (b1 s + b0)(kp s + ki) + s^2 (s + a1), the closed loop's characteristic polynomial: Routh.
+            let [c2, c1, c0] = [a1 + b1 * kp, b0 * kp + b1 * ki, b0 * ki];
+            let settles = c2 > 0.0 && c1 > 0.0 && c0 >= 0.0 && c2 * c1 > c0;
+            if !(settles && kp <= 1e4) {
+                let text = format!(
+                    "--gains {kp},{ki}: the loop is not stable with them; expected Kp above zero, Ki zero or more"
+                );
+                return Err(Failure::Input(text));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Measures the diagram at every pair of gains.
 pub(super) fn run(args: &Args) -> Result<Part, Failure> {
     let grid = args.grid()?;

@@ -1,6 +1,7 @@
 //! Largest speed from flow, pressure drop and area (Eq. 8).
 
 use super::super::Failure;
+use super::super::failure::within;
 use super::super::present::Part;
 use serde_json::json;
 use shakedown::plant::slew_rate::Valve;
@@ -22,16 +23,26 @@ pub(super) struct Args {
     area: f64,
 }
 
-/// Works Eq. 8 out.
-pub(super) fn run(args: &Args) -> Result<Part, Failure> {
-    let (paper, own) = (Valve::PAPER, args.flow.is_some());
-    let flow = args.flow.unwrap_or(paper.rated_flow * 1e3);
-    let drop_ratio = args.drop_ratio.unwrap_or(if own { 1.0 } else { paper.drop_ratio });
-    for (name, value) in [("--flow", flow), ("--drop-ratio", drop_ratio), ("--area", args.area)] {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(Failure::Input(format!("sweep: {name} {value}: expected a number above zero")));
-        }
+impl Args {
+    /// Flow, L/s, and the ratio of pressure drops.
+    fn values(&self) -> (f64, f64) {
+        let (paper, own) = (Valve::PAPER, self.flow.is_some());
+        let flow = self.flow.unwrap_or(paper.rated_flow * 1e3);
+        (flow, self.drop_ratio.unwrap_or(if own { 1.0 } else { paper.drop_ratio }))
     }
+
+    /// Refuses what no valve and no piston has.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        let (flow, drop_ratio) = self.values();
+        within("--flow", flow, 1e-3, 1e5)?;
+        within("--drop-ratio", drop_ratio, 1e-3, 1e3)?;
+        within("--area", self.area, 0.1, 1e6)
+    }
+}
+
+/// Works Eq. 8 out.
+pub(super) fn run(args: &Args) -> Part {
+    let (flow, drop_ratio) = args.values();
     let valve = Valve { rated_flow: flow * 1e-3, drop_ratio, area: args.area * 1e-4 };
     let items = vec![
         Item::Tiles(vec![
@@ -48,5 +59,5 @@ pub(super) fn run(args: &Args) -> Result<Part, Failure> {
     ];
     let json = json!({"flow_m3_per_s": valve.flow(), "area_m2": valve.area, "slew_rate_m_per_s": valve.slew_rate()});
     let section = Section { heading: "Slew rate (Eq. 8)".into(), items };
-    Ok(Part { key: "slew_rate", json, section, inputs: Vec::new() })
+    Part { key: "slew_rate", json, section, inputs: Vec::new() }
 }

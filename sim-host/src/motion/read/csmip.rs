@@ -6,7 +6,7 @@
 
 use super::super::{AccelerationUnit, Fact, Format, Record};
 use super::Channel;
-use super::error::{Problem, ReadError};
+use super::error::{Problem, ReadError, listed};
 use super::peer::interval_in_range;
 use super::text::{Block, Stated, after, excerpt, first_number, signed_peak};
 
@@ -68,10 +68,9 @@ pub(super) fn select(block: &Block, labels: &[String], channel: &Channel) -> Res
         Channel::Name(name) => labels.iter().position(|l| l.to_lowercase().contains(&name.to_lowercase())),
         Channel::Wrapped => None,
     };
-    found.filter(|&i| i < labels.len()).ok_or_else(|| {
-        let available = labels.iter().enumerate().map(|(i, l)| format!("{} ({l})", i + 1)).collect::<Vec<_>>();
-        block.at(0, Problem::NoChannel { asked: channel.to_string(), available: available.join(", ") })
-    })
+    found
+        .filter(|&i| i < labels.len())
+        .ok_or_else(|| block.at(0, Problem::NoChannel { asked: channel.to_string(), available: listed(labels) }))
 }
 
 /// One channel's acceleration, in the file's unit.

@@ -2,6 +2,26 @@
 
 use std::path::PathBuf;
 
+/// Fewest samples of a record.
+pub const LEAST_SAMPLES: usize = 16;
+
+/// A number for a message: in powers of ten where its digits would be many.
+pub(super) fn plain(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) { format!("{value:.4e}") } else { value.to_string() }
+}
+
+/// Channels by number and name, as many as a message can hold.
+pub(super) fn listed(labels: &[String]) -> String {
+    const SHOWN: usize = 20;
+    let short = |label: &str| super::text::excerpt(label);
+    let mut all: Vec<String> =
+        labels.iter().take(SHOWN).enumerate().map(|(i, label)| format!("{} ({})", i + 1, short(label))).collect();
+    if labels.len() > SHOWN {
+        all.push(format!("... {} in all", labels.len()));
+    }
+    all.join(", ")
+}
+
 /// A record file that cannot be read: where, and what is wrong.
 #[derive(Debug)]
 pub struct ReadError {
@@ -59,6 +79,29 @@ pub enum Problem {
     TooManyLines {
         /// The limit.
         limit: usize,
+    },
+    /// A drive, which is no record.
+    #[error(
+        "is a drive that shakedown wrote, and no recorded ground motion: play it with `shakedown run --record`; to fit anew, start \
+         from the record that its header names"
+    )]
+    Drive,
+    /// UTF-16 without the mark that says so.
+    #[error("{0}")]
+    Encoding(String),
+    /// Columns whose layout is not plain.
+    #[error("{reason}")]
+    Layout {
+        /// What is wrong, and the remedy.
+        reason: String,
+    },
+    /// Several columns, and none of them asked for.
+    #[error(
+        "has several columns: {available}; name one with --channel, or say --channel all where the rows are one series, wrapped"
+    )]
+    SeveralColumns {
+        /// What there is.
+        available: String,
     },
     /// Not text.
     #[error("byte {byte:#04x} at offset {offset} is not text: expected a text file; unpack it, or export it as text")]
@@ -125,7 +168,7 @@ pub enum Problem {
         remedy: &'static str,
     },
     /// A value out of its range.
-    #[error("{what} is {found}: expected {expected}; check the file and its unit")]
+    #[error("{what} is {}: expected {expected}; check the file and its unit", plain(*.found))]
     OutOfRange {
         /// The quantity.
         what: &'static str,
@@ -148,8 +191,16 @@ pub enum Problem {
         /// What there is.
         available: String,
     },
-    /// Fewer than two samples.
-    #[error("{samples} sample(s): expected at least two; give a whole record")]
+    /// Nothing but zeros.
+    #[error(
+        "every one of its {samples} accelerations is zero: expected a ground motion; check the file and its column"
+    )]
+    Zero {
+        /// How many there are.
+        samples: usize,
+    },
+    /// Too few samples.
+    #[error("{samples} sample(s): expected at least {LEAST_SAMPLES}; give a whole record")]
     TooShort {
         /// How many there are.
         samples: usize,

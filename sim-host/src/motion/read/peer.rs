@@ -70,10 +70,10 @@ fn counts(block: &Block, index: usize, line: &str) -> Result<(usize, f64), ReadE
 
 /// Refuses a sampling interval (s) that no recorder has.
 pub(super) fn interval_in_range(block: &Block, index: usize, dt: f64) -> Result<(), ReadError> {
-    if dt > 0.0 && dt <= 1.0 {
+    if (1e-5..=1.0).contains(&dt) {
         return Ok(());
     }
-    let expected = "a sampling interval over 0 and up to 1 s";
+    let expected = "0.00001 to 1 s";
     Err(block.at(index, Problem::OutOfRange { what: "the sampling interval", found: dt, expected }))
 }
 

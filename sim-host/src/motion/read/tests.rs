@@ -103,7 +103,8 @@ fn columns_need_their_interval_and_unit() {
 
 #[test]
 fn which_of_several_columns_is_never_guessed() {
-    let options = |channel| Options { dt: Some(0.01), unit: Some(AccelerationUnit::Gravity), channel };
+    let options =
+        |channel| Options { dt: Some(0.01), unit: Some(AccelerationUnit::Gravity), channel, ..Options::default() };
     let five = "1 7 3 4 5\n6 2 8 9 10\n";
     let text = message(from_text(five, &options(Channel::First)));
     assert!(text.contains("column 5") && text.contains("--channel"), "{text}");
@@ -154,7 +155,7 @@ fn files_that_are_no_records_are_refused() {
         message(plain(
             &PEER.replace("NPTS=     6", "NPTS=     1").replace("  .1E+00  -.2E+00  .3E-01\n 0 .5 -.25", "1")
         ))
-        .contains("at least two")
+        .contains("at least 16")
     );
 }
 
@@ -223,6 +224,7 @@ fn any_options() -> impl Strategy<Value = Options> {
         dt,
         unit: dt.map(|_| AccelerationUnit::Gravity),
         channel,
+        ..Options::default()
     })
 }
 
@@ -253,4 +255,43 @@ proptest! {
             let _ = record_from_bytes(Path::new("x"), bytes, &Options::default());
         }
     }
+}
+
+#[test]
+fn columns_are_laid_out_as_other_software_writes_them() {
+    let rows = |decimal: &str, between: &str| -> String {
+        (0..20).map(|k| format!("0{decimal}{:02}{between}{}{decimal}5\n", k, k % 3)).collect()
+    };
+    let unit = Some(AccelerationUnit::Gravity);
+    let options = Options { unit, ..Options::default() };
+    let semicolon = from_text(&format!("t;acc\n{}", rows(",", ";")), &options).unwrap();
+    assert!((semicolon.dt - 0.01).abs() < 1e-12 && (semicolon.acceleration[2] - 2.5 * 9.80665).abs() < 1e-9);
+    assert!(semicolon.fact("layout").unwrap().contains("decimal comma, fields separated by semicolon"));
+    let preamble = format!("Rig 7\nrun 3\n\ntime\tacc\ns\tm/s2\n{}", rows(".", "\t"));
+    let read = plain(&preamble).unwrap();
+    assert!((read.acceleration[1] - 1.5).abs() < 1e-12, "{:?}", read.facts);
+    let utf16: Vec<u8> = [0xff, 0xfe].into_iter().chain(preamble.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    let wide = record_from_bytes(Path::new("a.txt"), utf16, &Options::default()).unwrap();
+    assert_eq!(wide.acceleration, read.acceleration);
+    assert!(wide.facts.iter().any(|f| f.value == "UTF-16 text"));
+}
+
+#[test]
+fn what_could_be_read_in_two_ways_is_refused() {
+    let unit = Some(AccelerationUnit::Gravity);
+    let options = Options { dt: Some(0.01), unit, ..Options::default() };
+    let text = message(from_text(&"1,5\n2,5\n".repeat(20), &options));
+    assert!(text.contains("2 ways") && text.contains("--decimal"), "{text}");
+    let ms: String = (0..20).map(|k| format!("{:.3},{}\n", f64::from(k) * 0.005, k % 3)).collect();
+    let text = message(plain(&format!("time [ms],a [g]\n{ms}")));
+    assert!(text.contains("2.0000e5 Hz") && text.contains("correct the unit"), "{text}");
+    assert!(plain(&format!("time [s],a [g]\n{ms}")).is_ok());
+    let text = message(from_text(&"0\n".repeat(20), &options));
+    assert!(text.contains("every one of its 20 accelerations is zero"), "{text}");
+    let text = message(from_text(PEER, &Options { channel: Channel::Number(7), ..Options::default() }));
+    assert!(text.contains("no channel `7`"), "{text}");
+    let wide = vec!["1"; 400_000].join(" ") + "\n";
+    assert!(message(from_text(&(wide.clone() + &wide), &options)).len() < 2000);
+    let text = message(from_text(&"1e300\n".repeat(20), &options));
+    assert!(text.contains("9.8066e300") && text.len() < 300, "{text}");
 }

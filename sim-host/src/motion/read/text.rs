@@ -1,6 +1,7 @@
 //! Text of a bounded file, its lines with their numbers, and the numbers on them.
 
 use super::error::{Problem, ReadError};
+use crate::files::layout::{Encoding, decode};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,8 @@ const LINE_LIMIT: usize = 4 << 20;
 pub(super) struct Source {
     path: PathBuf,
     text: String,
+    /// How the file's bytes stood for its characters.
+    pub(super) encoding: Encoding,
 }
 
 impl Source {
@@ -40,6 +43,17 @@ impl Source {
         if size > SIZE_LIMIT {
             return Err(error(Problem::TooLarge { bytes: size, limit: SIZE_LIMIT }));
         }
+        let encoding = match Encoding::of(&bytes) {
+            Ok(encoding) => encoding,
+            Err(reason) if reason.contains("UTF-16") => return Err(error(Problem::Encoding(reason))),
+            // Named below with its place.
+            Err(_) => Encoding::Utf8,
+        };
+        if matches!(encoding, Encoding::Utf16Le | Encoding::Utf16Be) {
+            let text = decode(&bytes, encoding).into_owned();
+            let blank = text.trim().is_empty();
+            return if blank { Err(error(Problem::Empty)) } else { Ok(Self { path: path.to_owned(), text, encoding }) };
+        }
         // Ctrl-Z ends old DOS files; form feeds stand between pages of printed ones.
         let plain = |b: u8| b >= 0x20 || matches!(b, b'\t' | b'\r' | b'\n' | 0x0c | 0x1a);
         if let Some(offset) = bytes.iter().position(|&b| !plain(b)) {
@@ -48,9 +62,9 @@ impl Source {
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Err(error(Problem::Empty));
         }
-        // Old headers hold names in Latin-1, whose bytes are the first 256 characters.
-        let text = String::from_utf8(bytes).unwrap_or_else(|e| e.into_bytes().iter().map(|&b| char::from(b)).collect());
-        Ok(Self { path: path.to_owned(), text })
+        // Old headers hold names in Latin-1, which Windows-1252 holds.
+        let text = decode(&bytes, encoding).into_owned();
+        Ok(Self { path: path.to_owned(), text, encoding })
     }
 
     /// The file's lines without their ends; classic, DOS and old Macintosh ends alike.

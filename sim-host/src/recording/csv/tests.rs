@@ -1,8 +1,9 @@
 use super::*;
+use crate::files::layout::Stated;
 use proptest::prelude::*;
 
 fn table(text: &str, wanted: &[&str]) -> Result<Table, String> {
-    read(text.as_bytes(), Path::new("a.csv"), wanted).map_err(|e| e.to_string())
+    read(text.as_bytes(), Path::new("a.csv"), wanted, &Stated::default()).map_err(|e| e.to_string())
 }
 
 #[test]
@@ -24,7 +25,7 @@ fn every_separator_gives_the_same_table() {
 #[test]
 fn a_column_without_name_or_field_is_refused() {
     let refused = table("time,x,\n0,1\n", &[""]).unwrap_err();
-    assert!(refused.contains("line 2"), "{refused}");
+    assert!(refused.contains("no column"), "{refused}");
 }
 
 #[test]
@@ -35,14 +36,24 @@ fn units_in_brackets_are_read_with_blanks_too() {
 
 #[test]
 fn messages_name_file_line_column_and_remedy() {
-    let cases: [(&str, &[&str], &str); 9] = [
+    let cases: [(&str, &[&str], &str); 11] = [
         ("t,x\n0,1\n1,abc\n", &["x"], "a.csv, line 3, `x`: `abc` is not a number"),
-        ("t;x\n0;1,5\n", &["x"], "a.csv, line 2, `x`: `1,5` is not a number; the decimal sign must be a point"),
+        (
+            "t;x\n0;1.5\n0.5;1.5\n1;2,5\n",
+            &["x"],
+            "a.csv, line 4, `x`: `2,5` is not a number; the decimal sign must be a point, as in the rows before",
+        ),
         ("t,x\n0,\n", &["x"], "a.csv, line 2, `x`: `` is not a number; write NaN for a sample that was dropped"),
+        (
+            "t,x\n\n0,1\n0,1,2\n",
+            &["x"],
+            "a.csv, line 4: 3 fields where the header has 2; write NaN for a sample that was dropped",
+        ),
         (
             "t,x\n\n0,1,2\n",
             &["x"],
-            "a.csv, line 3: 3 fields where the header has 2; write NaN for a sample that was dropped",
+            "a.csv, line 1: the header names 2 columns, the rows below have 3; correct the header, or name the rows' layout \
+             with --skip-lines, --delimiter and --decimal",
         ),
         (
             "t,displacement\n0,1\n",
@@ -53,9 +64,14 @@ fn messages_name_file_line_column_and_remedy() {
         (
             "0.1,0.2\n0,1\n",
             &["x"],
-            "a.csv, line 1: holds numbers; the first line must be a header that names the columns",
+            "a.csv, line 1: holds numbers; the line above the first row must be a header that names the columns",
         ),
-        ("\u{feff}t\0,\0x\0\n\0", &["x"], "a.csv: is UTF-16 or no text at all; save it as text in UTF-8"),
+        ("t\0,\0x\0\n\0", &["x"], "a.csv: is UTF-16 without the mark that says so: save it as UTF-8"),
+        (
+            "t,x\n0,1\n1,1e300\n",
+            &["x"],
+            "a.csv, line 3, `x`: `1e300` is no measurement; beyond 1e15 it is no measurement, write NaN for a sample that was dropped",
+        ),
         ("", &["x"], "a.csv: is empty; a header line that names the columns is expected"),
     ];
     for (text, wanted, message) in cases {
@@ -66,20 +82,20 @@ fn messages_name_file_line_column_and_remedy() {
 #[test]
 fn an_endless_line_is_refused_before_it_fills_memory() {
     let endless = Read::chain("t,x\n".as_bytes(), std::io::repeat(b'1'));
-    let error = read(endless, Path::new("a.csv"), &["x"]).unwrap_err().to_string();
+    let error = read(endless, Path::new("a.csv"), &["x"], &Stated::default()).unwrap_err().to_string();
     assert!(error.contains("holds more than 1048576 bytes in one line"), "{error}");
 }
 
 proptest! {
     #[test]
     fn no_bytes_crash_the_reader(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        let _ = read(bytes.as_slice(), Path::new("a.csv"), &["x"]);
+        let _ = read(bytes.as_slice(), Path::new("a.csv"), &["x"], &Stated::default());
     }
 
     #[test]
     fn no_near_csv_crashes_the_reader(text in "[xt,; \t\n\r\"0-9.eN\\-\\[\\]]{0,120}") {
-        let _ = read(text.as_bytes(), Path::new("a.csv"), &["x"]);
-        let _ = read(format!("t,x\n{text}").as_bytes(), Path::new("a.csv"), &["x"]);
+        let _ = table(&text, &["x"]);
+        let _ = table(&format!("t,x\n{text}"), &["x"]);
     }
 
     #[test]
@@ -88,4 +104,34 @@ proptest! {
         let text = format!("t;x [mm]\n{}", rows.join("\n"));
         prop_assert_eq!(&table(&text, &["x"]).unwrap().columns[0], &values);
     }
+}
+
+#[test]
+fn other_software_is_read_as_it_writes() {
+    let read = |bytes: &[u8], wanted: &[&str]| read(bytes, Path::new("a.txt"), wanted, &Stated::default()).unwrap();
+    let text = "Pr\u{fc}fer: Kh\n\nZeit;Weg\ns;mm\n0,0;1,5\n0,1;-2,25\n";
+    let expected = [1.5, -2.25];
+    let utf16 = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect::<Vec<u8>>();
+    let windows: Vec<u8> = text.chars().map(|c| c as u32 as u8).collect();
+    for bytes in [text.as_bytes().to_vec(), utf16, windows] {
+        let table = read(&bytes, &["Weg"]);
+        assert_eq!((table.columns[0].as_slice(), table.headings[0].unit.as_deref()), (&expected[..], Some("mm")));
+        assert!(table.notes.join("; ").contains("decimal comma"), "{:?}", table.notes);
+    }
+    let labview = "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t,\n\
+        ***End_of_Header***\t\n\t\nChannels\t2\t\nSamples\t2\t2\nDelta_X\t0,1\t0,1\n***End_of_Header***\t\t\t\n\
+        X_Value\tWeg\tKraft\tComment\n0,0\t1,5\t3,0\n0,1\t-2,25\t4,0\n";
+    let table = read(labview.as_bytes(), &["Weg", "Kraft"]);
+    assert_eq!((table.columns[0].as_slice(), table.columns[1].as_slice()), (&expected[..], &[3.0, 4.0][..]));
+    assert!(table.notes[0].contains("LabVIEW"), "{:?}", table.notes);
+}
+
+#[test]
+fn an_mts_793_text_is_read() {
+    let Some(path) = crate::recording::tests::data("files/mts793_specimen.dat") else { return };
+    let table = crate::recording::file::read(&path, &["Laufzeit", "Ch 1 Kraft"]).unwrap();
+    assert_eq!(table.headings[1].unit.as_deref(), Some("kN"));
+    assert_eq!((table.columns[0][0], table.columns[1][0]), (33.549_805, -1.052_420_6));
+    assert_eq!(table.columns[0].len(), 669);
+    assert!(table.notes.join("; ").contains("left out"), "{:?}", table.notes);
 }

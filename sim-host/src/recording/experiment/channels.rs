@@ -42,6 +42,14 @@ pub(super) fn read(root: &Section<'_>) -> Result<PerChannel<ChannelSource>, Reco
         }
     }
     section.finish()?;
+    for (channel, source) in sources.iter() {
+        let same = |other: &ChannelSource| matches!((&source.origin, &other.origin), (Origin::Column(a), Origin::Column(b)) if a == b);
+        if let Some((first, _)) = sources.iter().take_while(|(c, _)| *c != channel).find(|(_, other)| same(other)) {
+            let problem = format!("takes the column of {first}; two channels cannot share one, give {channel} its own");
+            let place = section.get(channel.name()).map_or_else(|| table.place(), |e| e.place());
+            return Err(place.refuse(Problem::Contradiction(problem)));
+        }
+    }
     if sources.get(Channel::Time).is_none() {
         let remedy = "write `time = { column = \"...\", unit = \"s\" }`, or `{ step = 0.001, unit = \"s\" }` where the file has none";
         return Err(table.refuse(Problem::Missing { key: "time", remedy }));
@@ -65,7 +73,7 @@ fn source(channel: Channel, entry: &Entry<'_>) -> Result<ChannelSource, Recordin
         let column = section.required("column", "write the heading of its column")?.string()?.trim().to_owned();
         if differentiate { Origin::Slope(column) } else { Origin::Column(column) }
     };
-    let noise = section.get("noise").map(|e| e.positive()).transpose()?.map(|n| n * unit.factor);
+    let noise = section.get("noise").map(|e| noise(&e)).transpose()?.map(|n| n * unit.factor);
     let loop_noise = match section.get("loop_noise") {
         Some(entry) if channel == Channel::Displacement => Some(entry.not_negative()? * unit.factor),
         Some(entry) => return Err(entry.refuse(Problem::Contradiction(ONLY_DISPLACEMENT.to_owned()))),
@@ -81,6 +89,15 @@ fn source(channel: Channel, entry: &Entry<'_>) -> Result<ChannelSource, Recordin
     }
     section.finish()?;
     Ok(ChannelSource { origin, unit, noise, loop_noise, optional: optional.is_some_and(|(value, _)| value) })
+}
+
+/// A standard deviation that a sensor can have.
+fn noise(entry: &Entry<'_>) -> Result<f64, RecordingError> {
+    let value = entry.positive()?;
+    if (1e-15..=1e12).contains(&value) {
+        return Ok(value);
+    }
+    Err(entry.refuse(Problem::OutOfRange { value, expected: "1e-15 to 1e12 is expected, in the channel's unit" }))
 }
 
 /// Channels that one file of an experiment may hold and another not.

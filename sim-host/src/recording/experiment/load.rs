@@ -1,6 +1,7 @@
 //! From the files of `[[runs]]` to runs in SI on an even grid.
 
 use super::{ChannelSource, LEAST_SAMPLES, Origin, RunEntry};
+use crate::files::layout::Stated;
 use crate::recording::channel::{Channel, PerChannel};
 use crate::recording::clock::{self, Clock, Grid, NoGrid};
 use crate::recording::error::{Place, Problem, RecordingError};
@@ -16,19 +17,24 @@ pub(super) fn runs(
     entries: &[RunEntry],
     sources: &PerChannel<ChannelSource>,
     folder: &Path,
-) -> Result<Vec<(Run, Option<Use>)>, RecordingError> {
+    layout: &Stated,
+) -> Result<(Vec<(Run, Option<Use>)>, Vec<String>), RecordingError> {
     let mut tables: BTreeMap<PathBuf, Loaded<'_>> = BTreeMap::new();
     let mut runs = Vec::with_capacity(entries.len());
     for entry in entries {
         let path = folder.join(&entry.file);
         if !tables.contains_key(&path) {
-            tables.insert(path.clone(), table(&path, sources, &entry.place)?);
+            tables.insert(path.clone(), table(&path, sources, &entry.place, layout)?);
         }
         let Some(loaded) = tables.get(&path) else { continue };
         let shared = entries.iter().filter(|e| e.file == entry.file).count() > 1;
         runs.push((run(entry, &path, loaded, sources, shared)?, entry.stated));
     }
-    Ok(runs)
+    let said = |(path, loaded): (&PathBuf, &Loaded<'_>)| {
+        loaded.table.notes.iter().map(|note| format!("{}: {note}", path.display())).collect::<Vec<_>>()
+    };
+    let notes = tables.iter().flat_map(said).collect();
+    Ok((runs, notes))
 }
 
 /// A file's columns with the channels they are.
@@ -65,6 +71,7 @@ fn table<'a>(
     path: &Path,
     sources: &'a PerChannel<ChannelSource>,
     stated: &Place,
+    layout: &Stated,
 ) -> Result<Loaded<'a>, RecordingError> {
     if !path.exists() {
         let problem =
@@ -73,11 +80,11 @@ fn table<'a>(
     }
     let mut channels = columns(sources);
     if channels.iter().any(|w| w.optional) {
-        let headings = file::headings(path)?;
+        let headings = file::headings_as(path, layout)?;
         channels.retain(|w| !w.optional || headings.iter().any(|h| h.text == w.column || h.name == w.column));
     }
     let names: Vec<&str> = channels.iter().map(|w| w.column).collect();
-    let table = file::read(path, &names)?;
+    let table = file::read_as(path, &names, layout)?;
     for (wanted, heading) in channels.iter().zip(&table.headings) {
         Heading::agrees(heading, wanted.unit, Place::line(path, 1).column(wanted.column))?;
     }

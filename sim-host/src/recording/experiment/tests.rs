@@ -114,7 +114,7 @@ fn a_message_names_the_place_and_the_remedy() {
         (channels("time =", "tiem ="), "e.toml, line 9, `channels.tiem`: unknown key; did you mean `time`?"),
         (
             channels("column = \"displacement\"", "column = \"displ\""),
-            "a.csv, line 1, `displ`: no column `displ`; there are: time, reference, displacement, acceleration",
+            "a.csv, line 1, `displ`: no column `displ`; did you mean `displacement`?; there are: time, reference, displacement, acceleration",
         ),
         ("name = \"x".to_owned(), "e.toml, line 1: not valid TOML"),
         ([MODEL, CHANNELS].concat(), "e.toml, line 1: `runs` is missing; write a [[runs]] table"),

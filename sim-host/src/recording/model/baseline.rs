@@ -73,7 +73,11 @@ impl Numbers<'_, '_> {
 
     fn required(&mut self, key: &'static str, remedy: &'static str) -> Result<f64, RecordingError> {
         let place = self.section.place();
-        self.optional(key)?.ok_or_else(|| place.refuse(Problem::Missing { key, remedy }))
+        let missing = || self.section.misspelt(key).unwrap_or_else(|| place.refuse(Problem::Missing { key, remedy }));
+        if self.section.get(key).is_none() {
+            return Err(missing());
+        }
+        self.optional(key)?.ok_or_else(|| self.section.place().refuse(Problem::Missing { key, remedy }))
     }
 
     /// Refuses a value for which `holds` is false.
@@ -86,8 +90,15 @@ impl Numbers<'_, '_> {
         let value = self.optional(key)?;
         if let Some(v) = value {
             self.check(key, v, v > 0.0, "it must be above zero")?;
+            self.believed(key, v)?;
         }
         Ok(value)
+    }
+
+    /// Refuses a size that no table has, in SI; zero has none.
+    fn believed(&self, key: &'static str, value: f64) -> Result<(), RecordingError> {
+        let expected = "1e-9 to 1e9 in magnitude is expected, in SI units";
+        self.check(key, value, value == 0.0 || (1e-9..=1e9).contains(&value.abs()), expected)
     }
 }
 
@@ -202,6 +213,18 @@ impl Servo {
             piston_area: numbers.positive("piston_area")?,
         };
         numbers.check("a1", servo.a1, servo.a1 > 0.0, "a stable servo needs it above zero")?;
+        numbers.check(
+            "b0",
+            servo.b0,
+            servo.b0 > 0.0,
+            "it must be above zero; a command of the other sign is turned in the recording",
+        )?;
+        for (key, value) in [("b1", servo.b1), ("b0", servo.b0), ("a1", servo.a1)] {
+            numbers.believed(key, value)?;
+        }
+        if let Some(limit) = servo.velocity_limit {
+            numbers.check("velocity_limit", limit, (1e-4..=100.0).contains(&limit), "1e-4 to 100 m/s is expected")?;
+        }
         Ok(servo)
     }
 }
@@ -212,7 +235,11 @@ impl RigidMass {
         numbers.check("mass", mass, mass > 0.0, "it must be above zero")?;
         let gain = numbers.optional("gain")?.unwrap_or(1.0);
         numbers.check("gain", gain, gain != 0.0, "it must not be zero")?;
-        Ok(Self { mass, viscous: numbers.optional("viscous")?.unwrap_or(0.0), gain })
+        let viscous = numbers.optional("viscous")?.unwrap_or(0.0);
+        for (key, value) in [("mass", mass), ("gain", gain), ("viscous", viscous)] {
+            numbers.believed(key, value)?;
+        }
+        Ok(Self { mass, viscous, gain })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::columns::{Choice, Facts};
 use super::control::Loop;
+use crate::files::layout::Stated;
 use crate::recording::channel::Channel;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -142,4 +143,28 @@ fn runs(
 /// A string as TOML writes it.
 fn toml_string(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// What the texts' layout was stated to be, which reading them again takes, and what was found of it.
+pub(super) fn layout(text: &mut String, stated: &Stated, notes: &[String]) {
+    for note in notes {
+        let _ = writeln!(text, "# found in the first file: {note}");
+    }
+    if stated.is_empty() {
+        return;
+    }
+    text.push_str("\n[text]                     # as stated when this was proposed\n");
+    if let Some(lines) = stated.skip_lines {
+        let _ = writeln!(text, "skip_lines = {lines}");
+    }
+    if let Some(delimiter) = stated.delimiter {
+        let _ = writeln!(text, "delimiter = \"{}\"", delimiter.name());
+    }
+    if let Some(decimal) = stated.decimal {
+        let _ = writeln!(text, "decimal = \"{}\"", decimal.name());
+    }
+    if let Some(units) = &stated.units {
+        let quoted: Vec<String> = units.iter().map(|unit| toml_string(unit)).collect();
+        let _ = writeln!(text, "units = [{}]", quoted.join(", "));
+    }
 }

@@ -1,0 +1,72 @@
+use super::*;
+use crate::motion::generate::NEAR_FIELD_MODERATE;
+
+fn drive(quantity: Quantity, symbol: &str, rate_hz: Option<f64>) -> Drive {
+    let motion = NEAR_FIELD_MODERATE.generate(1).unwrap().motion();
+    let unit = DriveUnit::fixed(symbol, quantity).unwrap();
+    let mut drive = Drive::of(&motion, quantity, unit, rate_hz);
+    drive.facts = vec![("source".into(), "kobe.AT2".into()), ("source_sha256".into(), "00ff".into())];
+    drive
+}
+
+#[test]
+fn every_form_reads_back_as_it_was_written() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, quantity, unit, bound) in [
+        ("a.csv", Quantity::Displacement, "mm", 1e-12),
+        ("b.csv", Quantity::Acceleration, "g", 1e-12),
+        ("c.AT2", Quantity::Acceleration, "g", 1e-6),
+        // Half a raw step: what sixteen bits hold.
+        ("d.rpc", Quantity::Displacement, "mm", 0.51 / 32_752.0),
+    ] {
+        let path = folder.path().join(name);
+        let mut written = drive(quantity, unit, Some(1000.0));
+        let last = written.values.len() - 1;
+        written.values[last] = 0.0;
+        written.write(&path, Form::of(&path).unwrap()).unwrap();
+        let read = Drive::read(&path).unwrap().unwrap();
+        assert_eq!((read.quantity, read.fact("source_sha256")), (quantity, Some("00ff")), "{name}");
+        assert!((read.dt - 0.001).abs() < 1e-12);
+        let worst = written.values.iter().zip(&read.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(worst <= bound * peak(&written.values), "{name}: {worst}");
+        assert!(read.values[written.values.len()..].iter().all(|v| *v == 0.0));
+        let refused = read::record(&path, &read::Options::default()).unwrap_err().to_string();
+        assert!(name.ends_with("rpc") || refused.contains("is a drive"), "{name}: {refused}");
+    }
+}
+
+#[test]
+fn a_higher_rate_changes_nothing_of_the_motion() {
+    let motion = NEAR_FIELD_MODERATE.generate(2).unwrap().motion();
+    let motion = Motion::from_velocity(motion.dt, motion.velocity, 0.0);
+    let unit = DriveUnit::fixed("m", Quantity::Displacement).unwrap();
+    let fine = Drive::of(&motion, Quantity::Displacement, unit, Some(1000.0));
+    for (k, x) in motion.displacement.iter().enumerate() {
+        assert!((fine.values[5 * k] - x).abs() < 1e-12);
+    }
+    let speed = fine.values.windows(2).map(|w| (w[1] - w[0]).abs() / fine.dt).fold(0.0, f64::max);
+    assert!(speed <= peak(&motion.velocity) * (1.0 + 1e-9));
+}
+
+#[test]
+fn files_that_are_no_drives_and_damaged_ones_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.csv");
+    std::fs::write(&path, "time [s],acceleration [g]\n0,1\n").unwrap();
+    assert!(Drive::read(&path).unwrap().is_none());
+    let written = drive(Quantity::Displacement, "mm", None);
+    written.write(&path, Form::Csv).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    for (from, to, said) in [
+        ("unit_in_si = 0.001", "unit_in_si = 1", "one mm is 0.001"),
+        ("# unit = mm\n", "", "`unit` is missing"),
+        ("displacement [mm]", "displacement [m]", "expected the header"),
+        ("0.005000000,", "0.006000000,", "does not follow"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let refused = Drive::read(&path).unwrap_err().to_string();
+        assert!(refused.contains(said), "{refused}");
+    }
+    assert!(Form::of(Path::new("a.mat")).unwrap_err().contains(".csv, .rpc"));
+}
