@@ -11,7 +11,7 @@ use shakedown_core::link::{Assembler, Challenge, LinkError, MAX_FRAME, Points, R
 use shakedown_core::{Request as Ask, State};
 use shakedown_firmware::defaults;
 use shakedown_firmware::desk::{Action, Desk, Seen};
-use shakedown_firmware::queues::{LoopEnd, Order, Queues, Standing};
+use shakedown_firmware::queues::{LoopEnd, Order, Queues, Standing, Verdict};
 
 /// splitmix64.
 struct Dice(u64);
@@ -92,7 +92,12 @@ impl Device<'_> {
         }
         while let Some(order) = self.orders.orders.dequeue() {
             self.heard.armed += u64::from(order == Order::Ask(Ask::Arm));
+            if matches!(order, Order::TakeSetup | Order::Lend) {
+                self.orders.setups.dequeue();
+                let _ = self.orders.verdicts.enqueue(Verdict::Taken);
+            }
         }
+        let _ = self.desk.heed();
         while self.orders.points.dequeue().is_some() {}
     }
 }

@@ -5,16 +5,19 @@
 //! board can see.
 
 use shakedown_core::link::{Cause, MAX_BATCH, Setup};
-use shakedown_core::{Controller, Course, Refused, Relay, Request, Sample, SettingsError, State, Trip};
+use shakedown_core::{Controller, Course, Relay, Request, Sample, SettingsError, State, Trip};
 
 mod attend;
+mod open_relay;
+mod orders;
 mod outcome;
 mod pass;
 
+pub use open_relay::OpenRelay;
 pub use outcome::{Codes, Events, News, Outcome, Rest};
 
 use crate::output::ZeroFlow;
-use crate::queues::{LoopEnd, Order, Standing};
+use crate::queues::{LoopEnd, Standing};
 use crate::wires::Wires;
 
 /// Most ticks after which the board is given something to do even when there is no news, to tell the others and to feed its
@@ -46,6 +49,8 @@ pub struct Loop<'a> {
     /// Ticks of a round.
     round: u32,
     probe: Option<u16>,
+    /// Whether the proof of an open relay is lent: no order is carried out meanwhile.
+    lent: bool,
     /// A record of telemetry every so many ticks.
     every: u16,
     controller: Controller,
@@ -84,6 +89,7 @@ impl<'a> Loop<'a> {
             news: News::default(),
             round: round(setup.control.rate),
             probe: None,
+            lent: false,
             every: setup.telemetry_every,
             rate: setup.control.rate,
             zero_flow: ZeroFlow::new(setup),
@@ -124,7 +130,7 @@ impl<'a> Loop<'a> {
 
     /// Whether the relay of the hydraulic block is closed.
     pub fn relay(&self) -> bool {
-        self.controller.relay() == Relay::Closed
+        self.controller.relay() == Relay::Closed && !self.lent
     }
 
     /// The control rate in force, Hz.
@@ -140,7 +146,7 @@ impl<'a> Loop<'a> {
     /// One tick of any kind, and whatever the board has noticed.
     #[inline(never)]
     pub fn tick_with(&mut self, inputs: Codes, events: Events) -> Outcome {
-        let new_setup = self.queues.orders.ready() && self.obey();
+        let new_setup = (self.lent || self.queues.orders.ready()) && self.obey();
         if events.emergency_stop {
             self.trip(Cause::EmergencyStop);
         } else if events.supply_low {
@@ -220,50 +226,9 @@ impl<'a> Loop<'a> {
             let _ = self.controller.request(Request::Trip);
         }
     }
-
-    /// Carries out one order. Returns whether there is a new setup.
-    #[inline(never)]
-    fn obey(&mut self) -> bool {
-        match self.queues.orders.dequeue() {
-            Some(Order::TakeSetup) => return self.take_setup(),
-            Some(Order::Ask(request)) => self.ask(request),
-            Some(Order::Probe(code)) => self.probe = code,
-            None => {}
-        }
-        false
-    }
-
-    /// Takes the setup that waits, from where it lies: a copy would cost the stack.
-    #[inline(never)]
-    fn take_setup(&mut self) -> bool {
-        let Some(setup) = self.queues.setups.peek() else { return false };
-        let taken = self.controller.retune(&setup.control).is_ok();
-        if taken {
-            self.wires = Wires::new(setup);
-            (self.every, self.rate) = (setup.telemetry_every, setup.control.rate);
-            self.zero_flow = ZeroFlow::new(setup);
-            self.record_at = self.counts().0;
-            self.round = round(self.rate);
-        }
-        self.queues.setups.dequeue();
-        taken
-    }
-
-    fn ask(&mut self, request: Request) {
-        self.probe = None;
-        match self.controller.request(request) {
-            Ok(()) => {
-                self.blame((request == Request::Trip).then_some(Cause::Asked));
-                if matches!(request, Request::Arm | Request::Stop) {
-                    while self.queues.points.dequeue().is_some() {}
-                }
-            }
-            // A trip that stands has its cause already.
-            Err(Refused::Cause(trip)) if self.controller.state() == State::Off => self.blame(Some(Cause::Guard(trip))),
-            Err(_) => {}
-        }
-    }
 }
 
+#[cfg(test)]
+mod interleavings;
 #[cfg(test)]
 mod tests;

@@ -6,19 +6,25 @@ use shakedown_core::link::{
 };
 use shakedown_core::{Request as Ask, State};
 
+use crate::control_loop::OpenRelay;
 use crate::queues::{DeskEnd, Order, POINTS, Point, Standing};
+
+mod awaited;
+use awaited::Awaited;
 
 /// How long a challenge may be answered, ticks of the caller's millisecond clock.
 const CHALLENGE_LIFE: u32 = 1000;
 
 /// What the desk wants done that only the board can do.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "lives on the stack for one call")]
 pub enum Action {
     /// Send this report.
     Send(Report),
-    /// Write [`Desk::setup`] to flash, then report what came of it.
-    Save,
+    /// Nothing yet: the answer is up to the loop, and [`Desk::heed`] has it after a tick. No request is taken before.
+    Wait,
+    /// Write [`Desk::setup`] to flash, then give the proof back to [`Desk::saved`].
+    Save(OpenRelay),
 }
 
 /// What the loop published last.
@@ -46,6 +52,7 @@ pub struct Desk<'a> {
     credit_due: bool,
     told: Option<Standing>,
     garbled: u32,
+    awaited: Option<Awaited>,
 }
 
 impl<'a> Desk<'a> {
@@ -61,17 +68,13 @@ impl<'a> Desk<'a> {
             credit_due: false,
             told: None,
             garbled: 0,
+            awaited: None,
         }
     }
 
     /// Counts a frame that came garbled.
     pub const fn count_garbled(&mut self) {
         self.garbled = self.garbled.wrapping_add(1);
-    }
-
-    /// The setup in force is now the one in flash.
-    pub const fn saved(&mut self) {
-        self.stored = true;
     }
 
     /// The setup in force.
@@ -90,8 +93,18 @@ impl<'a> Desk<'a> {
         let report = match request {
             Request::Identify => Report::Identity(self.identity()),
             Request::ReadSetup => Report::Setup(self.setup),
-            Request::WriteSetup(setup) => self.write(&setup, state),
-            Request::Save if at_rest(state) => return Action::Save,
+            Request::WriteSetup(_) | Request::Save if self.waits() => Report::Refused(RefusedBecause::Full),
+            Request::WriteSetup(setup) => match self.write(&setup, state) {
+                Ok(()) => return Action::Wait,
+                Err(because) => Report::Refused(because),
+            },
+            Request::Save if at_rest(state) => match self.order(Order::Lend) {
+                Report::Done => {
+                    self.awaited = Some(Awaited::Proof);
+                    return Action::Wait;
+                }
+                full => full,
+            },
             Request::RequestArming => self.challenge(state, now),
             Request::Arm(given) => self.arm(given, state, now),
             Request::Start => self.ask(Ask::Start, state == State::Ready, state),
@@ -151,23 +164,6 @@ impl<'a> Desk<'a> {
 
     fn ask(&mut self, request: Ask, applies: bool, state: State) -> Report {
         if applies { self.order(Order::Ask(request)) } else { Report::Refused(RefusedBecause::State(state)) }
-    }
-
-    fn write(&mut self, setup: &Setup, state: State) -> Report {
-        let same_board = setup.wiring == self.setup.wiring && setup.control.rate == self.setup.control.rate;
-        if !at_rest(state) && !same_board {
-            return Report::Refused(RefusedBecause::State(state));
-        }
-        if setup.validate().is_err() || setup.wiring.full_scale != self.setup.wiring.full_scale {
-            return Report::Refused(RefusedBecause::Setup);
-        }
-        // Both or neither: one without the other would be the setup of another order.
-        if !self.queues.orders.ready() || self.queues.setups.enqueue(*setup).is_err() {
-            return Report::Refused(RefusedBecause::Full);
-        }
-        self.setup = *setup;
-        self.stored = false;
-        self.order(Order::TakeSetup)
     }
 
     fn challenge(&mut self, state: State, now: u32) -> Report {

@@ -5,8 +5,11 @@
 //! Two contexts share the work and no memory:
 //!
 //! - the **loop** runs in the highest-priority task, once a tick, and owns everything that decides the output;
-//! - the **desk** runs below it, owns the serial link, and speaks to the loop through three queues that neither side
+//! - the **desk** runs below it, owns the serial link, and speaks to the loop through queues that neither side
 //!   ever waits on: orders and points of the reference down, records of telemetry up.
+//!
+//! What must not happen with oil behind the valve (a flash erase, another wiring, another rate) takes an [`OpenRelay`], which
+//! the loop alone can make and which keeps the relay open while it exists.
 #![no_std]
 
 pub mod control_loop;
@@ -18,5 +21,5 @@ pub mod queues;
 pub mod store;
 mod wires;
 
-pub use control_loop::{Codes, Events, Loop, News, Outcome, Rest};
+pub use control_loop::{Codes, Events, Loop, News, OpenRelay, Outcome, Rest};
 pub use desk::Desk;

@@ -4,6 +4,8 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use shakedown_core::link::{Cause, Record, Setup};
 use shakedown_core::{Request, State, Trip};
 
+use crate::control_loop::OpenRelay;
+
 /// Records of telemetry that wait for the desk, one place less: 127 ms at 1 kHz. A power of two, like the others, so that
 /// places are found by masking.
 pub const RECORDS: usize = 128;
@@ -18,10 +20,25 @@ pub enum Order {
     /// Take the setup that waits in the queue of setups, which was validated whole. There it needs room for one, and
     /// not for as many as there are orders.
     TakeSetup,
+    /// Lend the proof of an open relay.
+    Lend,
     /// Ask the core for this.
     Ask(Request),
     /// Put this code on the output while the test is off; none ends it.
     Probe(Option<u16>),
+}
+
+/// What the loop says of an order that the desk waits for.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The setup is in force.
+    Taken,
+    /// It is not: the core refuses it.
+    NotTaken,
+    /// Not carried out: the relay is closed, in this state.
+    Refused(State),
+    /// The proof. No order is carried out before it is back.
+    Lent(OpenRelay),
 }
 
 /// One tick for the desk to send.
@@ -130,6 +147,8 @@ pub struct Queues {
     setups: Queue<Setup, 2>,
     points: Queue<Point, POINTS>,
     records: Queue<Entry, RECORDS>,
+    verdicts: Queue<Verdict, 2>,
+    returned: Queue<OpenRelay, 2>,
 }
 
 /// The loop's ends.
@@ -143,6 +162,10 @@ pub struct LoopEnd<'a> {
     pub points: Consumer<'a, Point>,
     /// Telemetry.
     pub records: Producer<'a, Entry>,
+    /// What came of [`Order::TakeSetup`] or [`Order::Lend`].
+    pub verdicts: Producer<'a, Verdict>,
+    /// The proof, back.
+    pub returned: Consumer<'a, OpenRelay>,
 }
 
 /// The desk's ends.
@@ -156,6 +179,10 @@ pub struct DeskEnd<'a> {
     pub points: Producer<'a, Point>,
     /// Telemetry.
     pub records: Consumer<'a, Entry>,
+    /// What came of [`Order::TakeSetup`] or [`Order::Lend`].
+    pub verdicts: Consumer<'a, Verdict>,
+    /// The proof, given back.
+    pub returned: Producer<'a, OpenRelay>,
 }
 
 impl Default for Queues {
@@ -167,18 +194,34 @@ impl Default for Queues {
 impl Queues {
     /// Empty queues.
     pub const fn new() -> Self {
-        Self { orders: Queue::new(), setups: Queue::new(), points: Queue::new(), records: Queue::new() }
+        Self {
+            orders: Queue::new(),
+            setups: Queue::new(),
+            points: Queue::new(),
+            records: Queue::new(),
+            verdicts: Queue::new(),
+            returned: Queue::new(),
+        }
     }
 
     /// The two sides.
     pub fn split(&mut self) -> (LoopEnd<'_>, DeskEnd<'_>) {
-        let (give_orders, take_orders) = self.orders.split();
-        let (give_setups, take_setups) = self.setups.split();
-        let (give_points, take_points) = self.points.split();
-        let (give_records, take_records) = self.records.split();
+        let (give_orders, orders) = self.orders.split();
+        let (give_setups, setups) = self.setups.split();
+        let (give_points, points) = self.points.split();
+        let (records, take_records) = self.records.split();
+        let (verdicts, take_verdicts) = self.verdicts.split();
+        let (give_back, returned) = self.returned.split();
         (
-            LoopEnd { orders: take_orders, setups: take_setups, points: take_points, records: give_records },
-            DeskEnd { orders: give_orders, setups: give_setups, points: give_points, records: take_records },
+            LoopEnd { orders, setups, points, records, verdicts, returned },
+            DeskEnd {
+                orders: give_orders,
+                setups: give_setups,
+                points: give_points,
+                records: take_records,
+                verdicts: take_verdicts,
+                returned: give_back,
+            },
         )
     }
 }

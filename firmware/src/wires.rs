@@ -6,7 +6,7 @@ use shakedown_core::{Mode, Sample};
 use crate::output::Output;
 
 /// The wiring worked out, and what of it the mode reads.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Wires {
     /// The lowest code that is a reading, and how far above it the highest lies.
     low: u32,
@@ -40,6 +40,11 @@ impl Wires {
             streamed,
             guards: setup.control.mode == Mode::Guard,
         }
+    }
+
+    /// Whether the codes mean the same under both, whatever the mode reads of them.
+    pub(crate) fn same_board(&self, other: &Self) -> bool {
+        Self { guards: other.guards, ..*self } == *other
     }
 
     /// What a guard reads, where each of the three codes tells something.

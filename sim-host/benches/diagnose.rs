@@ -47,6 +47,7 @@ fn recording(number: usize, effects: &[Placed<f64>]) -> String {
         input: &input,
         added: &[],
         law: Law::Pi { kp: 6.0, ki: 0.6 },
+        late: 0,
         sensor_noise: NOISE[0],
         wanted: Wanted::ALL,
     };

@@ -71,6 +71,7 @@ fn recorded(number: usize) -> Run {
         input,
         added: Vec::new(),
         law: Law::Pi { kp: GAINS.0, ki: GAINS.1 },
+        late: 0,
         loop_noise: None,
         moving_start: false,
         measured: vec![channel(Channel::Displacement, NOISE[0]), channel(Channel::Acceleration, NOISE[1])],

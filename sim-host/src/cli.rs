@@ -26,6 +26,7 @@ mod source;
 mod sweep;
 mod table1;
 mod traces;
+mod words;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use std::process::ExitCode;
@@ -74,11 +75,17 @@ enum Command {
 /// Runs what the command line asks for and turns its outcome into an exit status.
 pub(crate) fn main() -> ExitCode {
     let mut command = Arguments::command();
-    let mut matches = command.get_matches_mut();
+    let mut matches = match words::matches(&mut command) {
+        Ok(matches) => matches,
+        Err(status) => return status,
+    };
     if let Err(failure) = places::distinct(&command, &matches) {
         return failure.report();
     }
-    let arguments = Arguments::from_arg_matches_mut(&mut matches).unwrap_or_else(|e| e.format(&mut command).exit());
+    let arguments = match Arguments::from_arg_matches_mut(&mut matches) {
+        Ok(arguments) => arguments,
+        Err(e) => return words::refused(&e.format(&mut command)),
+    };
     shakedown::files::clean_up_when_interrupted();
     let outcome: Result<(), Failure> = match arguments.command {
         None => demo::run(&demo::Args::default()),
@@ -102,7 +109,7 @@ pub(crate) fn main() -> ExitCode {
             Command::Table1(args) => table1::run(&args),
         },
     };
-    match outcome {
+    match outcome.and_then(|()| output::finished()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

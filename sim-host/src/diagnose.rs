@@ -10,24 +10,30 @@ pub mod decide;
 mod finish;
 pub mod locate;
 mod next_test;
+mod noise;
 mod outdone;
 mod ranking;
 pub mod remainder;
 pub mod result;
+mod rejected;
 mod rivals;
 pub mod search;
 mod shared;
+mod structure;
 
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::prepare::{PrepareError, Prepared, prepare};
-use crate::identify::quantity::stated_with;
-use crate::identify::stated::believe;
+use crate::identify::quantity::{quantities, stated_with};
+use crate::identify::stated::expect_near_stated;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
-use crate::recording::{self, Experiment, RecordingError};
+use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt};
 pub use result::Diagnosis;
 use std::path::Path;
+
+/// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
+const FAR: f64 = 0.4;
 
 /// Is told what is being done, with a share of the whole between 0 and 1.
 pub type Progress<'a> = &'a (dyn Fn(&str, f64) + Sync);
@@ -105,12 +111,14 @@ pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, Diagno
 pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
     let begun = std::time::Instant::now();
     options.say("checking the recordings", 0.0);
-    let findings = check(experiment);
-    let mut prepared = prepare(experiment)?;
-    believe(&mut prepared.model);
+    let mut set_up = doubt(experiment);
+    let findings = check(&set_up.experiment);
+    let mut prepared = prepare(&set_up.experiment)?;
+    expect_near_stated(&mut prepared.model);
     if is_bad_data(&findings) {
         return unfit(prepared, &findings, begun);
     }
+    set_up.findings.extend(noise::rescale(&mut prepared)?);
     let Answer { prepared, search, mut decision, held_out_shared } = answer(prepared, options)?;
     let curve = outdone::outdone(&prepared, &mut decision)?;
     let location = locate::locate(&prepared, &search.baseline, &decision)?;
@@ -122,6 +130,9 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     } else {
         None
     };
+    if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed) {
+        decision.name_beside_more(&modelled.remainder.beside);
+    }
     options.say("looking for the test that would settle what is open", 0.96);
     let next_test = next_test::next_test(&prepared, &decision, modelled.as_ref())?;
     let remainder = modelled.map(|modelled| {
@@ -137,8 +148,24 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     let change = change::change(&prepared, &decision)?;
     let seconds = begun.elapsed().as_secs_f64();
     let open = result::Open { remainder, next_test, change, held_out_shared, seconds };
-    let diagnosis = result::assemble(&prepared, &decision, location, open, &findings);
+    let mut diagnosis = result::assemble(&prepared, &decision, location, open, &findings);
+    diagnosis.set_up = set_up.findings;
+    diagnosis.set_up.extend(far_from_stated(experiment, &decision));
+    diagnosis.set_up.extend(decision.noise.clone());
     Ok(Examined { diagnosis, prepared, decision })
+}
+
+/// Stated values of the model that the data place far away, by name.
+fn far_from_stated(experiment: &Experiment, decision: &decide::Decision) -> Vec<SetUpFinding> {
+    let fitted = quantities(&decision.after.fit);
+    let kind = decision.after.fit.model.kind;
+    let far = |(name, stated): (&'static str, f64)| {
+        let unit = kind.parameters().iter().find(|p| p.key == name)?.unit;
+        let quantity = fitted.get(name).filter(|_| experiment.model.fits(name))?;
+        let away = (quantity.value / stated).abs().ln().abs();
+        (!(away < FAR)).then(|| SetUpFinding::model_value(name, stated, quantity.value, quantity.std, unit))
+    };
+    experiment.model.baseline.parameters().into_iter().filter_map(far).collect()
 }
 
 /// What was found, and on which runs.

@@ -8,6 +8,7 @@ pub mod check;
 pub mod clock;
 pub mod csv;
 mod document;
+pub mod doubt;
 pub mod error;
 pub mod experiment;
 pub mod file;
@@ -25,6 +26,7 @@ pub mod unit;
 
 pub use channel::{Channel, PerChannel};
 pub use check::{Fault, Finding, Severity, Skew, check, is_bad_data};
+pub use doubt::{Doubt, SetUp, SetUpFinding, doubt};
 pub use error::{Place, Problem, RecordingError};
 pub use experiment::Experiment;
 pub use law::Law;

@@ -76,7 +76,7 @@ fn diagnosed(physics: &Physics) -> Diagnosis {
     write(folder.path(), physics);
     let diagnosis = diagnose_file(&folder.path().join("experiment.toml"), &Options::default()).unwrap();
     let named: Vec<&str> = diagnosis.effects.iter().map(|e| e.id).collect();
-    let (before, after) = (diagnosis.holdout.before.chi2, diagnosis.holdout.after.chi2);
+    let (before, after) = (diagnosis.judged.before.chi2, diagnosis.judged.after.chi2);
     eprintln!("{:?}: {named:?}, held-out chi2 {before:.2} -> {after:.2}", diagnosis.verdict);
     diagnosis
 }

@@ -1,5 +1,6 @@
 //! The two settings slots: sectors 10 and 11.
 
+use shakedown_firmware::OpenRelay;
 use shakedown_firmware::store::{SLOT, Slots};
 use stm32f4xx_hal::flash::{Error, FlashExt, LockedFlash};
 use stm32f4xx_hal::pac;
@@ -16,9 +17,10 @@ const WAIT: u32 = 10_000;
 pub(crate) struct Flash(pub(crate) LockedFlash);
 
 impl Flash {
-    /// Lets `work` write. The ticks stop meanwhile, for about a second: only with the relay open.
-    pub(crate) fn write<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        ticker::without_ticks(|| watchdog::patiently(|| work(self)))
+    /// Lets `work` write. The ticks stop meanwhile, for a second or two, in which the output stays as it is: only with the relay
+    /// open.
+    pub(crate) fn write<T>(&mut self, open: &OpenRelay, work: impl FnOnce(&mut Self) -> T) -> T {
+        ticker::without_ticks(open, || watchdog::patiently(open, || work(self)))
     }
 }
 

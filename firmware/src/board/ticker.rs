@@ -1,5 +1,6 @@
 //! The tick: TIM2's update is the converter's trigger, so that no program decides when a sample is taken.
 
+use shakedown_firmware::OpenRelay;
 use stm32f4xx_hal::{
     pac::TIM2,
     rcc::{Enable, Rcc, Reset},
@@ -34,8 +35,8 @@ impl Ticker {
     }
 }
 
-/// Stops the ticks while `work` runs, for a flash erase, which stalls the processor. Only with the relay open.
-pub(crate) fn without_ticks<T>(work: impl FnOnce() -> T) -> T {
+/// Stops the ticks while `work` runs, for a flash erase, which stalls the processor.
+pub(crate) fn without_ticks<T>(_: &OpenRelay, work: impl FnOnce() -> T) -> T {
     // SAFETY: only CR1.CEN is touched, and whoever owns the timer runs in ticks, of which there are none meanwhile.
     let timer = unsafe { TIM2::steal() };
     timer.cr1().modify(|_, w| w.cen().disabled());

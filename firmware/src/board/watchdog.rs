@@ -1,5 +1,6 @@
 //! The independent watchdog: a program that hangs for 50 ms is reset, and a reset opens the relay.
 
+use shakedown_firmware::OpenRelay;
 use stm32f4xx_hal::pac::IWDG;
 
 const UNLOCK: u16 = 0x5555;
@@ -48,7 +49,7 @@ impl Watchdog {
 }
 
 /// Lets `work` take seconds. Only with the ticks stopped, so that nobody feeds the watchdog meanwhile.
-pub(crate) fn patiently<T>(work: impl FnOnce() -> T) -> T {
+pub(crate) fn patiently<T>(_: &OpenRelay, work: impl FnOnce() -> T) -> T {
     // SAFETY: whoever owns the watchdog runs in ticks, of which there are none meanwhile.
     let watchdog = Watchdog(unsafe { IWDG::steal() });
     watchdog.limit(PATIENT);

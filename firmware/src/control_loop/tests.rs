@@ -1,6 +1,6 @@
 use super::*;
 use crate::defaults;
-use crate::queues::{DeskEnd, Point, Queues};
+use crate::queues::{DeskEnd, Order, Point, Queues};
 
 const REST: [u16; 4] = [2048; 4];
 

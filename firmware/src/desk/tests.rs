@@ -1,6 +1,6 @@
 use super::*;
 use crate::defaults;
-use crate::queues::{LoopEnd, Queues};
+use crate::queues::{LoopEnd, Queues, Verdict};
 use proptest::prelude::*;
 use shakedown_core::link::{Assembler, MAX_POINTS};
 
@@ -17,7 +17,7 @@ fn with_desk(test: impl FnOnce(&mut Desk<'_>, &mut LoopEnd<'_>)) {
 fn report(desk: &mut Desk<'_>, request: Request, state: State, now: u32) -> Report {
     match desk.take(request, seen(state), now) {
         Action::Send(report) => report,
-        Action::Save => panic!("nobody asked to save"),
+        other => panic!("{other:?}"),
     }
 }
 
@@ -64,13 +64,34 @@ fn wiring_and_rate_change_only_at_rest_and_nothing_is_taken_by_half() {
         assert_eq!(report(desk, Request::ReadSetup, State::Off, 0), Report::Setup(defaults::setup()));
         let mut tuned = defaults::setup();
         tuned.control.displacement.proportional = 2.0;
-        assert_eq!(report(desk, Request::WriteSetup(tuned), State::Running, 0), Report::Done);
-        // One waits at a time, and what is refused changes nothing.
+        assert_eq!(desk.take(Request::WriteSetup(tuned), seen(State::Running), 0), Action::Wait);
+        // One waits at a time, and what is not taken yet is not in force.
         let full = Report::Refused(RefusedBecause::Full);
         assert_eq!(report(desk, Request::WriteSetup(defaults::setup()), State::Running, 0), full);
-        assert_eq!(report(desk, Request::ReadSetup, State::Off, 0), Report::Setup(tuned));
+        assert_eq!(report(desk, Request::ReadSetup, State::Off, 0), Report::Setup(defaults::setup()));
         assert_eq!((decide.orders.dequeue(), decide.setups.dequeue()), (Some(Order::TakeSetup), Some(tuned)));
-        assert_eq!(decide.orders.dequeue(), None);
+        assert_eq!((decide.orders.dequeue(), desk.heed()), (None, None));
+        decide.verdicts.enqueue(Verdict::Taken).unwrap();
+        assert_eq!(desk.heed(), Some(Action::Send(Report::Done)));
+        assert_eq!(report(desk, Request::ReadSetup, State::Off, 0), Report::Setup(tuned));
+    });
+}
+
+/// What was published last may be old: the loop has the last word.
+#[test]
+fn a_setup_or_a_save_that_the_loop_refuses_changes_nothing() {
+    with_desk(|desk, decide| {
+        let mut other = defaults::setup();
+        other.wiring.output.per_code *= 2.0;
+        for request in [Request::WriteSetup(other), Request::Save] {
+            assert_eq!(desk.take(request, seen(State::Tripped), 0), Action::Wait);
+            assert!(desk.waits());
+            decide.verdicts.enqueue(Verdict::Refused(State::Tripped)).unwrap();
+            let refused = Report::Refused(RefusedBecause::State(State::Tripped));
+            assert_eq!(desk.heed(), Some(Action::Send(refused)));
+            assert!(!desk.waits());
+            assert_eq!(report(desk, Request::ReadSetup, State::Off, 0), Report::Setup(defaults::setup()));
+        }
     });
 }
 
@@ -116,7 +137,7 @@ proptest! {
             let mut assembler = Assembler::new();
             for byte in noise {
                 if let Some(Ok(request)) = assembler.push::<Request>(byte) {
-                    report(desk, request, State::Off, 0);
+                    let _ = desk.take(request, seen(State::Off), 0);
                 }
             }
             assert!(!decide.orders.ready());

@@ -1,6 +1,7 @@
 //! The link: whatever came is answered, whatever is due is sent, one frame at a time.
 
-use shakedown_core::link::{Assembler, MAX_FRAME, RefusedBecause, Report, Request, encode};
+use shakedown_core::link::{Assembler, MAX_FRAME, Report, Request, encode};
+use shakedown_firmware::OpenRelay;
 use shakedown_firmware::desk::{Action, Desk, Seen};
 use shakedown_firmware::store;
 
@@ -21,7 +22,10 @@ impl Link {
     /// Reads requests as long as their answers can leave, then sends what is due.
     pub(crate) fn serve(&mut self) {
         self.line.acknowledge();
-        while self.answer.is_none() {
+        if let Some(action) = self.desk.heed() {
+            self.act(action);
+        }
+        while self.answer.is_none() && !self.desk.waits() {
             let Some(byte) = self.line.take() else { break };
             if self.assembler.gather(byte) {
                 self.hear();
@@ -44,25 +48,27 @@ impl Link {
 
     fn carry_out(&mut self, request: Request) {
         let seen = seen();
-        self.answer = match self.desk.take(request, seen, self.desk.milliseconds(seen.ticks)) {
-            Action::Send(report) => Some(report),
-            Action::Save => Some(self.save()),
-        };
+        let action = self.desk.take(request, seen, self.desk.milliseconds(seen.ticks));
+        self.act(action);
     }
 
     #[inline(never)]
-    fn save(&mut self) -> Report {
-        let Self { flash, desk, .. } = self;
-        match flash.write(|flash| store::save(flash, desk.setup())) {
-            Ok(()) => {
-                desk.saved();
-                Report::Done
-            }
-            Err(error) => {
-                defmt::error!("settings not saved: {}", defmt::Debug2Format(&error));
-                Report::Refused(RefusedBecause::Flash)
-            }
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Send(report) => self.answer = Some(report),
+            Action::Save(proof) => self.answer = Some(self.save(proof)),
+            Action::Wait => {}
         }
+    }
+
+    #[inline(never)]
+    fn save(&mut self, proof: OpenRelay) -> Report {
+        let Self { flash, desk, .. } = self;
+        let done = flash.write(&proof, |flash| store::save(flash, desk.setup()));
+        if let Err(error) = &done {
+            defmt::error!("settings not saved: {}", defmt::Debug2Format(error));
+        }
+        desk.saved(proof, done.is_ok())
     }
 
     /// Sends the answer that waits, or else what the desk has to say of its own accord.

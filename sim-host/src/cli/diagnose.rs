@@ -81,7 +81,7 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
         let _ = writeln!(text, "\n  next test: {}\n    {}", test.record, test.why);
     }
     if diagnosis.verdict != Verdict::BadData {
-        let (before, after) = (&diagnosis.holdout.before, &diagnosis.holdout.after);
+        let (before, after) = (&diagnosis.judged.before, &diagnosis.judged.after);
         let runs = examined.judging_runs().len();
         let _ = writeln!(
             text,

@@ -1,5 +1,6 @@
 //! Errors are handled once: here they become one message and an exit status.
 
+use super::output::tell;
 use std::fmt::Display;
 use std::path::Path;
 use std::process::ExitCode;
@@ -11,18 +12,34 @@ pub(crate) enum Failure {
     Input(String),
     /// The work failed: exit status 1.
     Work(String),
+    /// The reader of standard output has gone: exit status 1, and nobody left to be told.
+    Cut,
 }
 
 impl Failure {
     /// Prints the one message and gives the exit status.
     pub(crate) fn report(&self) -> ExitCode {
-        let (Self::Input(message) | Self::Work(message)) = self;
-        eprintln!("error: {message}");
+        if let Self::Input(message) | Self::Work(message) = self {
+            tell(&format!("error: {}", short(message)));
+        }
         ExitCode::from(match self {
             Self::Input(_) => 2,
-            Self::Work(_) => 1,
+            Self::Work(_) | Self::Cut => 1,
         })
     }
+}
+
+/// Longest message, characters.
+const LONGEST: usize = 4000;
+
+/// A message without what a damaged file makes unreadable: control characters, and what is beyond [`LONGEST`].
+fn short(message: &str) -> String {
+    let clean = |c: char| if c.is_control() && c != '\n' { '\u{fffd}' } else { c };
+    let mut text: String = message.chars().take(LONGEST).map(clean).collect();
+    if message.chars().nth(LONGEST).is_some() {
+        text.push_str(" ... (cut)");
+    }
+    text
 }
 
 /// A file that was refused; `hint` where its name says that it was never meant to be TOML.

@@ -2,7 +2,7 @@
 
 mod page;
 
-use super::output::{Outputs, print_table};
+use super::output::{Outputs, print_table, tell};
 use super::shard::Shard;
 use super::{Failure, progress};
 use clap::builder::PossibleValuesParser;
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             match join(&plan, folder) {
                 Err(missing @ CampaignError::Missing { .. }) if args.shard.of > 1 => {
                     bar.finish_and_clear();
-                    eprintln!("shard {}/{} is done; {missing}", args.shard.number, args.shard.of);
+                    tell(&format!("shard {}/{} is done; {missing}", args.shard.number, args.shard.of));
                     return Ok(());
                 }
                 joined => joined.map_err(failure)?,

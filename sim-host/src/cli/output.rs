@@ -7,6 +7,7 @@ use shakedown::report::{Page, Table, terminal};
 use std::fmt::Write as _;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// `--json` and `--report`, the same on every command.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -45,8 +46,9 @@ impl Outputs {
         for input in inputs {
             page.provenance.push((input.display().to_string(), sha256(input)?));
         }
+        announce_pipe(path);
         page.write(path).map_err(|e| Failure::Work(format!("{}: cannot write: {e}", path.display())))?;
-        eprintln!("report: {}", path.display());
+        tell(&format!("report: {}", path.display()));
         Ok(())
     }
 
@@ -98,6 +100,7 @@ pub(crate) fn sha256(path: &Path) -> Result<String, Failure> {
 
 /// Writes a file whole or not at all: beside its place first, then renamed.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    announce_pipe(path);
     shakedown::files::write_whole(path, bytes)
         .map_err(|e| Failure::Work(format!("{}: cannot write: {e}", path.display())))
 }
@@ -108,8 +111,40 @@ pub(crate) fn print_table(table: &Table) {
     print(&terminal::table(table, window.map(|(width, _)| usize::from(width.0))));
 }
 
-/// Prints to standard output; a closed pipe is no error.
+/// The first failure of standard output; nothing is printed after it.
+static LOST: OnceLock<std::io::Error> = OnceLock::new();
+
+/// Prints to standard output; what could not be printed is reported by [`finished`].
 pub(crate) fn print(text: &str) {
+    if LOST.get().is_some() {
+        return;
+    }
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        let _ = LOST.set(error);
+    }
+}
+
+/// A failure where standard output did not take all that was printed: a full disk, or a pipe whose reader has gone.
+pub(crate) fn finished() -> Result<(), Failure> {
+    match LOST.get() {
+        None => Ok(()),
+        Some(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::Cut),
+        Some(error) => Err(Failure::Work(format!("standard output: cannot write: {error}"))),
+    }
+}
+
+/// Says a line on standard error; a standard error that takes nothing is no reason to fail.
+pub(crate) fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Says what a pipe without a reader makes this process wait for.
+fn announce_pipe(path: &Path) {
+    #[cfg(unix)]
+    if std::fs::metadata(path).is_ok_and(|there| std::os::unix::fs::FileTypeExt::is_fifo(&there.file_type())) {
+        tell(&format!("{}: is a pipe; waiting for its reader", path.display()));
+    }
+    #[cfg(not(unix))]
+    let _ = path;
 }

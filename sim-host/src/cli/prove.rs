@@ -3,7 +3,7 @@
 mod engine;
 mod recordings;
 
-use super::output::{Outputs, print_table};
+use super::output::{Outputs, print_table, tell};
 use super::shard::Shard;
 use super::{Failure, progress};
 use clap::Subcommand;
@@ -103,8 +103,8 @@ fn campaign(args: &Args) -> Result<(), Failure> {
     bar.finish_and_clear();
     if plan.shards > 1 {
         let mine = plan.numbers().len();
-        eprintln!("shard {}/{}: {mine} cases in {}", plan.shard, plan.shards, folder.display());
-        eprintln!("when all are there: shakedown prove merge {}", folder.display());
+        tell(&format!("shard {}/{}: {mine} cases in {}", plan.shard, plan.shards, folder.display()));
+        tell(&format!("when all are there: shakedown prove merge {}", folder.display()));
         return Ok(());
     }
     show(&joined(folder)?, &args.outputs)
@@ -131,7 +131,7 @@ fn show(summary: &Summary, outputs: &Outputs) -> Result<(), Failure> {
     match (&summary.failed.first(), summary.failed.len() as u64 == summary.plan.cases) {
         (Some(first), true) => Err(Failure::Work(format!("no case was answered; the first: {first}"))),
         (Some(first), false) => {
-            eprintln!("{} cases were not answered; the first: {first}", summary.failed.len());
+            tell(&format!("{} cases were not answered; the first: {first}", summary.failed.len()));
             Ok(())
         }
         (None, _) => Ok(()),

@@ -17,6 +17,8 @@ const LOST: f64 = 0.5;
 /// A first look at a curve, and how far the best are taken.
 const LOOK: Effort = Effort { steps: 4, tolerance: 1e-3 };
 const FULL: Effort = Effort { steps: 10, tolerance: 1e-4 };
+/// Share of what the best curve alone leaves that names beside a curve must leave at most to be needed.
+const NEEDED: f64 = 0.4;
 /// Curves that are taken further than a look.
 const FINALISTS: usize = 3;
 /// Share of a curve's variation at which one simple term stands for it.
@@ -48,6 +50,8 @@ pub struct Modelled {
     pub remainder: Remainder,
     /// The model.
     pub judged: Judged,
+    /// True where the effects beside the curve cannot be left to it: without them the best curve leaves far more.
+    pub names_needed: bool,
     /// The curve that came second, for the test that would tell the two apart.
     pub rival: Option<Fit>,
 }
@@ -69,7 +73,11 @@ pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<
     let looks = starts.par_iter().map(looked).collect::<Result<Vec<_>, _>>()?;
     let mut looks: Vec<_> = looks.into_iter().flatten().collect();
     looks.sort_by(|a, b| a.0.squares.total_cmp(&b.0.squares));
+    // The best curve that stands alone is taken along: whether the names beside a curve are needed is asked of it.
+    let alone = looks.iter().position(|(_, added)| added.is_empty()).filter(|&i| i >= FINALISTS);
+    let alone = alone.map(|i| looks.swap_remove(i));
     looks.truncate(FINALISTS);
+    looks.extend(alone);
     let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<Judged, SimulateError> {
         fit.improve(&prepared.fit, FULL)?;
         let hold = score(&fit.model, prepared.judging())?;
@@ -77,6 +85,10 @@ pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<
     };
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));
+    let alone = all.iter().filter(|j| j.added.is_empty()).map(|j| j.hold.chi2).fold(f64::INFINITY, f64::min);
+    let names_needed = all.first().is_some_and(|best| {
+        !best.added.is_empty() && best.hold.chi2 - 1.0 < NEEDED * (alone.min(before.hold.chi2) - 1.0)
+    });
     let mut all = all.into_iter();
     let Some(judged) = all.next() else { return Ok(None) };
     let (better, worse) = gains(&best.hold.blocks, &judged.hold.blocks);
@@ -85,7 +97,7 @@ pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<
         return Ok(None);
     }
     let rival = all.next().map(|second| second.fit);
-    Ok(described(before, &judged).map(|remainder| Modelled { remainder, judged, rival }))
+    Ok(described(before, &judged).map(|remainder| Modelled { remainder, judged, names_needed, rival }))
 }
 
 /// A curve at zero, its knots held loosely to it: what no run reaches stays there.

@@ -3,12 +3,14 @@
 use super::change::Change;
 use super::decide::{Decision, Judged};
 use super::locate::Location;
+use super::rejected::{Rejected, rejected};
 use super::remainder::Remainder;
 use crate::identify::data::Channel;
 use crate::identify::judge::Score;
 use crate::identify::prepare::Prepared;
 use crate::identify::quantity::{Quantity, quantities};
 use crate::plant::effects::Role;
+use crate::recording::SetUpFinding;
 use crate::recording::check::Finding;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -32,8 +34,15 @@ pub struct Diagnosis {
     pub next_test: Option<NextTest>,
     /// What it changes for who runs the table; none where nothing was found or measured motion drives the model.
     pub change: Option<Change>,
-    /// Fit on the runs held back.
-    pub holdout: BeforeAfter,
+    /// Fit on the hold-out set; none where no run is held out.
+    pub holdout: Option<BeforeAfter>,
+    /// The same on the runs that judged: the hold-out set, or the runs fitted where none is held out.
+    #[serde(skip)]
+    pub judged: BeforeAfter,
+    /// True where effects are named and leave more than noise and the simplicity of their equations.
+    pub more_missing: bool,
+    /// Every hypothesis that was weighed and not accepted, with the reason.
+    pub rejected: Vec<Rejected>,
     /// The refitted model's own parameters.
     pub model: BTreeMap<String, Quantity>,
     /// Where effects of the library explain a part only: which, and how much of the excess.
@@ -45,6 +54,8 @@ pub struct Diagnosis {
     /// True where the runs fitted did not show what is missing: every other stretch of the runs held back was fitted too, and
     /// `holdout` is of the stretches between.
     pub held_out_shared: bool,
+    /// What of the stated set-up was found wrong; the diagnosis went on with what was found.
+    pub set_up: Vec<SetUpFinding>,
     /// What is wrong with the data, or worth knowing about it.
     pub findings: Vec<Finding>,
     /// Wall-clock time, s.
@@ -129,6 +140,12 @@ pub struct Part {
     pub share: f64,
 }
 
+impl BeforeAfter {
+    fn of(decision: &Decision) -> Self {
+        Self { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) }
+    }
+}
+
 impl Standing {
     fn of(score: &Score) -> Self {
         let nrmse: BTreeMap<_, _> = score.nrmse.iter().map(|&(c, value): &(Channel, f64)| (c.name(), value)).collect();
@@ -174,12 +191,16 @@ pub(super) fn assemble(
         indistinguishable: decision.ties.clone(),
         next_test: open.next_test,
         change: open.change,
-        holdout: BeforeAfter { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) },
+        holdout: (!prepared.holdout.is_empty()).then(|| BeforeAfter::of(decision)),
+        judged: BeforeAfter::of(decision),
+        more_missing: decision.more_missing,
+        rejected: rejected(decision),
         model,
         share_left: decision.left(),
         part_explained: decision.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
         remainder: open.remainder,
         held_out_shared: open.held_out_shared,
+        set_up: Vec::new(),
         findings: findings.to_vec(),
         seconds: open.seconds,
     }

@@ -78,6 +78,8 @@ pub struct Run {
     pub added: Vec<f64>,
     /// The controller that ran.
     pub law: Law,
+    /// Ticks by which that controller acts late.
+    pub late: usize,
     /// Standard deviation of the displacement noise that the controller saw, m; that of the channel where it is none.
     pub loop_noise: Option<f64>,
     /// True where the run starts in the middle of a motion.

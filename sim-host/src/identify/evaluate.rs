@@ -164,6 +164,7 @@ fn trace<S: Scalar>(
         input: &run.input,
         added: &run.added,
         law: run.law,
+        late: run.late,
         sensor_noise,
         wanted,
     };

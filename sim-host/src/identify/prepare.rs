@@ -160,7 +160,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
     use recording::{Channel as C, Law as L};
     let law = match run.law {
         L::Open => Law::Recorded,
-        L::ProportionalIntegral { kp, ki } => Law::Pi { kp, ki },
+        L::ProportionalIntegral { kp, ki, .. } => Law::Pi { kp, ki },
         L::Cascade { kp, kv } => Law::Cascade { kp, kv },
         L::Core { .. } => return Err(PrepareError::CoreController { run: run.name.clone() }),
     };
@@ -184,6 +184,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
     let ticks = ticks(run)?;
     // A recorded command that drives the model holds what was added to it.
     let added = run.channel(C::Disturbance).filter(|_| law.simulates_reference()).and_then(filled).unwrap_or_default();
+    let added = with_feed_forward(added, &run.law, &input, run.dt);
     let run = Run {
         name: run.name.clone(),
         dt: run.dt,
@@ -192,6 +193,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
         input,
         added,
         law,
+        late: run.law_delay * ticks,
         loop_noise: run.loop_noise,
         moving_start: run.cut,
         measured,
@@ -199,6 +201,17 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
         filter,
     };
     Ok(Run { moving_start: run.moving_start || start::in_motion(&run), ..run })
+}
+
+/// What is added to the command with the feed-forward of the reference's rate, which no state of the loop has a part in.
+fn with_feed_forward(mut added: Vec<f64>, law: &recording::Law, reference: &[f64], dt: f64) -> Vec<f64> {
+    let recording::Law::ProportionalIntegral { kvf, .. } = *law else { return added };
+    if kvf != 0.0 {
+        added.resize(reference.len(), 0.0);
+        let rates = reference.windows(2).map(|w| (w[1] - w[0]) / dt);
+        added.iter_mut().skip(1).zip(rates).for_each(|(u, rate)| *u += kvf * rate);
+    }
+    added
 }
 
 /// Controller ticks in one sample.

@@ -1,7 +1,7 @@
 //! The stated model fitted: from several starts, and within reach of what was stated.
 
 use super::fit::{Effort, Fit};
-use super::model::Model;
+use super::model::{Model, Prior};
 use super::prepare::Prepared;
 use super::starts::with_binding_limit;
 use crate::plant::model::Kind;
@@ -12,21 +12,29 @@ const POOR: f64 = 4.0;
 /// Change of a value, as a share of what was stated, that makes one think of missing physics first.
 const FAR: f64 = 0.25;
 
-/// Share of a stated value beyond which a diagnosis does not look for it.
-const BELIEVED: f64 = 0.4;
+/// Standard deviation of a stated value's logarithm: what a model that is of this table may be wrong by.
+const EXPECTED: f64 = 0.25;
 
-/// Holds the values that may be fitted within two fifths of what was stated. A diagnosis asks what a model that is
-/// roughly right leaves out; left alone, its values go to wherever they hide that best. [`crate::identify`] proper does
-/// not do this, nor is it done to masses and dashpots, on which residuals depend almost linearly.
-pub fn believe(model: &mut Model) {
+/// Expects the values that may be fitted near what was stated: a diagnosis asks what a model that is roughly right leaves out,
+/// and left alone its values go to wherever they hide that best. Nothing is clamped: where the data say that a value is far
+/// away, it goes there. Masses and dashpots, on which residuals depend almost linearly, are free.
+pub fn expect_near_stated(model: &mut Model) {
     if model.kind != Kind::Servo {
         return;
     }
-    for value in model.own.iter_mut().filter(|v| v.free && v.value != 0.0) {
-        let reach = BELIEVED * value.value.abs();
-        (value.low, value.high) = (value.value - reach, value.value + reach);
+    for value in model.own.iter_mut().filter(|v| v.free && v.value != 0.0 && v.prior.is_none()) {
+        let std = if value.positive { EXPECTED } else { EXPECTED * value.value.abs() };
+        value.prior = Some(Prior { mean: value.coordinate(), std });
+        (value.low, value.high) = if value.positive {
+            (value.value / WIDEST, value.value * WIDEST)
+        } else {
+            (f64::NEG_INFINITY, f64::INFINITY)
+        };
     }
 }
+
+/// Factor by which a positive value may differ from what was stated: a unit's worth.
+const WIDEST: f64 = 1e3;
 
 /// The stated model with the values it lists in `fit`, fitted: from the stated values and, where those leave a misfit,
 /// from a velocity limit at the largest speed seen, for a limit that is never reached has no slope to follow.

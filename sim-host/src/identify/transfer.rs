@@ -113,6 +113,7 @@ mod tests {
             input: (0..n).map(|k| (0..40).map(|i| tone(k, i)).sum()).collect(),
             added: Vec::new(),
             law: Law::Recorded,
+            late: 0,
             loop_noise: None,
             moving_start: false,
             measured: vec![displacement],

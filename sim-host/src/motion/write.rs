@@ -13,7 +13,6 @@ pub(super) use knet::NO_OFFSET;
 
 use super::{Format, Motion, Record, peak};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Why a record cannot be written.
@@ -44,15 +43,11 @@ pub enum WriteError {
     },
 }
 
-/// Writes a record in its own format family, generated ones as columns; beside its place first, then renamed.
+/// Writes a record in its own format family, generated ones as columns; whole or not at all, through links and devices.
 pub fn write(path: &Path, record: &Record) -> Result<(), WriteError> {
     let text = render(record)?;
     let fail = |source: std::io::Error| WriteError::Io { path: path.to_owned(), source };
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(fail)?;
-    file.write_all(text.as_bytes()).map_err(fail)?;
-    file.persist(path).map_err(|e| fail(e.error))?;
-    Ok(())
+    crate::files::write_whole(path, text.as_bytes()).map_err(fail)
 }
 
 /// The text of a record in its own format family.

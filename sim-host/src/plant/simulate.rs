@@ -42,6 +42,8 @@ pub struct Drive<'a> {
     pub added: &'a [f64],
     /// The controller that ran.
     pub law: Law,
+    /// Ticks by which its command comes late.
+    pub late: usize,
     /// Standard deviation of the displacement sensor's noise, m, which the controller passes on to the command.
     pub sensor_noise: f64,
     /// What of it is asked for.
@@ -146,7 +148,7 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, ma
     let mut state = dynamics.rest(start);
     let (n, wanted) = (drive.input.len(), drive.wanted);
     let mut trace = Trace::with_capacity(n, wanted);
-    let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, start.velocity);
+    let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, drive.late, start.velocity);
     let steps = substeps(drive, dynamics.fastest(), dynamics.whole_steps());
     let governed = dynamics.supply_pressure(&state).is_some();
     let mut sample = Sample::new(&mut dynamics, &state, drive, steps, matrices);

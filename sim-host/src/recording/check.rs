@@ -24,6 +24,8 @@ mod timing;
 pub(crate) use consistency::relation;
 pub(crate) use missing::longest as longest_stretch;
 pub(crate) use replay::fitted_gains;
+pub(crate) use ticks::Ticks;
+pub(crate) use hum::mains_line;
 pub use skew::Skew;
 
 /// How much a finding matters.

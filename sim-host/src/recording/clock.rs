@@ -26,6 +26,8 @@ pub struct Clock {
     pub gaps: Vec<(f64, f64)>,
     /// The stamps' own resolution is coarser than the step, so that rows were placed by their order alone.
     pub coarse: bool,
+    /// How far each place of the grid lies before the stamp of its row, s; empty where no stamp is off.
+    pub offsets: Vec<f64>,
 }
 
 impl Clock {
@@ -117,11 +119,13 @@ fn place(stamps: &[f64], first: f64, dt: f64) -> Option<Grid> {
     let mut rows: Vec<Option<usize>> = Vec::with_capacity(stamps.len());
     let (mut origin, mut squares, mut counted) = (first, 0.0, 0usize);
     let mut previous = f64::NEG_INFINITY;
+    let mut offsets: Vec<f64> = Vec::with_capacity(stamps.len());
     for (row, &stamp) in stamps.iter().enumerate() {
         let here = rows.len() as f64;
         if !stamp.is_finite() {
             clock.unstamped.push(origin + here * dt);
             rows.push(Some(row));
+            offsets.push(0.0);
             continue;
         }
         if stamp == previous {
@@ -138,6 +142,7 @@ fn place(stamps: &[f64], first: f64, dt: f64) -> Option<Grid> {
             if next_is_back(&stamps[row + 1..], origin, dt, here) {
                 clock.misread.push(stamp);
                 rows.push(Some(row));
+                offsets.push(0.0);
                 continue;
             }
             clock.gaps.push((previous, stamp));
@@ -146,9 +151,11 @@ fn place(stamps: &[f64], first: f64, dt: f64) -> Option<Grid> {
                 return None;
             }
             rows.extend(std::iter::repeat_n(None, missing as usize));
+            offsets.resize(rows.len(), 0.0);
         }
         let off = (stamp - origin) / dt - rows.len() as f64;
         rows.push(Some(row));
+        offsets.push(if off.abs() <= GAP { off * dt } else { 0.0 });
         previous = previous.max(stamp);
         if off.abs() <= GAP {
             // Follows a slow drift of the stamps against the mean step.
@@ -159,6 +166,9 @@ fn place(stamps: &[f64], first: f64, dt: f64) -> Option<Grid> {
         }
     }
     clock.jitter = dt * (squares / counted.max(1) as f64).sqrt();
+    if clock.jitter > 1e-6 * dt {
+        clock.offsets = offsets;
+    }
     Some(Grid { start: first, dt, rows, clock })
 }
 

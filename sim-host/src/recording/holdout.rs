@@ -85,6 +85,7 @@ mod tests {
             noise: PerChannel::default(),
             loop_noise: None,
             law: Law::Open,
+            law_delay: 0,
             controller_rate_hz: None,
             purpose: Fit,
             cut: false,

@@ -11,12 +11,14 @@ use std::path::{Path, PathBuf};
 pub enum Law {
     /// No controller: the recorded command drives the model.
     Open,
-    /// `u[k] = kp e[k] + ki dt (e[0] + ... + e[k])`, plain: no anti-windup, no limits.
+    /// `u[k] = kp e[k] + ki dt (e[0] + ... + e[k]) + kvf (r[k] - r[k-1]) / dt`, plain: no anti-windup, no limits.
     ProportionalIntegral {
         /// Proportional gain, unit of u per m.
         kp: f64,
         /// Integral gain, unit of u per m s.
         ki: f64,
+        /// Feed-forward of the backward difference of the reference, unit of u s per m.
+        kvf: f64,
     },
     /// `u[k] = kv (kp e[k] - velocity[k])`, the velocity being the backward difference of the measured displacement.
     Cascade {
@@ -37,7 +39,7 @@ pub enum Law {
 impl Law {
     /// Reads a run's `controller`; a settings file is looked for beside the experiment.
     pub(crate) fn read(entry: &Entry<'_>, folder: &Path) -> Result<Self, RecordingError> {
-        const CHOICES: &str = "{ kp, ki }, { kind = \"cascade\", kp, kv }, { core = \"settings.toml\" }, \"none\"";
+        const CHOICES: &str = "{ kp, ki, kvf }, { kind = \"cascade\", kp, kv }, { core = \"settings.toml\" }, \"none\"";
         if entry.is_string() {
             return match entry.string()? {
                 "none" => Ok(Self::Open),
@@ -64,7 +66,10 @@ impl Law {
                 let kv = section.required("kv", "a cascade needs its velocity gain")?.number()?;
                 Ok(Self::Cascade { kp: kp.number()?, kv })
             }
-            ("pi", _) => Ok(Self::ProportionalIntegral { kp: kp.number()?, ki: section.number("ki")?.unwrap_or(0.0) }),
+            ("pi", _) => {
+                let (ki, kvf) = (section.number("ki")?.unwrap_or(0.0), section.number("kvf")?.unwrap_or(0.0));
+                Ok(Self::ProportionalIntegral { kp: kp.number()?, ki, kvf })
+            }
             (other, kind) => Err(kind.as_ref().unwrap_or(&kp).refuse(Problem::NotAChoice {
                 found: other.to_owned(),
                 choices: "\"pi\", \"cascade\"".to_owned(),
@@ -91,7 +96,8 @@ impl Law {
     pub fn describe(&self) -> String {
         match self {
             Self::Open => "no controller: the recorded command drives".to_owned(),
-            Self::ProportionalIntegral { kp, ki } => format!("PI, kp = {kp}, ki = {ki} 1/s"),
+            Self::ProportionalIntegral { kp, ki, kvf } if *kvf == 0.0 => format!("PI, kp = {kp}, ki = {ki} 1/s"),
+            Self::ProportionalIntegral { kp, ki, kvf } => format!("PI, kp = {kp}, ki = {ki} 1/s, kvf = {kvf} s"),
             Self::Cascade { kp, kv } => format!("cascade, kp = {kp} 1/s, kv = {kv}"),
             Self::Core { path, .. } => format!("control core, {}", path.display()),
         }

@@ -33,6 +33,8 @@ pub struct Run {
     pub loop_noise: Option<f64>,
     /// The controller that ran.
     pub law: Law,
+    /// Samples by which that controller acts late.
+    pub law_delay: usize,
     /// Rate of that controller, Hz; the recording's where the experiment does not say.
     pub controller_rate_hz: Option<f64>,
     /// What the run is used for.
@@ -72,6 +74,8 @@ impl Run {
         for (channel, samples) in self.channels.iter() {
             channels.set(channel, samples[from..to].to_vec());
         }
-        Self { time: self.time[from..to].to_vec(), channels, cut: self.cut || from > 0, ..self.clone() }
+        let mut clock = self.clock.clone();
+        clock.offsets = clock.offsets.get(from..to).unwrap_or_default().to_vec();
+        Self { time: self.time[from..to].to_vec(), channels, cut: self.cut || from > 0, clock, ..self.clone() }
     }
 }

@@ -88,6 +88,7 @@ fn run(number: i32) -> Run {
         input: input.collect(),
         added: Vec::new(),
         law: Law::Pi { kp: 8.0, ki: 1.0 },
+        late: 0,
         loop_noise: None,
         moving_start: false,
         measured: vec![channel(Channel::Displacement, NOISE[0]), channel(Channel::Acceleration, NOISE[1])],

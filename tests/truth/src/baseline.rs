@@ -54,7 +54,7 @@ fn solve(machine: &Machine, run: &Run, noise: Option<&Noise>) -> Prediction {
 }
 
 /// One sample: demand `offset + settled + (start - settled) exp(-pole t)`, clamped to the limit.
-struct Stretch {
+pub(crate) struct Stretch {
     pole: f64,
     start: f64,
     settled: f64,
@@ -63,7 +63,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn of(machine: &Machine, slow: f64, u: f64) -> Self {
+    pub(crate) fn of(machine: &Machine, slow: f64, u: f64) -> Self {
         match *machine {
             Machine::Servo { b1, b0, a1, velocity_limit } => {
                 Self { pole: a1, start: slow, settled: (b0 / a1 - b1) * u, offset: b1 * u, limit: velocity_limit }
@@ -75,7 +75,7 @@ impl Stretch {
         }
     }
 
-    fn slow(&self, t: f64) -> f64 {
+    pub(crate) fn slow(&self, t: f64) -> f64 {
         self.settled + (self.start - self.settled) * (-self.pole * t).exp()
     }
 
@@ -83,12 +83,17 @@ impl Stretch {
         self.offset + self.slow(t)
     }
 
-    fn velocity(&self, t: f64) -> f64 {
+    /// Whether the demand is beyond the limit after `t`.
+    pub(crate) fn beyond(&self, t: f64) -> bool {
+        self.demand(t).abs() > self.limit
+    }
+
+    pub(crate) fn velocity(&self, t: f64) -> f64 {
         self.demand(t).clamp(-self.limit, self.limit)
     }
 
     /// Distance travelled in `t`: the demand is monotone, so each bound is met at most once.
-    fn distance(&self, t: f64) -> f64 {
+    pub(crate) fn distance(&self, t: f64) -> f64 {
         let (first, last) = (self.demand(0.0), self.demand(t));
         if first.abs() <= self.limit && last.abs() <= self.limit {
             return self.free_distance(0.0, t);

@@ -11,6 +11,7 @@ pub mod confounded;
 pub mod corrupt;
 pub mod effect;
 pub mod excitation;
+pub mod lab;
 pub mod noise;
 pub mod ode;
 pub mod plan;

@@ -58,7 +58,7 @@ impl Concealed {
     pub(super) fn lead(&self) -> String {
         let (named, truth) = (self.named(), self.true_names());
         let outcome = if named == truth { "found" } else { "not found" };
-        let (before, after) = (&self.examined.diagnosis.holdout.before, &self.examined.diagnosis.holdout.after);
+        let (before, after) = (&self.examined.diagnosis.judged.before, &self.examined.diagnosis.judged.after);
         format!(
             "Concealed in recordings of a table made elsewhere: {}, {outcome}; chi2 on the run held back {:.3} -> {:.3}, 1 being \
              the noise floor.",
@@ -124,7 +124,7 @@ impl Concealed {
 
     /// The same for other tools.
     pub(super) fn json(&self) -> Value {
-        let holdout = &self.examined.diagnosis.holdout;
+        let holdout = &self.examined.diagnosis.judged;
         json!({"case": self.number, "seal": self.seal, "concealed": self.true_names(), "named": self.named(),
                "chi2_before": holdout.before.chi2, "chi2_after": holdout.after.chi2})
     }

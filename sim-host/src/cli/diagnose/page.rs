@@ -51,7 +51,7 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
             format!("The model lacks physics that the library does not hold.{part}{curve}")
         }
         Verdict::Mismatch => {
-            let left = diagnosis.holdout.after.chi2;
+            let left = diagnosis.judged.after.chi2;
             let more = if left > 1.5 {
                 format!(
                     " More is missing: what is left stands at chi2 {left:.2}, {:.1} % of the first excess.",
@@ -73,7 +73,7 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
 
 fn verdict(examined: &Examined) -> Section {
     let diagnosis = &examined.diagnosis;
-    let (before, after) = (&diagnosis.holdout.before, &diagnosis.holdout.after);
+    let (before, after) = (&diagnosis.judged.before, &diagnosis.judged.after);
     let mut items = vec![Item::Tiles(vec![
         ("chi2 held out, before [1]".into(), format!("{:.3}", before.chi2)),
         ("chi2 held out, after [1]".into(), format!("{:.3}", after.chi2)),

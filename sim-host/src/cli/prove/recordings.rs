@@ -87,7 +87,7 @@ fn found(all: &[Examined]) -> Table {
 /// Fit on the runs held back, each channel that judges.
 fn fits(all: &[Examined]) -> Table {
     let rows = all.iter().flat_map(|one| {
-        let (before, after) = (&one.diagnosis.holdout.before, &one.diagnosis.holdout.after);
+        let (before, after) = (&one.diagnosis.judged.before, &one.diagnosis.judged.after);
         after.r2.iter().map(|(&channel, &r2)| {
             vec![
                 one.experiment.name.clone(),

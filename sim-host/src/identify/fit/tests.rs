@@ -48,6 +48,7 @@ pub(crate) fn recorded(model: &Model, seed: u64) -> Run {
         input: input.collect(),
         added: Vec::new(),
         law: Law::Pi { kp: 8.0, ki: 1.0 },
+        late: 0,
         loop_noise: None,
         moving_start: false,
         measured: vec![channel(Channel::Displacement, 2e-5), channel(Channel::Acceleration, 0.1)],

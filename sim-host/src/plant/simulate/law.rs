@@ -1,6 +1,7 @@
 //! The controllers that recordings state: plain laws with no limits and no anti-windup.
 
 use crate::scalar::Scalar;
+use std::collections::VecDeque;
 
 /// The controller that ran.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,8 +55,10 @@ impl Law {
     }
 
     /// The law at the start of a run that begins with this velocity (m/s), run every `tick` seconds.
-    pub(super) fn begin<S: Scalar>(self, tick: f64, velocity: S) -> Running<S> {
-        Running { law: self, tick, sum: S::from(0.0), velocity, before: None }
+    /// Its commands come `late` ticks after what they answer.
+    pub(super) fn begin<S: Scalar>(self, tick: f64, late: usize, velocity: S) -> Running<S> {
+        let waiting = std::iter::repeat_n(S::from(0.0), late).collect();
+        Running { law: self, tick, sum: S::from(0.0), velocity, before: None, waiting }
     }
 }
 
@@ -89,11 +92,22 @@ pub(super) struct Running<S> {
     /// Velocity before the first tick, m/s.
     velocity: S,
     before: Option<S>,
+    /// Commands on their way.
+    waiting: VecDeque<S>,
 }
 
 impl<S: Scalar> Running<S> {
     /// One tick: input and measured displacement in, command out.
     pub(super) fn step(&mut self, input: f64, displacement: S) -> S {
+        let command = self.answer(input, displacement);
+        if self.waiting.is_empty() {
+            return command;
+        }
+        self.waiting.push_back(command);
+        self.waiting.pop_front().unwrap_or(command)
+    }
+
+    fn answer(&mut self, input: f64, displacement: S) -> S {
         let error = -displacement + input;
         match self.law {
             Law::Pi { kp, ki } => {

@@ -24,6 +24,7 @@ fn run<S: Scalar>(effects: &[Placed<S>]) -> Trace<S> {
         input: &input,
         added: &[],
         law: Law::Pi { kp: 6.0, ki: 1.0 },
+        late: 0,
         sensor_noise: 1e-5,
         wanted: Wanted::ALL,
     };
@@ -112,7 +113,7 @@ fn matrices_give_what_the_rule_gives() {
             velocity_limit: Dual::variable(0.242, 2),
         };
         let law = Law::Pi { kp: 6.0, ki: 1.0 };
-        let drive = Drive { dt: DT, ticks, input: &input, added: &[], law, sensor_noise: 1e-5, wanted: Wanted::ALL };
+        let drive = Drive { dt: DT, ticks, input: &input, added: &[], law, late: 0, sensor_noise: 1e-5, wanted: Wanted::ALL };
         let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
         let [short, long] = [true, false]
             .map(|matrices| super::run(Dynamics::new(&model, &effects).unwrap(), &drive, &start, matrices));
@@ -144,6 +145,7 @@ fn without_effects_it_is_the_papers_plant() {
         input: &input,
         added: &[],
         law: Law::Recorded,
+        late: 0,
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
     };
@@ -167,6 +169,7 @@ fn an_unknown_effect_is_refused_by_name() {
         input: &[0.0],
         added: &[],
         law: Law::Recorded,
+        late: 0,
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
     };
@@ -182,7 +185,7 @@ fn effects_on_a_rigid_mass_have_their_units() {
         let input = vec![command; 251];
         let wanted = Wanted::default();
         let drive =
-            Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Recorded, sensor_noise: 0.0, wanted };
+            Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Recorded, late: 0, sensor_noise: 0.0, wanted };
         let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
         let mass = Baseline::RigidMass { mass: 10.0, viscous: 0.0, gain: 20.0 };
         let trace = simulate(&mass, &[Placed { id, parameters: parameters.to_vec() }], &drive, &start).unwrap();

@@ -31,7 +31,13 @@ pub(super) fn check(run: &Run) -> Vec<Finding> {
         .collect()
 }
 
-fn finding(run: &Run, channel: Channel) -> Option<Finding> {
+/// Where a channel shows the strongest line of the mains, Hz; none where it shows none.
+pub(crate) fn mains_line(run: &Run, channel: Channel) -> Option<f64> {
+    strongest(run, channel).map(|(_, seen_hz, _)| seen_hz)
+}
+
+/// The strongest line of the mains: its own frequency, where it is seen, and its shape.
+fn strongest(run: &Run, channel: Channel) -> Option<(f64, f64, Line)> {
     let samples = run.channel(channel)?;
     let segment = segment_length(samples.len(), (20.0 / run.dt) as usize);
     let power = spectra(samples, samples, run.dt, segment);
@@ -50,7 +56,11 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
             line,
         ))
     });
-    let (true_hz, seen_hz, line) = lines.max_by(|a, b| a.2.amplitude.total_cmp(&b.2.amplitude))?;
+    lines.max_by(|a, b| a.2.amplitude.total_cmp(&b.2.amplitude))
+}
+
+fn finding(run: &Run, channel: Channel) -> Option<Finding> {
+    let (true_hz, seen_hz, line) = strongest(run, channel)?;
     let folded = if (true_hz - seen_hz).abs() < 1e-6 {
         format!("{seen_hz:.1} Hz")
     } else {

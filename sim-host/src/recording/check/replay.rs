@@ -44,11 +44,17 @@ impl Replay {
             command.iter_mut().zip(&known).for_each(|(u, d)| *u -= d);
         }
         let ticks = Ticks::of(run);
+        if run.law_delay > 0 {
+            command.drain(..run.law_delay.min(command.len()));
+            command.resize(reference.len(), command.last().copied().unwrap_or(0.0));
+        }
         let error: Vec<f64> = reference.iter().zip(&displacement).map(|(r, x)| r - x).collect();
         // A cut run starts with an unknown integral; every run has an unknown null of the converter.
         match &run.law {
             Law::Open => None,
-            Law::ProportionalIntegral { kp, ki } => {
+            Law::ProportionalIntegral { kp, ki, kvf } => {
+                let [fed, _] = ticks.seen(&reference, |r, dt| [backward(r, dt), Vec::new()]);
+                command.iter_mut().zip(&fed).for_each(|(u, rate)| *u -= kvf * rate);
                 let terms = ticks.seen(&error, |error, dt| [error.to_vec(), integral(error, dt)]);
                 Some(Self::linear(&command, &terms, [*kp, *ki], ["kp", "ki"]))
             }

@@ -117,7 +117,7 @@ impl Bench {
             let noisy = lagged_a + hum + 0.02 * 9.80665 * random.normal();
             columns.iter_mut().zip([r, measured, noisy, u]).for_each(|(c, value)| c.push(value));
         }
-        run_of(columns, dt, Law::ProportionalIntegral { kp: self.kp, ki: 0.6 })
+        run_of(columns, dt, Law::ProportionalIntegral { kp: self.kp, ki: 0.6, kvf: 0.0 })
     }
 }
 
@@ -137,6 +137,7 @@ fn run_of([reference, displacement, acceleration, command]: [Vec<f64>; 4], dt: f
         noise: PerChannel::default(),
         loop_noise: None,
         law,
+        law_delay: 0,
         controller_rate_hz: None,
         purpose: Use::Fit,
         cut: false,
@@ -242,7 +243,7 @@ fn a_controller_that_is_reproduced_vouches_for_its_channels() {
         3.7 * e + 0.6 * integral
     });
     let command = command.collect();
-    let law = Law::ProportionalIntegral { kp: 3.7, ki: 0.6 };
+    let law = Law::ProportionalIntegral { kp: 3.7, ki: 0.6, kvf: 0.0 };
     let run = run_of([reference, displacement, series(2, -0.5), command], dt, law);
     assert_eq!(bad(&run), [], "{:#?}", findings(&run));
     let other = changed(&run, Channel::Command, |k, u| u + 0.2 * (0.37 * (k * k % 1009) as f64).sin());
@@ -270,7 +271,7 @@ fn harmonics_of_a_saw_tooth_are_no_hum() {
             let row = [0.01 * moving * tone(1.0), 0.005 * moving * square, moving * spikes + noise, 0.0];
             columns.iter_mut().zip(row).for_each(|(column, x)| column.push(x));
         }
-        let run = run_of(columns, dt, Law::ProportionalIntegral { kp: 3.7, ki: 0.6 });
+        let run = run_of(columns, dt, Law::ProportionalIntegral { kp: 3.7, ki: 0.6, kvf: 0.0 });
         hum::check(&run).iter().any(|f| f.channel == "acceleration")
     };
     assert!(!hums(0.0), "a harmonic was taken for hum");
@@ -321,8 +322,8 @@ fn each_fault_is_called_by_its_name() {
             (held(Acceleration, middle, middle + second(0.5)), "acceleration", Fault::Stuck),
             (clip(Displacement, 0.6), "displacement", Fault::Clipped),
             (clip(Acceleration, 0.4), "acceleration", Fault::Clipped),
-            (with_law(Law::ProportionalIntegral { kp: 2.0 * bench.kp, ki: 0.6 }), "command", Fault::WrongController),
-            (with_law(Law::ProportionalIntegral { kp: -bench.kp, ki: -0.6 }), "command", Fault::WrongController),
+            (with_law(Law::ProportionalIntegral { kp: 2.0 * bench.kp, ki: 0.6, kvf: 0.0 }), "command", Fault::WrongController),
+            (with_law(Law::ProportionalIntegral { kp: -bench.kp, ki: -0.6, kvf: 0.0 }), "command", Fault::WrongController),
             (
                 changed(
                     &run,

@@ -7,7 +7,7 @@ use crate::recording::run::Run;
 
 /// How the controller's ticks and the samples lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Ticks {
+pub(crate) enum Ticks {
     /// This many ticks a sample, the time between ticks, s.
     Faster(usize, f64),
     /// A tick every so many samples, the time between ticks, s.
@@ -16,7 +16,7 @@ pub(super) enum Ticks {
 
 impl Ticks {
     /// From a run's step and the rate it states for its controller.
-    pub(super) fn of(run: &Run) -> Self {
+    pub(crate) fn of(run: &Run) -> Self {
         let ratio = run.controller_rate_hz.map_or(1.0, |rate| rate * run.dt);
         if ratio >= 1.0 {
             let count = ratio.round() as usize;
@@ -28,7 +28,7 @@ impl Ticks {
     }
 
     /// What `law` makes of samples at the controller's rate, given with the time between ticks, as a recording sees it.
-    pub(super) fn seen(self, samples: &[f64], law: impl Fn(&[f64], f64) -> [Vec<f64>; 2]) -> [Vec<f64>; 2] {
+    pub(crate) fn seen(self, samples: &[f64], law: impl Fn(&[f64], f64) -> [Vec<f64>; 2]) -> [Vec<f64>; 2] {
         let n = samples.len();
         match self {
             Self::Faster(1, dt) => law(samples, dt),

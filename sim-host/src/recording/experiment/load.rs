@@ -126,6 +126,7 @@ fn run(
         noise,
         loop_noise: sources.get(Channel::Displacement).and_then(|s| s.loop_noise),
         law: entry.law.clone(),
+        law_delay: 0,
         controller_rate_hz: entry.controller_rate_hz,
         purpose: entry.stated.unwrap_or(Use::Fit),
         cut: from > 0,

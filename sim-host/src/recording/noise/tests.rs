@@ -39,6 +39,7 @@ fn run(seed: u64, acceleration_noise: &[f64], resting: bool) -> Run {
         noise: PerChannel::default(),
         loop_noise: None,
         law: Law::Open,
+        law_delay: 0,
         controller_rate_hz: None,
         purpose: Use::Fit,
         cut: false,

@@ -1,0 +1,97 @@
+//! What the desk orders, carried out between two ticks, and what comes of it.
+
+use shakedown_core::link::Cause;
+use shakedown_core::{Refused, Relay, Request, State};
+
+use super::{Loop, OpenRelay, round};
+use crate::output::ZeroFlow;
+use crate::queues::{Order, Verdict};
+use crate::wires::Wires;
+
+impl Loop<'_> {
+    /// Carries out one order, unless the relay's proof is lent. Returns whether there is a new setup.
+    #[inline(never)]
+    pub(super) fn obey(&mut self) -> bool {
+        if self.lent {
+            self.lent = self.queues.returned.dequeue().is_none();
+            return false;
+        }
+        match self.queues.orders.dequeue() {
+            Some(Order::TakeSetup) => return self.take_setup(),
+            Some(Order::Lend) => self.lend(),
+            Some(Order::Ask(request)) => self.ask(request),
+            Some(Order::Probe(code)) => self.probe = code,
+            None => {}
+        }
+        false
+    }
+
+    /// Proof that the relay is open, where it is: as the last tick left it, and the board has put that on its pin since.
+    fn open_relay(&self) -> Option<OpenRelay> {
+        (self.controller.relay() == Relay::Open).then(OpenRelay::seen)
+    }
+
+    /// Lends that proof.
+    fn lend(&mut self) {
+        let verdict = self.open_relay().map_or(Verdict::Refused(self.controller.state()), Verdict::Lent);
+        let lends = matches!(verdict, Verdict::Lent(_));
+        self.lent = self.say(verdict) && lends;
+    }
+
+    /// Takes the setup that waits, from where it lies: a copy would cost the stack.
+    #[inline(never)]
+    fn take_setup(&mut self) -> bool {
+        let open = self.open_relay();
+        let Some(setup) = self.queues.setups.peek() else { return false };
+        let wires = Wires::new(setup);
+        let same_board = wires.same_board(&self.wires) && setup.control.rate == self.rate;
+        let verdict = if !same_board && open.is_none() {
+            Verdict::Refused(self.controller.state())
+        } else if self.controller.retune(&setup.control).is_err() {
+            Verdict::NotTaken
+        } else {
+            (self.every, self.zero_flow) = (setup.telemetry_every, ZeroFlow::new(setup));
+            let rate = setup.control.rate;
+            match open {
+                Some(open) => self.rewire(wires, rate, &open),
+                None => self.wires.guards = wires.guards,
+            }
+            self.record_at = self.counts().0;
+            Verdict::Taken
+        };
+        self.queues.setups.dequeue();
+        let taken = verdict == Verdict::Taken;
+        self.say(verdict);
+        taken
+    }
+
+    /// Changes what the codes mean and how fast the ticks come: never with oil behind the valve.
+    fn rewire(&mut self, wires: Wires, rate: f32, _: &OpenRelay) {
+        self.wires = wires;
+        self.rate = rate;
+        self.round = round(rate);
+    }
+
+    /// Tells the desk, and has it woken in this tick. Returns whether there was room.
+    fn say(&mut self, verdict: Verdict) -> bool {
+        self.told = u16::MAX;
+        let (ticks, _) = self.counts();
+        (self.left, self.due) = (1, ticks.wrapping_add(1));
+        self.queues.verdicts.enqueue(verdict).is_ok()
+    }
+
+    fn ask(&mut self, request: Request) {
+        self.probe = None;
+        match self.controller.request(request) {
+            Ok(()) => {
+                self.blame((request == Request::Trip).then_some(Cause::Asked));
+                if matches!(request, Request::Arm | Request::Stop) {
+                    while self.queues.points.dequeue().is_some() {}
+                }
+            }
+            // A trip that stands has its cause already.
+            Err(Refused::Cause(trip)) if self.controller.state() == State::Off => self.blame(Some(Cause::Guard(trip))),
+            Err(_) => {}
+        }
+    }
+}

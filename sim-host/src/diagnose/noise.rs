@@ -1,0 +1,150 @@
+//! The scale of each channel's noise, which no laboratory knows to five per cent.
+//!
+//! What a model cannot follow shows where the table rests and between neighbouring samples; physics that is missing shows in
+//! slower swings that follow the motion. So the scale is taken from the differences of neighbouring residuals of the stated
+//! model and, where the table rests, from the residual there, within what a stated figure may be wrong by.
+
+use crate::identify::data::{Channel, Measured, Run};
+use crate::identify::evaluate::predict;
+use crate::identify::fit::Fit;
+use crate::identify::prepare::Prepared;
+use crate::identify::stated::fit_stated;
+use crate::plant::simulate::SimulateError;
+use crate::recording::SetUpFinding;
+
+/// Factor by which a stated figure may be wrong at most.
+const STATED: f64 = 2.0;
+/// Factor that is worth a word.
+const WORTH: f64 = 1.08;
+/// Samples on either side over which motion is averaged to tell rest from motion, s.
+const WINDOW: f64 = 0.25;
+
+/// The scale of one channel's noise.
+struct Scale {
+    channel: Channel,
+    factor: f64,
+    std: f64,
+    stated: f64,
+}
+
+/// Scales the noise of every judged channel to what the residual of the stated model shows, in all runs alike.
+pub(super) fn rescale(prepared: &mut Prepared) -> Result<Vec<SetUpFinding>, SimulateError> {
+    let fit = fit_stated(prepared)?;
+    let mut findings = Vec::new();
+    for scale in scales(prepared, &fit)? {
+        for run in prepared.fit.iter_mut().chain(&mut prepared.holdout) {
+            for measured in run.measured.iter_mut().filter(|m| m.channel == scale.channel) {
+                measured.noise *= scale.factor;
+            }
+        }
+        let away = scale.factor.ln().abs();
+        if away > WORTH.ln().max(4.0 * scale.std) {
+            let (stated, found) = (scale.stated, scale.stated * scale.factor);
+            let (name, unit) = (scale.channel.name(), scale.channel.unit());
+            findings.push(SetUpFinding::noise(name, stated, found, found * scale.std, unit));
+        }
+    }
+    Ok(findings)
+}
+
+/// One scale a judged channel, over all runs that are fitted.
+fn scales(prepared: &Prepared, fit: &Fit) -> Result<Vec<Scale>, SimulateError> {
+    let mut residuals: Vec<(Channel, [Vec<Vec<f64>>; 2], f64)> = Vec::new();
+    for (run, local) in prepared.fit.iter().zip(&fit.locals) {
+        let predicted = predict(&fit.model, run, local)?;
+        for (measured, series) in run.measured.iter().zip(&predicted.channels).filter(|(m, _)| m.judged) {
+            let (residual, raw) = (residual(measured, series), residual(measured, &vec![0.0; series.len()]));
+            match residuals.iter_mut().find(|(channel, ..)| *channel == measured.channel) {
+                Some((_, all, _)) => {
+                    all[0].push(residual);
+                    all[1].push(raw);
+                }
+                None => residuals.push((measured.channel, [vec![residual], vec![raw]], measured.noise)),
+            }
+        }
+    }
+    let resting: Vec<Vec<bool>> = prepared.fit.iter().map(at_rest).collect();
+    let of = |(channel, [left, raw], stated): (Channel, [Vec<Vec<f64>>; 2], f64)| {
+        scale(channel, &left, &raw, &resting, stated)
+    };
+    Ok(residuals.into_iter().filter_map(of).collect())
+}
+
+fn residual(measured: &Measured, series: &[f64]) -> Vec<f64> {
+    measured.values.iter().zip(series).map(|(y, m)| (y - m) / measured.noise).collect()
+}
+
+/// The factor of a channel's noise. Neighbouring differences are the least that it can be, for coloured noise has more between
+/// them; all that the stated model leaves is the most. A figure between the two is left as it was stated. Where the table
+/// rests, what is left there is the noise.
+fn scale(channel: Channel, residuals: &[Vec<f64>], raw: &[Vec<f64>], resting: &[Vec<bool>], stated: f64) -> Option<Scale> {
+    let (least, count) = differences(residuals)?;
+    let least = differences(raw).map_or(least, |(raw, _)| raw.min(least));
+    let pressure = matches!(channel, Channel::PressureDifference | Channel::SupplyPressure);
+    let rest = if pressure { None } else { at_rest_power(residuals, resting) };
+    let most = everywhere(residuals);
+    let power = rest.map_or_else(|| 1.0_f64.clamp(least.min(most), most), |rest| rest.max(least).min(most.max(least)));
+    let factor = power.sqrt().clamp(1.0 / STATED, STATED);
+    Some(Scale { channel, factor, std: (1.5 / count).sqrt(), stated })
+}
+
+/// Mean square of white noise with these samples' differences, and how many there are; none for too few.
+fn differences(series: &[Vec<f64>]) -> Option<(f64, f64)> {
+    let mut fourth: Vec<f64> = series.iter().flat_map(|r| r.windows(5).map(difference)).collect();
+    fourth.retain(|d| d.is_finite());
+    if fourth.len() < 200 {
+        return None;
+    }
+    // Impacts and turning points are not noise: the largest hundredth is left out.
+    fourth.sort_unstable_by(f64::total_cmp);
+    let kept = &fourth[..fourth.len() * 99 / 100];
+    Some((kept.iter().sum::<f64>() / kept.len() as f64 / TRIMMED / 70.0, fourth.len() as f64))
+}
+
+/// Mean square of all residuals.
+fn everywhere(residuals: &[Vec<f64>]) -> f64 {
+    let all = || residuals.iter().flatten().filter(|r| r.is_finite());
+    all().map(|r| r * r).sum::<f64>() / (all().count() as f64).max(1.0)
+}
+
+/// Mean square of a unit normal's squares without the largest hundredth.
+const TRIMMED: f64 = 0.924;
+
+fn difference(w: &[f64]) -> f64 {
+    (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2)
+}
+
+/// Mean square of the residual about its mean where the table rests; none for too few samples.
+fn at_rest_power(residuals: &[Vec<f64>], resting: &[Vec<bool>]) -> Option<f64> {
+    let mut powers = Vec::new();
+    for (residual, resting) in residuals.iter().zip(resting) {
+        let kept: Vec<f64> =
+            residual.iter().zip(resting).filter(|(r, rest)| **rest && r.is_finite()).map(|(r, _)| *r).collect();
+        powers.extend(kept.chunks_exact(CHUNK).map(|chunk| {
+            let mean = chunk.iter().sum::<f64>() / CHUNK as f64;
+            chunk.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (CHUNK - 1) as f64
+        }));
+    }
+    // What moves at rest moves for moments: the median chunk has none of it.
+    powers.sort_unstable_by(f64::total_cmp);
+    (powers.len() >= FEWEST).then(|| powers[powers.len() / 2])
+}
+
+/// Samples whose scatter is taken together, and how many such chunks say something.
+const CHUNK: usize = 100;
+const FEWEST: usize = 4;
+
+/// Samples around which the input stands still to a thousandth of its range.
+fn at_rest(run: &Run) -> Vec<bool> {
+    let n = run.len();
+    let (low, high) = run.input.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    let still = 1e-4 * (high - low);
+    let reach = ((WINDOW / run.dt) as usize).max(4);
+    // A sum of how often the input moves makes any window's count a difference.
+    let mut moved = vec![0usize; n + 1];
+    for k in 0..n {
+        let before = run.input[k.saturating_sub(1)];
+        moved[k + 1] = moved[k] + usize::from((run.input[k] - before).abs() > still * run.dt / WINDOW);
+    }
+    (0..n).map(|k| moved[(k + reach).min(n)] == moved[k.saturating_sub(4 * reach)]).collect()
+}

@@ -1,0 +1,191 @@
+//! Doubt of the set-up: what was said of controller, clock and sensors is tested against the recordings before any physics is.
+//!
+//! Everything here compares recorded channels with each other and with the stated controller; no model of the table takes
+//! part. What two channels alone disagree about is a fault of the set-up, never physics: the recorded command, the reference
+//! and the recorded displacement must be linked by the controller's law, and an accelerometer's slow drift has no counterpart
+//! in a displacement that stays within its stroke. Each fault is reported with its stated and its found value, corrected in a
+//! copy of the experiment, and the work goes on with the copy.
+
+use super::channel::Channel;
+use super::experiment::Experiment;
+use serde::Serialize;
+
+mod acceleration;
+mod clock;
+mod controller;
+mod displacement;
+mod hum;
+mod outliers;
+mod replay;
+
+/// What kind of fault of the set-up was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Doubt {
+    /// Proportional gain of the controller.
+    ControllerKp,
+    /// Integral gain of the controller.
+    ControllerKi,
+    /// Velocity gain of a cascade.
+    ControllerKv,
+    /// Feed-forward of the reference's velocity.
+    ControllerKvf,
+    /// The controller acts later than stated.
+    ControllerDelay,
+    /// A channel is recorded a whole number of samples late or early.
+    SampleShift,
+    /// A sensor drifts slowly in the recording alone.
+    Drift,
+    /// A sensor's recorded zero is not the one that the controller saw.
+    Offset,
+    /// Single samples that no neighbour supports.
+    Outliers,
+    /// A line of the mains in a channel.
+    Hum,
+    /// The time stamps scatter about an even grid.
+    ClockJitter,
+    /// Rows are missing.
+    LostRows,
+    /// The noise of a channel is not as stated.
+    Noise,
+    /// A value of the model is far from what was stated.
+    ModelValue,
+    /// The accelerometer does not sit on the table.
+    UpperFloor,
+    /// The sign of a channel.
+    Sign,
+}
+
+/// A fault of the stated set-up, with the value stated and the value found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SetUpFinding {
+    /// What is wrong.
+    pub what: Doubt,
+    /// The run, where it concerns a run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub run: Option<String>,
+    /// The channel, where it concerns one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<&'static str>,
+    /// The parameter, where it concerns one of the model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<String>,
+    /// What was stated, in `unit`; none where nothing was.
+    pub stated: Option<f64>,
+    /// What was found, in `unit`.
+    pub found: f64,
+    /// Standard deviation of what was found, in `unit`; none where it has none.
+    pub std: Option<f64>,
+    /// Unit of the three.
+    pub unit: String,
+    /// True where the diagnosis goes on with the found value.
+    pub corrected: bool,
+}
+
+impl SetUpFinding {
+    fn new(what: Doubt, found: f64, unit: impl Into<String>) -> Self {
+        let unit = unit.into();
+        Self { what, run: None, channel: None, parameter: None, stated: None, found, std: None, unit, corrected: true }
+    }
+
+    fn of_run(self, run: &str) -> Self {
+        Self { run: Some(run.to_owned()), ..self }
+    }
+
+    fn of_channel(self, channel: Channel) -> Self {
+        Self { channel: Some(channel.name()), ..self }
+    }
+
+    fn against(self, stated: f64) -> Self {
+        Self { stated: Some(stated), ..self }
+    }
+
+    fn within(self, std: f64) -> Self {
+        Self { std: Some(std), ..self }
+    }
+
+    /// The noise of a channel, stated and found, in the channel's SI unit.
+    pub fn noise(channel: &'static str, stated: f64, found: f64, std: f64, unit: &str) -> Self {
+        let it = Self::new(Doubt::Noise, found, unit).against(stated).within(std);
+        Self { channel: Some(channel), ..it }
+    }
+
+    /// A value of the model, stated and found.
+    pub fn model_value(parameter: &str, stated: f64, found: f64, std: Option<f64>, unit: &str) -> Self {
+        let it = Self::new(Doubt::ModelValue, found, unit).against(stated);
+        Self { parameter: Some(parameter.to_owned()), std, ..it }
+    }
+
+    /// In a sentence.
+    pub fn sentence(&self) -> String {
+        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        let stated = self.stated.map_or_else(String::new, |s| format!(", stated {s:.4}{unit}"));
+        let error = self.std.filter(|s| *s > 0.0).map_or_else(String::new, |s| format!(" +/- {s:.1e}"));
+        let place = match (&self.run, self.channel, &self.parameter) {
+            (_, _, Some(parameter)) => format!(" ({parameter})"),
+            (Some(run), Some(channel), None) => format!(" ({channel}, {run})"),
+            (Some(run), None, None) => format!(" ({run})"),
+            (None, Some(channel), None) => format!(" ({channel})"),
+            (None, None, None) => String::new(),
+        };
+        let found = if self.found.abs() >= 1e-3 || self.found == 0.0 {
+            format!("{:.4}", self.found)
+        } else {
+            format!("{:.3e}", self.found)
+        };
+        let end = if self.corrected { "" } else { "; not corrected" };
+        format!("{}{place}: {found}{error}{unit}{stated}{end}", self.what.name())
+    }
+}
+
+impl Doubt {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ControllerKp => "proportional gain of the controller",
+            Self::ControllerKi => "integral gain of the controller",
+            Self::ControllerKv => "velocity gain of the controller",
+            Self::ControllerKvf => "velocity feed-forward of the controller",
+            Self::ControllerDelay => "delay of the controller",
+            Self::SampleShift => "channel recorded late",
+            Self::Drift => "slow drift of a sensor over the run",
+            Self::Offset => "offset of a sensor",
+            Self::Outliers => "single samples wrong",
+            Self::Hum => "amplitude of mains hum",
+            Self::ClockJitter => "jitter of the time stamps",
+            Self::LostRows => "rows missing",
+            Self::Noise => "noise of a channel",
+            Self::ModelValue => "stated value of the model",
+            Self::UpperFloor => "accelerometer not on the table: gain of its resonance",
+            Self::Sign => "sign of a channel",
+        }
+    }
+}
+
+/// An experiment with its set-up corrected, and what was corrected.
+#[derive(Debug, Clone)]
+pub struct SetUp {
+    /// The experiment with every correction applied.
+    pub experiment: Experiment,
+    /// What was found, in the order it was looked for.
+    pub findings: Vec<SetUpFinding>,
+}
+
+/// Tests what was said of the set-up and corrects it.
+///
+/// All runs take part, those that only score too: a controller's gains and a converter's delay are no physics, and no choice
+/// between models rests on what is found here.
+pub fn doubt(experiment: &Experiment) -> SetUp {
+    let mut experiment = experiment.clone();
+    let mut findings = clock::doubt(&mut experiment);
+    findings.extend(outliers::doubt(&mut experiment));
+    findings.extend(controller::doubt(&mut experiment));
+    findings.extend(displacement::doubt(&mut experiment));
+    findings.extend(acceleration::doubt(&mut experiment));
+    findings.extend(hum::doubt(&mut experiment));
+    SetUp { experiment, findings }
+}
+
+#[cfg(test)]
+mod tests;

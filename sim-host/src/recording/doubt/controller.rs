@@ -1,0 +1,226 @@
+//! Gains, feed-forward and delay of the controller, from what it made of reference and displacement.
+//!
+//! The recorded command is linear in the gains. Over all runs that state one law they are fitted by least squares, samples far
+//! off left out once, and tested against the stated ones by their standard error, whose effective number of samples counts
+//! the residual's correlation. Where the recording holds just what the controller saw, this finds a part in a thousand.
+
+use super::replay::{Linear, gains};
+use super::{Doubt, SetUpFinding};
+use crate::recording::experiment::Experiment;
+use crate::recording::law::Law;
+use crate::recording::run::Run;
+use nalgebra::{DMatrix, DVector};
+
+/// Standard errors beyond which a stated gain is not the one that ran.
+const CERTAIN: f64 = 5.0;
+/// Relative difference of a gain below which it is as stated: three written digits are no better.
+const ROUNDED: f64 = 2e-3;
+/// Share of the command's size that a law may leave unexplained and still be the law that ran.
+const EXPLAINED: f64 = 0.1;
+/// Share of the residual's power that a delay or a further term must leave at most to be believed.
+const FAR_LESS: f64 = 0.25;
+/// How far found gains may be from stated ones, as a factor: beyond it a unit is the likelier fault.
+const FACTOR: f64 = 6.0;
+/// Delays tried, samples.
+const DELAYS: [i32; 3] = [0, 1, 2];
+
+/// A law fitted to the recorded commands of the runs that state it.
+#[derive(Debug, Clone)]
+struct Fitted {
+    /// The gains that fit best.
+    gains: Vec<f64>,
+    /// Their standard errors.
+    std: Vec<f64>,
+    /// Mean square of what is left.
+    power: f64,
+    /// The same over the command's mean square.
+    share: f64,
+}
+
+/// Fits each stated law and corrects it.
+pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
+    let mut findings = Vec::new();
+    let mut seen: Vec<Law> = Vec::new();
+    let laws: Vec<Law> = experiment.runs.iter().map(|run| run.law.clone()).collect();
+    for law in laws {
+        if seen.contains(&law) {
+            continue;
+        }
+        seen.push(law.clone());
+        let Some(stated) = gains(&law) else { continue };
+        let runs: Vec<&Run> = experiment.runs.iter().filter(|run| run.law == law).collect();
+        let Some((fitted, delay, shift)) = best(&runs) else { continue };
+        if fitted.share > EXPLAINED * EXPLAINED || !credible(stated, &fitted.gains) {
+            continue;
+        }
+        let corrected = corrected(&law, &fitted);
+        findings.extend(different(&law, &corrected, &fitted, &runs));
+        if delay > 0 {
+            let found = f64::from(delay) * runs[0].dt;
+            findings.push(SetUpFinding::new(Doubt::ControllerDelay, found, "s").against(0.0));
+        }
+        if shift != 0 {
+            let found = f64::from(shift) * runs[0].dt;
+            let finding = SetUpFinding::new(Doubt::SampleShift, found, "s").against(0.0);
+            findings.push(finding.of_channel(crate::recording::Channel::Displacement));
+        }
+        for run in experiment.runs.iter_mut().filter(|run| run.law == law) {
+            run.law = corrected.clone();
+            run.law_delay = delay as usize;
+            if shift != 0
+                && let Some(x) = run.channel(crate::recording::Channel::Displacement)
+            {
+                let moved = super::replay::shifted(x, shift);
+                run.channels.set(crate::recording::Channel::Displacement, moved);
+            }
+        }
+    }
+    findings
+}
+
+/// The law as it fits best: as recorded, unless a delay or a shift of the displacement leaves far less.
+fn best(runs: &[&Run]) -> Option<(Fitted, i32, i32)> {
+    let plain = fit(runs, 0, 0, false)?;
+    let others = DELAYS.iter().skip(1).map(|&d| (d, 0)).chain([(0, 1), (0, 2), (0, -1)]);
+    let tried = others.filter_map(|(delay, shift)| Some((fit(runs, shift, delay, false)?, delay, shift)));
+    let least = tried.min_by(|a, b| a.0.power.total_cmp(&b.0.power));
+    let (fitted, delay, shift) = match least {
+        Some(other) if other.0.power < FAR_LESS * plain.power && significant(plain.share) => other,
+        _ => (plain, 0, 0),
+    };
+    let fed = fit(runs, shift, delay, true);
+    let stated_feed = matches!(runs.first().map(|r| &r.law), Some(Law::ProportionalIntegral { kvf, .. }) if *kvf != 0.0);
+    match fed {
+        Some(fed) if stated_feed || (fed.power < FAR_LESS * fitted.power && significant(fitted.share)) => {
+            Some((fed, delay, shift))
+        }
+        _ => Some((fitted, delay, shift)),
+    }
+}
+
+/// True where what a law leaves is more than the writing of the numbers.
+fn significant(share: f64) -> bool {
+    share > 1e-8
+}
+
+/// True where found gains are those of the same law with other numbers.
+fn credible(stated: [f64; 2], found: &[f64]) -> bool {
+    let ratio = found[0] / stated[0];
+    ratio.is_finite() && (1.0 / FACTOR..FACTOR).contains(&ratio)
+}
+
+/// The law with its fitted gains, each left as stated where it is not told apart from that.
+fn corrected(law: &Law, fitted: &Fitted) -> Law {
+    let pick = |stated: f64, i: usize| match (fitted.gains.get(i), fitted.std.get(i)) {
+        (Some(&found), Some(&std)) if moved(stated, found, std, 0.1 * ROUNDED) => found,
+        _ => stated,
+    };
+    match law {
+        Law::ProportionalIntegral { kp, ki, kvf } => {
+            let kvf = if fitted.gains.len() > 2 { pick(*kvf, 2) } else { *kvf };
+            Law::ProportionalIntegral { kp: pick(*kp, 0), ki: pick(*ki, 1), kvf }
+        }
+        Law::Cascade { kp, kv } => {
+            let (product, inner) = (pick(kp * kv, 0), pick(*kv, 1));
+            Law::Cascade { kp: product / inner, kv: inner }
+        }
+        other => other.clone(),
+    }
+}
+
+/// True where a value is not the stated one: beyond its error, and by more than `least` of it.
+fn moved(stated: f64, found: f64, std: f64, least: f64) -> bool {
+    let away = (found - stated).abs();
+    away > CERTAIN * std && away > least * stated.abs().max(1e-3 * found.abs())
+}
+
+/// The gains that are not as stated.
+fn different(stated: &Law, found: &Law, fitted: &Fitted, runs: &[&Run]) -> Vec<SetUpFinding> {
+    let rows: Vec<(Doubt, f64, f64, f64, &str)> = match (stated, found) {
+        (
+            Law::ProportionalIntegral { kp, ki, kvf },
+            Law::ProportionalIntegral { kp: found_kp, ki: found_ki, kvf: found_kvf },
+        ) => vec![
+            (Doubt::ControllerKp, *kp, *found_kp, fitted.std[0], "unit of u per m"),
+            (Doubt::ControllerKi, *ki, *found_ki, fitted.std[1], "unit of u per m s"),
+            (Doubt::ControllerKvf, *kvf, *found_kvf, fitted.std.get(2).copied().unwrap_or(0.0), "unit of u s per m"),
+        ],
+        (Law::Cascade { kp, kv }, Law::Cascade { kp: found_kp, kv: found_kv }) => vec![
+            (Doubt::ControllerKp, *kp, *found_kp, fitted.std[0] / kv.abs(), "1/s"),
+            (Doubt::ControllerKv, *kv, *found_kv, fitted.std[1], "unit of u s per m"),
+        ],
+        _ => Vec::new(),
+    };
+    // A gain that moves the command by less than its last written digit is none to report.
+    let told = |(_, stated, found, std, _): &(Doubt, f64, f64, f64, &str)| moved(*stated, *found, *std, ROUNDED);
+    let finding = |(what, stated, found, std, unit): (Doubt, f64, f64, f64, &str)| {
+        let finding = SetUpFinding::new(what, found, unit).against(stated).within(std);
+        if runs.len() == 1 { finding.of_run(&runs[0].name) } else { finding }
+    };
+    rows.into_iter().filter(told).map(finding).collect()
+}
+
+/// Least squares over runs; none where the terms do not determine the gains.
+fn fit(runs: &[&Run], shift: i32, delay: i32, feed_forward: bool) -> Option<Fitted> {
+    let linear = |run: &&Run| Some(Linear::of(run, shift, delay, feed_forward)?.without_trends());
+    let mut parts: Vec<Linear> = runs.iter().filter_map(linear).collect();
+    let n = parts.first()?.terms.len();
+    let first = solve(&parts, n)?;
+    // A spike in what was recorded must not pass for a gain.
+    for part in &mut parts {
+        let residual = part.residual(first.0.as_slice());
+        let mut sizes: Vec<f64> = residual.iter().zip(&part.known).filter(|(_, k)| **k).map(|(r, _)| r.abs()).collect();
+        if sizes.is_empty() {
+            continue;
+        }
+        let middle = sizes.len() / 2;
+        let limit = 8.0 * 1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+        for (known, r) in part.known.iter_mut().zip(&residual) {
+            *known &= r.abs() <= limit.max(1e-12);
+        }
+    }
+    let (gains, inverse) = solve(&parts, n).or(Some(first))?;
+    let (mut squares, mut count, mut size, mut inflation) = (0.0, 0.0, 0.0, 1.0_f64);
+    for part in &parts {
+        let residual = part.residual(gains.as_slice());
+        let kept: Vec<f64> = residual.iter().zip(&part.known).filter(|(_, k)| **k).map(|(r, _)| *r).collect();
+        squares += kept.iter().map(|r| r * r).sum::<f64>();
+        size += part.command.iter().zip(&part.known).filter(|(_, k)| **k).map(|(u, _)| u * u).sum::<f64>();
+        count += kept.len() as f64;
+        inflation = inflation.max(correlation(&kept));
+    }
+    let power = squares / f64::max(count, 1.0);
+    let std = (0..n).map(|i| (inverse[(i, i)].max(0.0) * power * inflation).sqrt()).collect();
+    let share = squares / size.max(f64::MIN_POSITIVE);
+    Some(Fitted { gains: gains.iter().copied().collect(), std, power, share })
+}
+
+/// Gains and the inverse of their normal matrix.
+fn solve(parts: &[Linear], n: usize) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let (mut matrix, mut right) = (DMatrix::<f64>::zeros(n, n), DVector::<f64>::zeros(n));
+    for part in parts {
+        for (k, _) in part.known.iter().enumerate().filter(|(_, known)| **known) {
+            for i in 0..n {
+                right[i] += part.terms[i][k] * part.command[k];
+                for j in 0..n {
+                    matrix[(i, j)] += part.terms[i][k] * part.terms[j][k];
+                }
+            }
+        }
+    }
+    let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].sqrt()).collect();
+    if scale.iter().any(|s| !s.is_normal()) {
+        return None;
+    }
+    let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (scale[i] * scale[j]));
+    let inverse = scaled.cholesky()?.inverse();
+    let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (scale[i] * scale[j]));
+    Some((&inverse * right, inverse))
+}
+
+/// One plus twice the sum of the correlations over a second's neighbours, while they are positive.
+fn correlation(residual: &[f64]) -> f64 {
+    let power: f64 = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
+    let lagged = |lag: usize| residual.iter().zip(residual.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>() / power;
+    1.0 + 2.0 * (1..=200.min(residual.len() / 4)).map(lagged).take_while(|r| *r > 0.02).sum::<f64>()
+}

@@ -1,0 +1,108 @@
+//! Single samples that no neighbour supports.
+//!
+//! A sample is an outlier where it alone departs from the cubic through its two neighbours on either side by far more than
+//! neighbouring samples do at that stretch of the run. Motion, impacts and chatter move more than one sample: there the
+//! neighbours depart too. An outlier is dropped, as a lost sample is.
+
+use super::{Doubt, SetUpFinding};
+use crate::recording::channel::Channel;
+use crate::recording::experiment::Experiment;
+use crate::recording::signal::filled;
+use crate::recording::steps::quantisation_step;
+
+/// Departure beyond which a sample is wrong, in robust standard deviations of the run's departures.
+const FAR: f64 = 10.0;
+/// Departures of the neighbours beyond which it is motion, as a share of the sample's own, its own effect on them taken off.
+const SUPPORTED: f64 = 0.35;
+/// Samples on either side whose departures say what is usual at that stretch.
+const AROUND: usize = 12;
+/// Largest share of a run's samples that are single errors; with more it is something else.
+const MOST: f64 = 0.01;
+
+/// Drops outliers of every sensor.
+pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
+    const SENSORS: [Channel; 4] =
+        [Channel::Displacement, Channel::Acceleration, Channel::Velocity, Channel::PressureDifference];
+    let mut findings = Vec::new();
+    for run in &mut experiment.runs {
+        for channel in SENSORS {
+            let Some(samples) = run.channel(channel) else { continue };
+            let wrong = outliers(samples);
+            if wrong.is_empty() {
+                continue;
+            }
+            let mut kept = samples.to_vec();
+            wrong.iter().for_each(|&k| kept[k] = f64::NAN);
+            let count = wrong.len() as f64;
+            run.channels.set(channel, kept);
+            let finding = SetUpFinding::new(Doubt::Outliers, count, "samples").against(0.0);
+            findings.push(finding.of_run(&run.name).of_channel(channel));
+        }
+    }
+    findings
+}
+
+/// Places of single wrong samples.
+fn outliers(samples: &[f64]) -> Vec<usize> {
+    let n = samples.len();
+    if n < 64 {
+        return Vec::new();
+    }
+    let whole = filled(samples);
+    // Departure from the cubic through two neighbours on either side.
+    let departure = |k: usize| whole[k] - (4.0 * (whole[k - 1] + whole[k + 1]) - (whole[k - 2] + whole[k + 2])) / 6.0;
+    let departures: Vec<f64> = (0..n).map(|k| if k < 2 || k + 2 >= n { 0.0 } else { departure(k) }).collect();
+    let mut sizes: Vec<f64> = departures.iter().map(|d| d.abs()).collect();
+    let usual = 1.4826 * *sizes.select_nth_unstable_by(n / 2, f64::total_cmp).1;
+    let step = quantisation_step(samples).unwrap_or(0.0);
+    let limit = FAR * usual.max(step).max(f64::MIN_POSITIVE);
+    let single = |&k: &usize| {
+        let d = departures[k];
+        if d.abs() < limit || !samples[k].is_finite() {
+            return false;
+        }
+        // An error e here makes -2/3 e and 1/6 e of its neighbours' departures; what is left of them is the signal's own.
+        let left = |j: usize, weight: f64| (departures[j] + weight * d).abs();
+        let near = left(k - 1, 2.0 / 3.0).max(left(k + 1, 2.0 / 3.0)).max(left(k - 2, -1.0 / 6.0)).max(left(k + 2, -1.0 / 6.0));
+        let around = (k.saturating_sub(AROUND)..(k + AROUND + 1).min(n)).filter(|j| j.abs_diff(k) > 2);
+        let local = around.map(|j| departures[j].abs()).fold(0.0, f64::max);
+        near < SUPPORTED * d.abs() && local < 0.5 * d.abs()
+    };
+    let found: Vec<usize> = (4..n.saturating_sub(4)).filter(single).collect();
+    if found.len() as f64 > MOST * n as f64 { Vec::new() } else { found }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn smooth(n: usize) -> Vec<f64> {
+        let noise = |k: usize| ((k * 7919 % 1000) as f64 / 1000.0 - 0.5) * 1e-3;
+        (0..n).map(|k| (0.05 * k as f64).sin() + noise(k)).collect()
+    }
+
+    #[test]
+    fn single_errors_are_found_where_they_are() {
+        let mut samples = smooth(2000);
+        for k in [100, 701, 1500] {
+            samples[k] += 0.03;
+        }
+        assert_eq!(outliers(&samples), [100, 701, 1500]);
+    }
+
+    #[test]
+    fn an_impact_that_rings_is_no_error() {
+        let mut samples = smooth(2000);
+        for k in 0..30 {
+            samples[600 + k] += 0.1 * (-(k as f64) / 6.0).exp() * (k as f64 * 1.1).cos();
+        }
+        assert!(outliers(&samples).is_empty());
+    }
+
+    #[test]
+    fn a_step_is_no_error() {
+        let mut samples = smooth(2000);
+        samples.iter_mut().skip(900).for_each(|x| *x += 0.05);
+        assert!(outliers(&samples).is_empty());
+    }
+}

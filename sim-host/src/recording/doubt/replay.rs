@@ -1,0 +1,133 @@
+//! The controller's law as a linear model of the recorded command.
+
+use crate::recording::channel::Channel;
+use crate::recording::check::Ticks;
+use crate::recording::law::Law;
+use crate::recording::run::Run;
+use crate::recording::signal::filled;
+use nalgebra::{DMatrix, DVector};
+
+/// A law's recorded command and the signals that its gains multiply, the slow part of each taken off.
+#[derive(Debug, Clone)]
+pub(super) struct Linear {
+    /// The recorded command, without what was declared as added to it.
+    pub(super) command: Vec<f64>,
+    /// One series a gain.
+    pub(super) terms: Vec<Vec<f64>>,
+    /// Which samples count.
+    pub(super) known: Vec<bool>,
+}
+
+/// The gains that a law multiplies its terms by; none for a law without gains.
+pub(super) fn gains(law: &Law) -> Option<[f64; 2]> {
+    match law {
+        Law::ProportionalIntegral { kp, ki, .. } => Some([*kp, *ki]),
+        Law::Cascade { kp, kv } => Some([kp * kv, *kv]),
+        Law::Open | Law::Core { .. } => None,
+    }
+}
+
+impl Linear {
+    /// The run's law, with the displacement `late` samples earlier and the whole law `delayed` samples later than recorded;
+    /// `feed_forward` adds the rate of the reference as a last term.
+    pub(super) fn of(run: &Run, late: i32, delayed: i32, feed_forward: bool) -> Option<Self> {
+        let get = |channel| run.channel(channel);
+        let (reference, displacement) = (get(Channel::Reference)?, get(Channel::Displacement)?);
+        let command = get(Channel::Command)?;
+        let finite = |k: usize| reference[k].is_finite() && displacement[k].is_finite() && command[k].is_finite();
+        let known: Vec<bool> = (0..run.len()).map(finite).collect();
+        let mut command = filled(command);
+        if let Some(added) = get(Channel::Disturbance) {
+            command.iter_mut().zip(filled(added)).for_each(|(u, d)| *u -= d);
+        }
+        let (reference, displacement) = (filled(reference), shifted(&filled(displacement), late));
+        let error: Vec<f64> = reference.iter().zip(&displacement).map(|(r, x)| r - x).collect();
+        let ticks = Ticks::of(run);
+        let mut terms: Vec<Vec<f64>> = match &run.law {
+            Law::ProportionalIntegral { .. } => {
+                ticks.seen(&error, |error, dt| [error.to_vec(), integral(error, dt)]).into()
+            }
+            Law::Cascade { .. } => {
+                let [error, _] = ticks.seen(&error, |error, _| [error.to_vec(), Vec::new()]);
+                let [velocity, _] = ticks.seen(&displacement, |x, dt| [backward(x, dt), Vec::new()]);
+                vec![error, velocity.iter().map(|v| -v).collect()]
+            }
+            Law::Open | Law::Core { .. } => return None,
+        };
+        if feed_forward {
+            let [rate, _] = ticks.seen(&reference, |r, dt| [backward(r, dt), Vec::new()]);
+            terms.push(rate);
+        }
+        for term in &mut terms {
+            *term = shifted(term, -delayed);
+        }
+        Some(Self { command, terms, known })
+    }
+
+    /// Command less the terms times these gains.
+    pub(super) fn residual(&self, gains: &[f64]) -> Vec<f64> {
+        let of = |k: usize| self.command[k] - gains.iter().zip(&self.terms).map(|(g, t)| g * t[k]).sum::<f64>();
+        (0..self.command.len()).map(of).collect()
+    }
+
+    /// Command and terms with a parabola in time taken off each: offsets and drifts of sensors and of the converter, and the
+    /// integral of an offset, are none of the gains' business.
+    pub(super) fn without_trends(mut self) -> Self {
+        let known = self.known.clone();
+        for series in std::iter::once(&mut self.command).chain(&mut self.terms) {
+            let parabola = parabola(series, &known);
+            for (k, x) in series.iter_mut().enumerate() {
+                let t = time(k, known.len());
+                *x -= parabola[0] + t * (parabola[1] + t * parabola[2]);
+            }
+        }
+        self
+    }
+}
+
+/// Place in a run of `n` samples, from -1 to 1.
+pub(super) fn time(k: usize, n: usize) -> f64 {
+    2.0 * k as f64 / (n.max(2) - 1) as f64 - 1.0
+}
+
+/// Coefficients of the least-squares parabola through the samples that are known, in [`time`].
+pub(super) fn parabola(series: &[f64], known: &[bool]) -> [f64; 3] {
+    let (mut matrix, mut right) = (DMatrix::<f64>::zeros(3, 3), DVector::<f64>::zeros(3));
+    for (k, (x, known)) in series.iter().zip(known).enumerate() {
+        if !known {
+            continue;
+        }
+        let t = time(k, series.len());
+        let row = [1.0, t, t * t];
+        for i in 0..3 {
+            right[i] += row[i] * x;
+            for j in 0..3 {
+                matrix[(i, j)] += row[i] * row[j];
+            }
+        }
+    }
+    matrix.cholesky().map_or([0.0; 3], |c| {
+        let solved = c.solve(&right);
+        [solved[0], solved[1], solved[2]]
+    })
+}
+
+/// The series `by` samples later brought to now; its ends are held.
+pub(super) fn shifted(series: &[f64], by: i32) -> Vec<f64> {
+    let last = series.len().saturating_sub(1) as i64;
+    (0..series.len() as i64).map(|k| series[(k + i64::from(by)).clamp(0, last) as usize]).collect()
+}
+
+fn integral(error: &[f64], dt: f64) -> Vec<f64> {
+    let sum = |sum: &mut f64, e: &f64| {
+        *sum += e * dt;
+        Some(*sum)
+    };
+    error.iter().scan(0.0, sum).collect()
+}
+
+fn backward(samples: &[f64], dt: f64) -> Vec<f64> {
+    let first = samples.first().copied().unwrap_or(0.0);
+    let before = std::iter::once(first).chain(samples.iter().copied());
+    before.zip(samples).map(|(before, &now)| (now - before) / dt).collect()
+}

@@ -1,0 +1,18 @@
+//! Examiner 2: servo-hydraulic tables as laboratories have them. A plant is put together from laws, one a file, each at its
+//! place between controller and sensor; an experiment is drawn with the imperfections of its set-up; the sealed answer says
+//! what was put in, where it acts, how visible it is, and what was misstated.
+
+pub mod answer;
+mod case;
+pub mod engine;
+pub mod forms;
+pub mod law;
+pub mod measure;
+pub mod plan;
+pub mod plant;
+pub mod scene;
+pub mod setup;
+pub mod sheet;
+pub mod stated;
+
+pub use case::{Case, case, cases};

@@ -1,0 +1,5 @@
+//! Oil between valve and piston.
+
+mod stiff;
+
+pub use stiff::Stiff;

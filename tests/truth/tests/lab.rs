@@ -1,0 +1,67 @@
+//! Examiner 2: the unflawed plant is the stated model, noise is an estimate, and seeds mean cases.
+
+use shakedown_truth::lab::engine::simulate;
+use shakedown_truth::lab::plant::Plant;
+use shakedown_truth::lab::scene::{Kind, Scene, Wish};
+use shakedown_truth::lab::stated::predict;
+use shakedown_truth::lab::{case, plan};
+use shakedown_truth::rng::Stream;
+
+fn scene(kind: Kind, perfect: bool, number: u64) -> Scene {
+    let wish = Wish { kind, saturating: false, accelerometer: true, damping_known: false, perfect };
+    (0..20)
+        .find_map(|attempt| Scene::draw(wish, (5, number), &mut Stream::new(98, number, attempt)))
+        .filter(|s| s.rows() < 60_000)
+        .unwrap_or_else(|| scene(kind, perfect, number + 1000))
+}
+
+#[test]
+fn without_a_flaw_the_plant_is_the_stated_model_solved_exactly() {
+    for number in 0..12 {
+        let kind = [Kind::Servo, Kind::Servo, Kind::Rigid, Kind::Axis][number as usize % 4];
+        let scene = scene(kind, true, number);
+        let run = &scene.runs[scene.runs.len() - 1];
+        let traces = simulate(&Plant::baseline(scene.truth), run, None).unwrap();
+        let model = predict(&scene.truth, run, None);
+        let worst = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let d = worst(&traces.displacement, &model.displacement) / scene.sigma.displacement;
+        let a = worst(&traces.acceleration, &model.acceleration) / scene.sigma.acceleration.unwrap();
+        assert!(d < 0.05 && a < 0.05, "{kind:?} {number}: {d} and {a} standard deviations");
+    }
+}
+
+/// Pooled chi2 of the perfect model with the noise as stated.
+fn pooled(scene: &Scene) -> f64 {
+    let (mut sum, mut n) = (0.0, 0.0);
+    for run in &scene.runs {
+        let traces = simulate(&Plant::baseline(scene.truth), run, Some(&scene.sensor)).unwrap();
+        let model = predict(&scene.truth, run, None);
+        let mut add = |x: &[f64], y: &[f64], s: f64| {
+            sum += x.iter().zip(y).map(|(a, b)| ((a - b) / s).powi(2)).sum::<f64>();
+            n += x.len() as f64;
+        };
+        add(&traces.displacement, &model.displacement, scene.says.noise.0.unwrap());
+        add(&traces.acceleration, &model.acceleration, scene.says.noise.1.unwrap());
+    }
+    sum / n
+}
+
+#[test]
+fn the_chi2_of_a_perfect_model_scatters_as_noise_estimates_do() {
+    let all: Vec<f64> = (0..40).map(|number| pooled(&scene(Kind::Servo, true, number))).collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let spread = (all.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / (all.len() - 1) as f64).sqrt();
+    println!("pooled chi2 over {} nulls: {mean:.4} +- {spread:.4}", all.len());
+    // An estimate from n rows scatters by sqrt(2/n): 200 to 20000 rows, 1 to 10 %.
+    assert!((mean - 1.0).abs() < 0.03, "mean {mean}");
+    assert!(spread > 0.01 && spread < 0.12, "spread {spread}: {all:?}");
+}
+
+#[test]
+fn the_same_seed_deals_the_same_case_and_another_seed_another_one() {
+    let null = (0..100).find(|n| plan::stratum(3, *n) == plan::Stratum::Null { perfect: false }).unwrap();
+    let (one, again, other) = (case(3, null), case(3, null), case(4, null));
+    assert_eq!(format!("{:?}", one.experiment), format!("{:?}", again.experiment));
+    assert_eq!(one.sealed.seal, again.sealed.seal);
+    assert_ne!(one.sealed.seal, other.sealed.seal);
+}
