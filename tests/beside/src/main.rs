@@ -160,7 +160,8 @@ mod target {
         let velocity_loop = VelocityLoop::new(GAINS, DT, LIMIT);
         let Ok(acceleration_loop) = AccelerationLoop::new(GAINS, DT, 0.05, LIMIT) else { return mark(DIFFERENT) };
         let law = Three(displacement_loop, velocity_loop, acceleration_loop);
-        let (Ok(fusion), Ok(low_pass)) = (MotionObserver::crossover(2.0, DT), SecondOrder::low_pass(40.0, 0.7, DT)) else {
+        let (Ok(fusion), Ok(low_pass)) = (MotionObserver::crossover(2.0, DT), SecondOrder::low_pass(40.0, 0.7, DT))
+        else {
             return mark(DIFFERENT);
         };
         measure(0, nothing, &0.0, &mut 0.0);

@@ -322,8 +322,16 @@ fn each_fault_is_called_by_its_name() {
             (held(Acceleration, middle, middle + second(0.5)), "acceleration", Fault::Stuck),
             (clip(Displacement, 0.6), "displacement", Fault::Clipped),
             (clip(Acceleration, 0.4), "acceleration", Fault::Clipped),
-            (with_law(Law::ProportionalIntegral { kp: 2.0 * bench.kp, ki: 0.6, kvf: 0.0 }), "command", Fault::WrongController),
-            (with_law(Law::ProportionalIntegral { kp: -bench.kp, ki: -0.6, kvf: 0.0 }), "command", Fault::WrongController),
+            (
+                with_law(Law::ProportionalIntegral { kp: 2.0 * bench.kp, ki: 0.6, kvf: 0.0 }),
+                "command",
+                Fault::WrongController,
+            ),
+            (
+                with_law(Law::ProportionalIntegral { kp: -bench.kp, ki: -0.6, kvf: 0.0 }),
+                "command",
+                Fault::WrongController,
+            ),
             (
                 changed(
                     &run,

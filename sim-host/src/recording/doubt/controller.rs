@@ -89,7 +89,8 @@ fn best(runs: &[&Run]) -> Option<(Fitted, i32, i32)> {
         _ => (plain, 0, 0),
     };
     let fed = fit(runs, shift, delay, true);
-    let stated_feed = matches!(runs.first().map(|r| &r.law), Some(Law::ProportionalIntegral { kvf, .. }) if *kvf != 0.0);
+    let stated_feed =
+        matches!(runs.first().map(|r| &r.law), Some(Law::ProportionalIntegral { kvf, .. }) if *kvf != 0.0);
     match fed {
         Some(fed) if stated_feed || (fed.power < FAR_LESS * fitted.power && significant(fitted.share)) => {
             Some((fed, delay, shift))
