@@ -21,7 +21,7 @@ pub mod scalar;
 pub mod settings;
 pub mod units;
 
-pub use controller::Controller;
+pub use controller::{Controller, Tuning};
 pub use guard::{Refused, Request, State, Trip};
-pub use sample::{Channels, Command, Course, Relay, Sample, Status};
+pub use sample::{Channels, Command, Relay, Sample, Status};
 pub use settings::{Mode, Modification, Settings, SettingsError};

@@ -106,22 +106,12 @@ impl Modifier {
     }
 
     /// One tick: reference (m) and the velocity limit now in force (m/s) in, modified reference (m) out.
-    #[inline]
     pub(crate) fn advance(&self, state: &mut ModifierState, reference: f32, velocity_limit: f32) -> f32 {
-        match (self, &mut *state) {
-            (Self::Off, _) => reference,
-            // By itself, so that it saves no registers for what only the others need.
+        match (self, state) {
+            (Self::Clip(config), ModifierState::Clip(state)) => clip::step(config, state, reference, velocity_limit),
             (Self::Causal(config), ModifierState::Causal(state)) => {
                 causal::step(config, state, reference, velocity_limit)
             }
-            _ => self.modify(state, reference, velocity_limit),
-        }
-    }
-
-    #[inline(never)]
-    fn modify(&self, state: &mut ModifierState, reference: f32, velocity_limit: f32) -> f32 {
-        match (self, state) {
-            (Self::Clip(config), ModifierState::Clip(state)) => clip::step(config, state, reference, velocity_limit),
             (Self::Preview(config), ModifierState::Preview(state)) => {
                 preview::step(config, state, reference, velocity_limit)
             }

@@ -98,26 +98,6 @@ impl Channels {
     }
 }
 
-/// How a tick went, as far as a caller need know before it asks for the [`Status`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Course {
-    /// In the middle of a test, with every input there and the command within its limit: state, trip and relay are as they were.
-    Whole,
-    /// Any other way, with these of the needed inputs no believable numbers; anything may have changed.
-    Other(Channels),
-}
-
-impl Course {
-    /// The needed inputs that were no believable numbers.
-    #[inline]
-    pub const fn missing(self) -> Channels {
-        match self {
-            Self::Whole => Channels::NONE,
-            Self::Other(missing) => missing,
-        }
-    }
-}
-
 /// What the relay of the hydraulic block is to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Relay {

@@ -125,22 +125,6 @@ impl DetectorState {
 }
 
 impl Detector {
-    /// No detector: every limit is believed.
-    pub(crate) const fn none() -> Self {
-        Self {
-            plateau: Magnitude::ZERO,
-            error: 0.0,
-            excess: 1.0,
-            slowest: 0.0,
-            limit: 0.0,
-            lag: 0.0,
-            existing: Existing::none(),
-            hold: u32::MAX,
-            follow: 0.0,
-            recovery: 0.0,
-        }
-    }
-
     /// A detector for a table of `velocity_limit` (m/s) whose valve has a time constant of `lag` (s, finite), at ticks of `dt` (s).
     pub fn new(settings: &Detection, velocity_limit: f32, lag: f32, dt: f32) -> Result<Self, BlockError> {
         let limit = require("velocity_limit", velocity_limit, 1e-3, 10.0)?;

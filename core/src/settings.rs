@@ -230,10 +230,14 @@ impl Settings {
     /// The output at which no oil flows with the LVDT at `displacement` (m), m: what a loop behind the device subtracts, and
     /// the valve's null bias where the valve is the device's own.
     pub fn zero_flow(&self, displacement: f32) -> f32 {
-        match self.mode {
-            Mode::Modifier => displacement,
-            Mode::Guard | Mode::Controller => self.inner_loop.cancellation(displacement) + self.valve.null_bias,
-        }
+        let null_bias = if self.mode == Mode::Modifier { 0.0 } else { self.valve.null_bias };
+        self.cancellation() * displacement + null_bias
+    }
+
+    /// The share of the LVDT's reading that a loop behind the device subtracts, 1. An existing position controller does, and its
+    /// own null bias is not ours to know.
+    pub(crate) fn cancellation(&self) -> f32 {
+        if self.mode == Mode::Modifier { 1.0 } else { self.inner_loop.cancellation(1.0) }
     }
 
     /// Whether a second displacement sensor is fitted.

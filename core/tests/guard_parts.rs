@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "the lint knows test functions, not helpers")]
 
-use shakedown_core::filter::Fusion;
-use shakedown_core::filter::fusion::FusionState;
+use shakedown_core::filter::MotionObserver;
+use shakedown_core::filter::MotionState;
 use shakedown_core::guard::envelope::{Envelope, EnvelopeSettings, EnvelopeState, ForceSettings, Motion};
 use shakedown_core::guard::plausibility::{Plausibility, PlausibilitySettings, PlausibilityState};
 use shakedown_core::guard::supervisor::{Ramps, Supervisor};
@@ -121,15 +121,15 @@ fn fields_of_the_envelope_are_refused_by_name() {
 }
 
 /// What a monitor at 3 ms says of readings given turn by turn, and at which.
-fn plausible(readings: impl Iterator<Item = (f32, f32, FusionState)>) -> Option<(usize, Trip)> {
+fn plausible(readings: impl Iterator<Item = (f32, f32, MotionState)>) -> Option<(usize, Trip)> {
     let settings = PlausibilitySettings { stuck: 0.0301, disagreement: 2e-3, offset: 3.0, ..Default::default() };
     let monitor = Plausibility::new(&settings, DT).unwrap();
     let mut state = PlausibilityState::default();
     readings.enumerate().find_map(|(k, (x, a, seen))| Some((k, monitor.advance(&mut state, x, a, &seen)?)))
 }
 
-fn innovation(size: f32) -> FusionState {
-    FusionState { innovation: size, ..FusionState::default() }
+fn innovation(size: f32) -> MotionState {
+    MotionState { innovation: size, ..MotionState::default() }
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn sensors_that_disagree_are_told_from_a_noisy_one() {
     assert_eq!(with(&|_| 1.9e-3), None);
     assert_eq!(with(&|k| if k % 2 == 0 { 3e-3 } else { -3e-3 }), Some(Trip::DisplacementNoisy));
     let off = |offset: f32| {
-        let seen = FusionState { offset, ..FusionState::default() };
+        let seen = MotionState { offset, ..MotionState::default() };
         plausible((0..10).map(|k| (moving(k).0, moving(k).1, seen))).map(|(_, trip)| trip)
     };
     assert_eq!((off(3.1), off(-3.1)), (Some(Trip::SensorsDisagree), Some(Trip::SensorsDisagree)));
@@ -277,8 +277,8 @@ fn a_table_that_stands_while_it_is_told_to_move_is_seen() {
 
 #[test]
 fn an_observer_that_coasts_finds_the_table_where_it_is() {
-    let observer = Fusion::new(2.0, 0.001).unwrap();
-    let mut state = FusionState::default();
+    let observer = MotionObserver::crossover(2.0, 0.001).unwrap();
+    let mut state = MotionState::default();
     let at = |k: i32| 2e-4 * k as f32;
     for k in 0..5000 {
         observer.advance(&mut state, at(k), 0.0);

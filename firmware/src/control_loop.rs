@@ -5,16 +5,15 @@
 //! board can see.
 
 use shakedown_core::link::{Cause, MAX_BATCH, Setup};
-use shakedown_core::{Controller, Course, Relay, Request, Sample, SettingsError, State, Trip};
+use shakedown_core::{Controller, Relay, Request, Sample, SettingsError, State, Trip};
 
 mod attend;
 mod open_relay;
 mod orders;
 mod outcome;
-mod pass;
 
 pub use open_relay::OpenRelay;
-pub use outcome::{Codes, Events, News, Outcome, Rest};
+pub use outcome::{Codes, Events, News, Outcome};
 
 use crate::output::ZeroFlow;
 use crate::queues::{LoopEnd, Standing};
@@ -143,8 +142,12 @@ impl<'a> Loop<'a> {
         self.zero_flow
     }
 
-    /// One tick of any kind, and whatever the board has noticed.
-    #[inline(never)]
+    /// One tick. `input` gives the codes of reference, displacement, acceleration and existing command by number.
+    pub fn tick(&mut self, input: impl Fn(usize) -> u16) -> Outcome {
+        self.tick_with(Codes::of(input), Events::default())
+    }
+
+    /// One tick, and whatever the board has noticed.
     pub fn tick_with(&mut self, inputs: Codes, events: Events) -> Outcome {
         let new_setup = (self.lent || self.queues.orders.ready()) && self.obey();
         if events.emergency_stop {
@@ -160,15 +163,16 @@ impl<'a> Loop<'a> {
         self.decide(inputs, sample, new_setup)
     }
 
-    #[inline(always)]
+    /// What the core decides, and what is due beside it: now and then in the middle of a test, and at every tick else.
     fn decide(&mut self, inputs: Codes, sample: Sample, new_setup: bool) -> Outcome {
         self.reference = sample.reference;
-        let course = self.controller.advance(&sample);
+        let command = self.controller.step(&sample);
         self.left = self.left.wrapping_sub(1);
-        if course == Course::Whole && self.left != 0 {
-            return Outcome { output: self.wires.output.code(self.controller.valve()), news: false };
+        let changed = u16::from(self.controller.changes()) != self.told;
+        if self.left != 0 && !changed && !new_setup && command.status.state == State::Running {
+            return Outcome { output: self.wires.output.code(command.valve), news: false };
         }
-        self.attend(inputs, course.missing(), new_setup)
+        self.attend(inputs, &command, new_setup)
     }
 
     /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.

@@ -21,5 +21,5 @@ pub mod queues;
 pub mod store;
 mod wires;
 
-pub use control_loop::{Codes, Events, Loop, News, OpenRelay, Outcome, Rest};
+pub use control_loop::{Codes, Events, Loop, News, OpenRelay, Outcome};
 pub use desk::Desk;

@@ -1,7 +1,7 @@
 //! The wiring worked out: what a tick needs to turn codes into SI, and nothing that it would have to look up.
 
+use shakedown_core::Mode;
 use shakedown_core::link::{Scale, Setup, Source};
-use shakedown_core::{Mode, Sample};
 
 use crate::output::Output;
 
@@ -45,19 +45,6 @@ impl Wires {
     /// Whether the codes mean the same under both, whatever the mode reads of them.
     pub(crate) fn same_board(&self, other: &Self) -> bool {
         Self { guards: other.guards, ..*self } == *other
-    }
-
-    /// What a guard reads, where each of the three codes tells something.
-    #[inline(always)]
-    pub(crate) fn guarded(&self, input: impl Fn(usize) -> u16) -> Option<Sample> {
-        let (displacement, acceleration, external) = (input(1), input(2), input(3));
-        let all = self.tells(displacement) && self.tells(acceleration) && self.tells(external);
-        all.then(|| Sample {
-            displacement: self.displacement.to_si(displacement),
-            acceleration: self.acceleration.to_si(acceleration),
-            external: self.external.to_si(external),
-            ..Sample::default()
-        })
     }
 
     /// Whether `code` tells anything.

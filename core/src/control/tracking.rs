@@ -16,7 +16,6 @@
 pub mod disturbance;
 pub mod flow;
 pub mod friction;
-pub mod kalman;
 pub mod oil;
 pub mod pressure;
 mod settings;
@@ -26,14 +25,13 @@ pub mod valve;
 pub use settings::{NoiseSettings, NotchSettings, Surroundings, TrackingSettings};
 
 use crate::block::Block;
-use crate::filter::SecondOrder;
 use crate::filter::second_order::SecondOrderState;
 use crate::filter::washout::WashoutState;
+use crate::filter::{MotionObserver, MotionState, SecondOrder};
 use crate::scalar::Scalar;
 use disturbance::{Disturbance, DisturbanceState};
 use flow::{FlowMap, FlowState};
 use friction::Friction;
-use kalman::{Kalman, KalmanState};
 use oil::{OilColumn, OilState};
 use pressure::PressureDamping;
 use trajectory::{History, Stencil};
@@ -65,7 +63,7 @@ pub struct Tracking {
     back: u32,
     delay: u32,
     half_dt: f32,
-    kalman: Kalman,
+    observer: MotionObserver,
     actuator: Actuator,
     flow: FlowMap,
     valve: Valve,
@@ -78,7 +76,7 @@ pub struct Tracking {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackingState {
     history: History,
-    kalman: KalmanState,
+    observer: MotionState,
     disturbance: DisturbanceState,
     oil: OilState,
     flow: FlowState,
@@ -107,7 +105,7 @@ impl TrackingState {
     pub fn at(displacement: f32) -> Self {
         Self {
             history: History::at(displacement),
-            kalman: KalmanState::at(displacement),
+            observer: MotionState::at(displacement),
             disturbance: DisturbanceState::default(),
             oil: OilState::default(),
             flow: FlowState::default(),
@@ -163,8 +161,8 @@ impl Tracking {
         state.history.push(seen.reference);
         let wanted = self.stencil.at(&state.history, self.back);
         let ahead = if self.delay == 0 { wanted } else { self.stencil.at(&state.history, self.back - self.delay) };
-        self.kalman.advance(&mut state.kalman, seen.displacement, seen.acceleration);
-        let now = state.kalman;
+        self.observer.advance(&mut state.observer, seen.displacement, seen.acceleration);
+        let now = state.observer;
         // The table is where the trajectory was half a tick ago: the flow of a tick is meant for its middle.
         let half = self.half_dt;
         let x = wanted.displacement - half * wanted.velocity - now.displacement - state.relief;

@@ -29,6 +29,11 @@ impl<S: Scalar> Default for LagState<S> {
 }
 
 impl<S: Scalar> LagState<S> {
+    /// The output of the last tick.
+    pub fn output(&self) -> S {
+        self.output
+    }
+
     /// A lag that has stood at `output` for ever.
     pub fn at(output: S) -> Self {
         Self { output }
@@ -36,11 +41,6 @@ impl<S: Scalar> LagState<S> {
 }
 
 impl<S: Scalar> Lag<S> {
-    /// No lag: what goes in comes out.
-    pub(crate) fn none() -> Self {
-        Self { alpha: S::from_f32(1.0) }
-    }
-
     /// A lag of `time` (s, 0 to 1000; 0 passes the input through) at ticks of `dt` (s).
     pub fn new(time: f32, dt: f32) -> Result<Self, BlockError> {
         let dt = require("dt", dt, 1e-6, 1.0)?;

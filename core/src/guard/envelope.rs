@@ -97,21 +97,6 @@ pub struct EnvelopeState {
 }
 
 impl Envelope {
-    /// No envelope: nothing may move.
-    pub(crate) const fn none() -> Self {
-        Self {
-            latency: 0.0,
-            half_inverse_deceleration: 0.0,
-            room: Magnitude::ZERO,
-            velocity: Magnitude::ZERO,
-            acceleration: Magnitude::ZERO,
-            jerk_step: Magnitude::ZERO,
-            pressure: Magnitude::ZERO,
-            tracking: Magnitude::ZERO,
-            persistence: 0,
-        }
-    }
-
     /// An envelope inside `stroke` (m) at ticks of `dt` (s).
     pub fn new(settings: &EnvelopeSettings, stroke: f32, dt: f32) -> Result<Self, BlockError> {
         let s = settings;
@@ -144,23 +129,15 @@ impl Envelope {
     }
 
     /// Whether a table at `displacement` (m) with `velocity` (m/s) can no longer be stopped inside, or is too fast: why.
-    #[inline]
     pub fn left_by(&self, displacement: f32, velocity: f32) -> Option<Trip> {
         let rest = displacement + self.stopping_distance(velocity);
-        // Velocity between the two, so that they are not worked into one: each is a comparison and a branch not taken.
-        if self.room.holds(rest) && self.velocity.holds(velocity) && self.room.holds(displacement) {
-            None
+        if !self.room.holds(rest) || !self.room.holds(displacement) {
+            Some(Trip::Displacement)
+        } else if !self.velocity.holds(velocity) {
+            Some(Trip::Velocity)
         } else {
-            Some(self.which(displacement, velocity))
+            None
         }
-    }
-
-    /// Which limit it is, where one is passed.
-    #[cold]
-    #[inline(never)]
-    fn which(&self, displacement: f32, velocity: f32) -> Trip {
-        let rest = displacement + self.stopping_distance(velocity);
-        if self.room.holds(rest) && self.room.holds(displacement) { Trip::Velocity } else { Trip::Displacement }
     }
 
     /// The same without a limit on the distance from the reference.
@@ -169,42 +146,23 @@ impl Envelope {
         Self { tracking: Magnitude::new(f32::INFINITY), ..self }
     }
 
-    /// One tick of what may last.
-    #[inline]
+    /// One turn of what may last: the limit that has been passed for `persistence`, if one has.
     pub fn advance(&self, state: &mut EnvelopeState, motion: &Motion) -> Option<Trip> {
-        self.look(state, motion).and_then(|jerk_step| self.beyond(state, motion.pressure_difference, jerk_step))
-    }
-
-    /// The half of it that nearly every tick is: none where all is within. Else the change of the acceleration (m/s2), for
-    /// [`Self::beyond`].
-    #[inline(always)]
-    pub(crate) fn look(&self, state: &mut EnvelopeState, motion: &Motion) -> Option<f32> {
         let jerk_step = motion.acceleration - state.acceleration;
         state.acceleration = motion.acceleration;
-        let within = self.acceleration.holds(motion.acceleration)
-            && self.jerk_step.holds(jerk_step)
-            && self.pressure.holds(motion.pressure_difference)
-            && self.tracking.holds(motion.error);
-        if within {
-            state.lasted = 0;
-        }
-        (!within).then_some(jerk_step)
-    }
-
-    /// The other half: what is beyond its limit, once that has lasted.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn beyond(&self, state: &mut EnvelopeState, pressure_difference: f32, jerk_step: f32) -> Option<Trip> {
-        let cause = if !self.acceleration.holds(state.acceleration) {
+        let beyond = if !self.acceleration.holds(motion.acceleration) {
             Trip::Acceleration
         } else if !self.jerk_step.holds(jerk_step) {
             Trip::Jerk
-        } else if !self.pressure.holds(pressure_difference) {
+        } else if !self.pressure.holds(motion.pressure_difference) {
             Trip::Force
-        } else {
+        } else if !self.tracking.holds(motion.error) {
             Trip::Tracking
+        } else {
+            state.lasted = 0;
+            return None;
         };
         state.lasted = state.lasted.saturating_add(1);
-        (state.lasted > self.persistence).then_some(cause)
+        (state.lasted > self.persistence).then_some(beyond)
     }
 }

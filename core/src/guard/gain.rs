@@ -35,10 +35,6 @@ pub(super) struct GainState {
 }
 
 impl GainWitness {
-    pub(super) const fn none() -> Self {
-        Self { share: 0.0, learn: u32::MAX }
-    }
-
     /// A witness at turns of `dt` (s).
     pub(super) fn new(dt: f32) -> Self {
         Self { share: dt / MEMORY, learn: (MEMORY / dt) as u32 }

@@ -40,11 +40,6 @@ pub struct InputState {
 }
 
 impl InputMonitor {
-    /// No inputs.
-    pub(crate) const fn none() -> Self {
-        Self { difference: None, lost: 0, limit_switches: false, relay: None }
-    }
-
     /// A monitor of a second sensor that may differ for `lost` (s), at ticks of `dt` (s).
     pub fn new(settings: &InputSettings, lost: f32, dt: f32) -> Result<Self, BlockError> {
         let difference = |limit| require("guard.inputs.second_displacement", limit, 1e-5, 1.0);

@@ -73,12 +73,6 @@ pub struct NoiseState {
 }
 
 impl NoiseMonitor {
-    /// No monitor: any noise will do.
-    pub(crate) fn none() -> Self {
-        let deaf = Roughness { limit: f32::INFINITY, mean: Lag::none() };
-        Self { displacement: deaf, acceleration: None }
-    }
-
     /// A monitor of a motion within `envelope` at ticks of `dt` (s); `accelerometer` where one is fitted.
     pub fn new(
         settings: &PlausibilitySettings,

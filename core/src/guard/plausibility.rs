@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::Trip;
 use crate::block::{Block, BlockError, require};
 use crate::filter::Lag;
-use crate::filter::fusion::FusionState;
+use crate::filter::MotionState;
 use crate::filter::lag::LagState;
 use crate::math::Magnitude;
 
@@ -63,11 +63,6 @@ pub struct PlausibilityState {
 }
 
 impl Plausibility {
-    /// No monitor: nothing is believed.
-    pub(crate) fn none() -> Self {
-        Self { stuck: 0, suspicious: 0.0, disagreement: 0.0, offset: Magnitude::ZERO, mean: Lag::none() }
-    }
-
     /// A monitor at ticks of `dt` (s).
     pub fn new(settings: &PlausibilitySettings, dt: f32) -> Result<Self, BlockError> {
         let s = settings;
@@ -81,48 +76,23 @@ impl Plausibility {
         })
     }
 
-    /// One tick: both readings and what the observer made of them.
-    #[inline]
+    /// One turn: both readings, displacement (m) and acceleration (m/s2), and what the observer made of them. Gives what to doubt.
     pub fn advance(
         &self,
         state: &mut PlausibilityState,
         displacement: f32,
         acceleration: f32,
-        seen: &FusionState,
+        observed: &MotionState,
     ) -> Option<Trip> {
-        if self.look(state, displacement, acceleration, seen) { None } else { self.doubt(state, seen) }
-    }
-
-    /// The half of it that nearly every tick is: whether there is nothing to doubt.
-    #[inline(always)]
-    pub(crate) fn look(
-        &self,
-        state: &mut PlausibilityState,
-        displacement: f32,
-        acceleration: f32,
-        seen: &FusionState,
-    ) -> bool {
         state.displacement_same = count(state.displacement_same, displacement == state.displacement);
         state.acceleration_same = count(state.acceleration_same, acceleration == state.acceleration);
         state.displacement = displacement;
         state.acceleration = acceleration;
 
-        self.mean.advance(&mut state.innovation, seen.innovation);
-        let innovation = self.mean.advance(&mut state.innovation_size, seen.innovation.abs());
-        innovation <= self.suspicious && self.offset.holds(seen.offset)
-    }
-
-    /// The other half: what to doubt, if it is enough for that.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn doubt(&self, state: &PlausibilityState, seen: &FusionState) -> Option<Trip> {
-        let innovation = self.mean.last(&state.innovation_size);
-        if innovation > self.suspicious
-            && let Some(trip) = self.accuse(state, innovation)
-        {
-            return Some(trip);
-        }
-        (!self.offset.holds(seen.offset)).then_some(Trip::SensorsDisagree)
+        self.mean.advance(&mut state.innovation, observed.innovation);
+        let innovation = self.mean.advance(&mut state.innovation_size, observed.innovation.abs());
+        let accused = if innovation > self.suspicious { self.accuse(state, innovation) } else { None };
+        accused.or((!self.offset.holds(observed.offset)).then_some(Trip::SensorsDisagree))
     }
 
     /// Which sensor it is, given a suspicious mean magnitude of the `innovation` (m).

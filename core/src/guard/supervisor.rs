@@ -88,11 +88,6 @@ pub struct Ramps {
 }
 
 impl Ramps {
-    /// No ramps: everything at once.
-    pub(crate) const fn none() -> Self {
-        Self { test: 1.0, safe: 1.0 }
-    }
-
     /// Ramps at ticks of `dt` (s).
     pub fn new(settings: &RampSettings, dt: f32) -> Result<Self, BlockError> {
         let test = require("guard.ramps.test", settings.test, 0.0, 1000.0)?;

@@ -82,24 +82,6 @@ impl ValveMonitorState {
 }
 
 impl ValveMonitor {
-    /// No monitor: no valve is believed.
-    pub(crate) fn none() -> Self {
-        let none = Magnitude::ZERO;
-        Self {
-            lag: Lag::none(),
-            dt: 0.0,
-            keep: 0.0,
-            mismatch: none,
-            slow_keep: 0.0,
-            slow_gain: 0.0,
-            slow_limit: none,
-            still_keep: 0.0,
-            still_band: none,
-            still_limit: none,
-            gain: GainWitness::none(),
-        }
-    }
-
     /// A monitor of a valve with the given `lag` (s) at ticks of `dt` (s).
     pub fn new(settings: &ValveMonitorSettings, lag: f32, dt: f32) -> Result<Self, BlockError> {
         let memory = require("guard.valve.memory", settings.memory, 0.01, 100.0)?;

@@ -35,88 +35,40 @@ impl Within {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walls {
     ranges: Within,
-    follows_external: bool,
-    accelerometer: bool,
-    /// Of the channels that few tables have, those that are read.
-    rare: Channels,
+    read: Channels,
 }
 
 impl Walls {
-    /// Walls that nothing is behind: no range for any reading.
+    /// A gate that reads no channel, of a device without settings.
     pub(crate) fn shut() -> Self {
-        let none = Ranges {
-            reference: 0.0,
-            displacement: 0.0,
-            velocity: 0.0,
-            acceleration: 0.0,
-            external: 0.0,
-            pressure_difference: 0.0,
-        };
-        Self { ranges: Within::new(&none), follows_external: false, accelerometer: false, rare: Channels::NONE }
+        Self { ranges: Within::new(&Ranges::default()), read: Channels::NONE }
     }
 
     /// The channels and ranges of `settings`.
     pub fn new(settings: &Settings) -> Self {
-        let rare = [
+        let guards = settings.mode == Mode::Guard;
+        let channels = [
+            (guards, Channels::EXTERNAL),
+            (!guards, Channels::REFERENCE),
+            (true, Channels::DISPLACEMENT),
+            (settings.observer.accelerometer, Channels::ACCELERATION),
             (settings.velocity_source == VelocitySource::Sensor, Channels::VELOCITY),
             (settings.reads_pressure(), Channels::PRESSURE_DIFFERENCE),
             (settings.reference_rates == ReferenceRates::Supplied, Channels::REFERENCE_RATES),
             (settings.reads_second_displacement(), Channels::SECOND_DISPLACEMENT),
         ];
-        Self {
-            ranges: Within::new(&settings.ranges),
-            follows_external: settings.mode == Mode::Guard,
-            accelerometer: settings.observer.accelerometer,
-            rare: rare.iter().fold(Channels::NONE, |all, &(read, channel)| if read { all.and(channel) } else { all }),
-        }
-    }
-
-    /// Whether the existing controller's command, the LVDT and the accelerometer are all that is read.
-    pub(crate) fn three(&self) -> bool {
-        self.follows_external && self.accelerometer && self.rare.is_empty()
-    }
-
-    /// Whether these three are all believable.
-    #[inline(always)]
-    pub(crate) fn admit_three(&self, sample: &Sample) -> bool {
-        let (r, s) = (&self.ranges, sample);
-        r.external.holds(s.external) && r.displacement.holds(s.displacement) && r.acceleration.holds(s.acceleration)
+        let read =
+            channels.iter().fold(Channels::NONE, |all, &(read, channel)| if read { all.and(channel) } else { all });
+        Self { ranges: Within::new(&settings.ranges), read }
     }
 
     /// Takes what is believable of `sample` over into `readings`; gives the needed channels that were not.
-    #[inline]
     pub fn take(&self, sample: &Sample, readings: &mut Sample) -> Channels {
-        let (r, s) = (&self.ranges, sample);
+        let (r, s, to) = (&self.ranges, sample, &mut *readings);
+        (to.limit_switch, to.relay_closed) = (s.limit_switch, s.relay_closed);
         let mut missing = Channels::NONE;
         let mut take = |channel, value: f32, range: Magnitude, reading: &mut f32| {
-            if range.holds(value) {
-                *reading = value;
-            } else {
-                missing = missing.and(channel);
-            }
-        };
-        if self.follows_external {
-            take(Channels::EXTERNAL, s.external, r.external, &mut readings.external);
-        } else {
-            take(Channels::REFERENCE, s.reference, r.reference, &mut readings.reference);
-        }
-        take(Channels::DISPLACEMENT, s.displacement, r.displacement, &mut readings.displacement);
-        if self.accelerometer {
-            take(Channels::ACCELERATION, s.acceleration, r.acceleration, &mut readings.acceleration);
-        }
-        (readings.limit_switch, readings.relay_closed) = (s.limit_switch, s.relay_closed);
-        if self.rare.is_empty() {
-            return missing;
-        }
-        missing.and(self.take_rare(s, readings))
-    }
-
-    #[inline(never)]
-    fn take_rare(&self, s: &Sample, readings: &mut Sample) -> Channels {
-        let r = &self.ranges;
-        let mut missing = Channels::NONE;
-        let mut take = |channel, value: f32, range: Magnitude, reading: &mut f32| {
-            if self.rare.any(channel) {
+            if self.read.any(channel) {
                 if range.holds(value) {
                     *reading = value;
                 } else {
@@ -124,14 +76,15 @@ impl Walls {
                 }
             }
         };
-        take(Channels::VELOCITY, s.velocity, r.velocity, &mut readings.velocity);
-        let pressure = &mut readings.pressure_difference;
-        take(Channels::PRESSURE_DIFFERENCE, s.pressure_difference, r.pressure_difference, pressure);
-        take(Channels::REFERENCE_RATES, s.reference_velocity, r.velocity, &mut readings.reference_velocity);
-        let acceleration = &mut readings.reference_acceleration;
-        take(Channels::REFERENCE_RATES, s.reference_acceleration, r.acceleration, acceleration);
-        let second = &mut readings.second_displacement;
-        take(Channels::SECOND_DISPLACEMENT, s.second_displacement, r.displacement, second);
+        take(Channels::REFERENCE, s.reference, r.reference, &mut to.reference);
+        take(Channels::EXTERNAL, s.external, r.external, &mut to.external);
+        take(Channels::DISPLACEMENT, s.displacement, r.displacement, &mut to.displacement);
+        take(Channels::ACCELERATION, s.acceleration, r.acceleration, &mut to.acceleration);
+        take(Channels::VELOCITY, s.velocity, r.velocity, &mut to.velocity);
+        take(Channels::PRESSURE_DIFFERENCE, s.pressure_difference, r.pressure_difference, &mut to.pressure_difference);
+        take(Channels::REFERENCE_RATES, s.reference_velocity, r.velocity, &mut to.reference_velocity);
+        take(Channels::REFERENCE_RATES, s.reference_acceleration, r.acceleration, &mut to.reference_acceleration);
+        take(Channels::SECOND_DISPLACEMENT, s.second_displacement, r.displacement, &mut to.second_displacement);
         missing
     }
 }

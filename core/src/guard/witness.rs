@@ -21,10 +21,9 @@ use core::f32::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Block, BlockError, require};
-use crate::filter::Fusion;
 use crate::filter::Lag;
-use crate::filter::fusion::FusionState;
 use crate::filter::lag::LagState;
+use crate::filter::{MotionObserver, MotionState};
 use crate::math::{self, max};
 
 /// Stated errors of LVDT and accelerometer, and the window over which they are compared.
@@ -52,7 +51,7 @@ impl Default for WitnessSettings {
 /// The witness's configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplacementWitness {
-    observer: Fusion,
+    observer: MotionObserver,
     /// What does not depend on the motion, m.
     fixed: f32,
     scale: f32,
@@ -67,20 +66,14 @@ pub struct DisplacementWitness {
 /// What the witness remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WitnessState {
-    both: FusionState,
-    displacement: FusionState,
+    both: MotionState,
+    displacement: MotionState,
     largest: f32,
     slack: f32,
     mean: LagState,
 }
 
 impl DisplacementWitness {
-    /// No witness: it says nothing.
-    pub(crate) fn none() -> Self {
-        let (scale, keep, per_velocity, dt) = (0.0, 0.0, 0.0, 0.0);
-        Self { observer: Fusion::none(), fixed: f32::INFINITY, scale, keep, per_velocity, dt, mean: Lag::none() }
-    }
-
     /// A witness of a table of `velocity_limit` (m/s) at ticks of `dt` (s).
     pub fn new(settings: &WitnessSettings, velocity_limit: f32, dt: f32) -> Result<Self, BlockError> {
         let s = settings;
@@ -91,7 +84,7 @@ impl DisplacementWitness {
         let noise = require("guard.witness.noise", s.noise, 0.0, 100.0)?;
         let of_noise = 6.0 * noise * math::sqrt(0.1875 * dt / p) / (p * p);
         Ok(Self {
-            observer: Fusion::new(frequency, dt)?,
+            observer: MotionObserver::crossover(frequency, dt)?,
             fixed: delay * velocity_limit + 0.27 * bias / (p * p) + of_noise,
             scale: require("guard.witness.scale", s.scale, 0.0, 1.0)?,
             keep: 1.0 - (0.2 * p * dt).min(1.0),
@@ -103,8 +96,8 @@ impl DisplacementWitness {
 
     /// Follows the `fast` observer of a table that no oil moves, at `displacement` (m).
     #[inline]
-    pub fn follow(&self, state: &mut WitnessState, fast: &FusionState, displacement: f32) {
-        *state = WitnessState { both: *fast, displacement: FusionState::at(displacement), ..WitnessState::default() };
+    pub fn follow(&self, state: &mut WitnessState, fast: &MotionState, displacement: f32) {
+        *state = WitnessState { both: *fast, displacement: MotionState::at(displacement), ..WitnessState::default() };
     }
 
     /// One tick: displacement (m) and acceleration (m/s2) as read. True: they contradict each other.

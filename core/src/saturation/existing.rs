@@ -43,11 +43,6 @@ pub struct ExistingState {
 }
 
 impl Existing {
-    /// Nothing is learned, and nothing said to be asked for.
-    pub(crate) const fn none() -> Self {
-        Self { lag: 0.0, smoothing: 0.0, share: 0.0, plateau: Magnitude::ZERO }
-    }
-
     /// For a valve of time constant `lag` (s) and the [`plateau`](super::Detection::plateau) of saturation detection (m/s2) at
     /// ticks of `dt` (s).
     pub const fn new(lag: f32, plateau: f32, dt: f32) -> Self {

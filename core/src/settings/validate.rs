@@ -2,14 +2,13 @@
 
 use super::{Gains, Mode, ReferenceRates, Settings, SettingsError};
 use crate::block::require;
-use crate::controller::{Config, tracking};
+use crate::controller::Config;
 
 impl Settings {
     /// Checks every field, and that they go together. The whole configuration is worked out on the way, so that what
     /// passes here cannot fail later.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        Config::new(self)?;
-        tracking(self).map(|_| ())
+        Config::new(self).map(|_| ())
     }
 
     /// Checks the fields that no block checks by itself.

@@ -4,12 +4,12 @@ use crate::tape::{Noise, Tape, hold, run, signal};
 use shakedown_core::block::{Block, RANGE, within_range};
 use shakedown_core::control::{AccelerationLoop, AccelerationState, Blocked, DisplacementLoop, DisplacementState};
 use shakedown_core::control::{InnerLoop, LoopGains, VelocityLoop, VelocityState};
+use shakedown_core::filter::MotionState;
 use shakedown_core::filter::differentiator::DifferentiatorState;
-use shakedown_core::filter::fusion::FusionState;
 use shakedown_core::filter::lag::LagState;
 use shakedown_core::filter::second_order::SecondOrderState;
 use shakedown_core::filter::washout::WashoutState;
-use shakedown_core::filter::{Differentiator, Fusion, Lag, SecondOrder, Washout};
+use shakedown_core::filter::{Differentiator, Lag, MotionObserver, SecondOrder, Washout};
 use shakedown_core::math::{self, Magnitude};
 use shakedown_core::scalar::Scalar;
 
@@ -55,8 +55,8 @@ fn filters() {
             run("high-pass", section(SecondOrder::high_pass(0.8, 0.3, DT))),
             run("notch", section(SecondOrder::notch(40.0, 0.1, DT))),
             run("fusion", |tape| {
-                let fusion = Fusion::new(2.0, DT).unwrap();
-                let mut state = FusionState::at(0.4);
+                let fusion = MotionObserver::crossover(2.0, DT).unwrap();
+                let mut state = MotionState::at(0.4);
                 for (k, x) in signal(5, 0.1, 600).enumerate() {
                     if k % 100 < 3 {
                         fusion.coast(&mut state);

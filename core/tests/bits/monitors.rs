@@ -1,7 +1,7 @@
 //! What looks on: saturation detection and the monitors of the guard, on readings that are often exactly at a limit.
 
 use crate::tape::{Noise, Tape, hold, run};
-use shakedown_core::filter::fusion::FusionState;
+use shakedown_core::filter::MotionState;
 use shakedown_core::guard::envelope::{Envelope, EnvelopeSettings, EnvelopeState, ForceSettings, Motion};
 use shakedown_core::guard::plausibility::{Plausibility, PlausibilitySettings, PlausibilityState};
 use shakedown_core::guard::valve::{ValveMonitor, ValveMonitorSettings, ValveMonitorState};
@@ -73,7 +73,7 @@ fn plausible(tape: &mut Tape) {
         a = if kind == 2 { a } else { noise.next() * if kind == 3 { 8.0 } else { 0.5 } };
         let size = noise.of(&[4e-4, 1e-3, 6e-4, 4e-3]);
         let innovation = if k / 300 % 2 == 0 { size } else { size * noise.next() };
-        let seen = FusionState { innovation, offset: noise.of(&[0.0, 0.0, 3.0, -3.0, 3.1]), ..FusionState::at(x) };
+        let seen = MotionState { innovation, offset: noise.of(&[0.0, 0.0, 3.0, -3.0, 3.1]), ..MotionState::at(x) };
         tape.word(&monitor.advance(&mut state, x, a, &seen));
     }
 }

@@ -4,11 +4,11 @@ use crate::tape::{Noise, Tape, hold, run, signal};
 use shakedown_core::control::tracking::disturbance::{Disturbance, DisturbanceState};
 use shakedown_core::control::tracking::flow::{FlowMap, FlowSettings, FlowState};
 use shakedown_core::control::tracking::friction::{Friction, FrictionSettings};
-use shakedown_core::control::tracking::kalman::{Kalman, KalmanState};
 use shakedown_core::control::tracking::oil::{OilColumn, OilSettings, OilState};
 use shakedown_core::control::tracking::pressure::{PressureDamping, PressureSettings};
 use shakedown_core::control::tracking::trajectory::{History, Motion, Stencil};
 use shakedown_core::control::tracking::valve::{Valve, ValveState};
+use shakedown_core::filter::{MotionObserver, MotionState};
 
 const DT: f32 = 1e-3;
 const LIMIT: f32 = 0.242;
@@ -87,8 +87,8 @@ fn oil_column() {
 
 fn kalman(displacement: f32, acceleration: f32) -> impl FnOnce(&mut Tape) {
     move |tape| {
-        let kalman = Kalman::new(displacement, acceleration, DT).unwrap();
-        let mut state = KalmanState::at(0.02);
+        let kalman = MotionObserver::kalman(displacement, acceleration, DT).unwrap();
+        let mut state = MotionState::at(0.02);
         for (x, a) in signal(23, 0.05, 400).zip(signal(29, 3.0, 400)) {
             kalman.advance(&mut state, x, a);
             tape.note_all([state.displacement, state.velocity, state.acceleration, state.offset]);

@@ -4,12 +4,12 @@ use proptest::prelude::*;
 use shakedown_core::block::{Block, Held, RANGE, within_range};
 use shakedown_core::control::{AccelerationLoop, AccelerationState, DisplacementLoop, DisplacementState};
 use shakedown_core::control::{Blocked, InnerLoop, LoopGains, VelocityLoop, VelocityState};
+use shakedown_core::filter::MotionState;
 use shakedown_core::filter::differentiator::DifferentiatorState;
-use shakedown_core::filter::fusion::FusionState;
 use shakedown_core::filter::lag::LagState;
 use shakedown_core::filter::second_order::SecondOrderState;
 use shakedown_core::filter::washout::WashoutState;
-use shakedown_core::filter::{Differentiator, Fusion, Lag, SecondOrder, Washout};
+use shakedown_core::filter::{Differentiator, Lag, MotionObserver, SecondOrder, Washout};
 use std::f64::consts::{PI, TAU};
 
 use crate::table::any_bits;
@@ -163,8 +163,8 @@ proptest! {
     fn fusion_follows_any_steady_acceleration_and_learns_the_offset(
         start in -0.1..0.1f32, speed in -0.2..0.2f32, offset in -1.0..1.0f32, accelerate in -0.2..0.2f32,
     ) {
-        let fusion = Fusion::new(2.0, DT).unwrap();
-        let mut state = FusionState::default();
+        let fusion = MotionObserver::crossover(2.0, DT).unwrap();
+        let mut state = MotionState::default();
         let mut t = 0.0;
         for k in 0..3000 {
             t = f64::from(k) * 1e-3;
@@ -263,7 +263,7 @@ fn configurations_that_make_no_sense_are_refused() {
         assert!(Differentiator::<f32>::new(bad, DT).is_err());
         assert!(SecondOrder::<f32>::notch(bad, 0.1, DT).is_err());
         assert!(SecondOrder::<f32>::notch(10.0, bad, DT).is_err());
-        assert!(Fusion::new(bad, DT).is_err());
+        assert!(MotionObserver::crossover(bad, DT).is_err());
     }
     let error = Washout::<f32>::new(200.0, DT).unwrap_err();
     assert_eq!((error.field, error.value, error.high), ("frequency", 200.0, 100.0));

@@ -2,13 +2,13 @@
 
 use proptest::prelude::*;
 use shakedown_core::control::tracking::flow::{FlowMap, FlowSettings, FlowState};
-use shakedown_core::control::tracking::kalman::{Kalman, KalmanState};
 use shakedown_core::control::tracking::oil::OilSettings;
 use shakedown_core::control::tracking::pressure::PressureSettings;
 use shakedown_core::control::tracking::trajectory::{History, Stencil};
 use shakedown_core::control::tracking::valve::{Valve, ValveState};
 use shakedown_core::control::tracking::{NotchSettings, Seen, Surroundings};
 use shakedown_core::control::{TrackingSettings, TrackingState};
+use shakedown_core::filter::{MotionObserver, MotionState};
 use shakedown_core::settings::Gains;
 use shakedown_core::{Channels, Controller, Sample, Settings, SettingsError};
 
@@ -136,8 +136,8 @@ fn the_observer_has_the_kalman_gains() {
         gain = [a / (a + r * r), b / (a + r * r)];
         p = [[(1.0 - gain[0]) * a, (1.0 - gain[0]) * b], [(1.0 - gain[0]) * b, c - gain[1] * b]];
     }
-    let kalman = Kalman::new(r as f32, q as f32, DT).unwrap();
-    let mut state = KalmanState::default();
+    let kalman = MotionObserver::kalman(r as f32, q as f32, DT).unwrap();
+    let mut state = MotionState::default();
     kalman.advance(&mut state, 1.0, 0.0);
     assert!((f64::from(state.displacement) / gain[0] - 1.0).abs() < 1e-3, "{state:?} {gain:?}");
     assert!((f64::from(state.velocity) / gain[1] - 1.0).abs() < 1e-3, "{state:?} {gain:?}");

@@ -1,7 +1,7 @@
 //! What is due now and then: telemetry, news for the board, and when the next of either is.
 
 use shakedown_core::link::Record;
-use shakedown_core::{Channels, State};
+use shakedown_core::{Command, State};
 
 use super::{Codes, Loop, News, Outcome};
 use crate::queues::Entry;
@@ -9,13 +9,13 @@ use crate::queues::Entry;
 impl Loop<'_> {
     /// The rest of a tick in which something is due or may have changed.
     #[inline(never)]
-    pub(super) fn attend(&mut self, inputs: Codes, missing: Channels, new_setup: bool) -> Outcome {
+    pub(super) fn attend(&mut self, inputs: Codes, command: &Command, new_setup: bool) -> Outcome {
         let output = match self.probe {
             Some(code) if self.controller.state() == State::Off => self.wires.output.nearest(code),
-            _ => self.wires.output.code(self.controller.valve()),
+            _ => self.wires.output.code(command.valve),
         };
         let (ticks, _) = self.counts();
-        self.report(ticks.wrapping_sub(1), inputs.each(), missing, output);
+        self.report(ticks.wrapping_sub(1), inputs.each(), command, output);
         let changes = u16::from(self.controller.changes());
         let changed = changes != self.told;
         self.told = changes;
@@ -34,12 +34,11 @@ impl Loop<'_> {
     }
 
     /// Telemetry, every so many ticks.
-    fn report(&mut self, tick: u32, inputs: [u16; 4], missing: Channels, output: u16) {
+    fn report(&mut self, tick: u32, inputs: [u16; 4], command: &Command, output: u16) {
         if self.every == 0 || tick != self.record_at {
             return;
         }
         self.record_at = tick.wrapping_add(u32::from(self.every));
-        let command = self.controller.command(missing);
         let record = Record {
             reference: self.reference,
             fitted: command.reference,

@@ -29,19 +29,6 @@ pub struct Events {
     pub no_sample: bool,
 }
 
-/// What is left to do of a tick.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rest {
-    /// All of it: nothing was done.
-    All,
-    /// The core has decided, and has something to say.
-    Word,
-    /// There was no point of the reference.
-    Dry,
-    /// There was the end of the reference.
-    End,
-}
-
 /// What a tick leaves for the board to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Outcome {

@@ -1,7 +1,7 @@
 //! The tick.
 
 use shakedown_firmware::converters::Converters;
-use shakedown_firmware::{Codes, Events, Loop, Outcome, Rest};
+use shakedown_firmware::{Codes, Events, Loop, Outcome};
 
 use crate::board::{
     converters, converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog,
@@ -29,11 +29,8 @@ impl Control {
         if failed | self.pins.emergency_stop() | self.pins.supply_low() {
             return self.tick_noticing(failed);
         }
-        match self.decide.pass(converters::sampled) {
-            Ok(output) => self.put(output),
-            Err(Rest::All) => self.tick_in_full(),
-            Err(rest) => self.finish(rest),
-        }
+        let outcome = self.decide.tick_with(Codes::of(converters::sampled), Events::default());
+        self.attend(outcome);
     }
 
     /// A tick whose sample the converter lost: it is set up again, and the loop is told.
@@ -42,21 +39,7 @@ impl Control {
         self.tick_noticing(true);
     }
 
-    /// A tick that is no ordinary one of a guard.
-    #[inline(never)]
-    fn tick_in_full(&mut self) {
-        let outcome = self.decide.tick_with(Codes::of(converters::sampled), Events::default());
-        self.attend(outcome);
-    }
-
-    /// The rest of a tick that was no ordinary one.
-    #[inline(never)]
-    fn finish(&mut self, rest: Rest) {
-        let outcome = self.decide.finish(Codes::of(converters::sampled), rest);
-        self.attend(outcome);
-    }
-
-    /// The same when the board has something to say.
+    /// One tick when the board has something to say.
     #[cold]
     #[inline(never)]
     fn tick_noticing(&mut self, no_sample: bool) {

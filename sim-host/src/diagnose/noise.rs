@@ -79,7 +79,13 @@ fn residual(measured: &Measured, series: &[f64]) -> Vec<f64> {
 /// The factor of a channel's noise. Neighbouring differences are the least that it can be, for coloured noise has more between
 /// them; all that the stated model leaves is the most. A figure between the two is left as it was stated. Where the table
 /// rests, what is left there is the noise.
-fn scale(channel: Channel, residuals: &[Vec<f64>], raw: &[Vec<f64>], resting: &[Vec<bool>], stated: f64) -> Option<Scale> {
+fn scale(
+    channel: Channel,
+    residuals: &[Vec<f64>],
+    raw: &[Vec<f64>],
+    resting: &[Vec<bool>],
+    stated: f64,
+) -> Option<Scale> {
     let (least, count) = differences(residuals)?;
     let least = differences(raw).map_or(least, |(raw, _)| raw.min(least));
     let pressure = matches!(channel, Channel::PressureDifference | Channel::SupplyPressure);

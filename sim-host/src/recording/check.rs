@@ -21,13 +21,13 @@ mod stuck;
 mod ticks;
 mod timing;
 
+pub(crate) use clipped::stretches as clipped_stretches;
 pub(crate) use consistency::relation;
+pub(crate) use hum::mains_line;
 pub(crate) use missing::longest as longest_stretch;
 pub(crate) use replay::fitted_gains;
-pub(crate) use ticks::Ticks;
-pub(crate) use clipped::stretches as clipped_stretches;
-pub(crate) use hum::mains_line;
 pub use skew::Skew;
+pub(crate) use ticks::Ticks;
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -21,9 +21,9 @@ mod target {
         AccelerationLoop, AccelerationState, Blocked, DisplacementLoop, DisplacementState, LoopGains, VelocityLoop,
         VelocityState,
     };
-    use shakedown_core::filter::fusion::FusionState;
+    use shakedown_core::filter::MotionState;
     use shakedown_core::filter::second_order::SecondOrderState;
-    use shakedown_core::filter::{Fusion, SecondOrder};
+    use shakedown_core::filter::{MotionObserver, SecondOrder};
 
     use super::theirs;
 
@@ -81,7 +81,7 @@ mod target {
     }
 
     #[inline(never)]
-    extern "C" fn observer(law: &Fusion, state: &mut FusionState, x: f32) -> f32 {
+    extern "C" fn observer(law: &MotionObserver, state: &mut MotionState, x: f32) -> f32 {
         law.advance(state, x, x);
         state.velocity
     }
@@ -160,14 +160,15 @@ mod target {
         let velocity_loop = VelocityLoop::new(GAINS, DT, LIMIT);
         let Ok(acceleration_loop) = AccelerationLoop::new(GAINS, DT, 0.05, LIMIT) else { return mark(DIFFERENT) };
         let law = Three(displacement_loop, velocity_loop, acceleration_loop);
-        let (Ok(fusion), Ok(low_pass)) = (Fusion::new(2.0, DT), SecondOrder::low_pass(40.0, 0.7, DT)) else {
+        let (Ok(fusion), Ok(low_pass)) = (MotionObserver::crossover(2.0, DT), SecondOrder::low_pass(40.0, 0.7, DT))
+        else {
             return mark(DIFFERENT);
         };
         measure(0, nothing, &0.0, &mut 0.0);
         let ours = [
             measure(1, displacement, &law.0, &mut DisplacementState::default()),
             measure(2, three, &law, &mut ThreeState::default()),
-            measure(3, observer, &fusion, &mut FusionState::default()),
+            measure(3, observer, &fusion, &mut MotionState::default()),
             measure(4, section, &low_pass, &mut SecondOrderState::default()),
         ];
         #[cfg(feature = "c")]

@@ -3,14 +3,13 @@
 use super::disturbance::Disturbance;
 use super::flow::{FlowMap, FlowSettings};
 use super::friction::{Friction, FrictionSettings};
-use super::kalman::Kalman;
 use super::oil::{OilColumn, OilSettings};
 use super::pressure::{PressureDamping, PressureSettings};
 use super::trajectory::{ROOM, Stencil};
 use super::valve::Valve;
 use super::{Actuator, LONGEST_DELAY, Tracking};
 use crate::block::{BlockError, require};
-use crate::filter::SecondOrder;
+use crate::filter::{MotionObserver, SecondOrder};
 use core::f32::consts::TAU;
 use serde::{Deserialize, Serialize};
 
@@ -124,7 +123,7 @@ impl TrackingSettings {
             back,
             delay,
             half_dt: 0.5 * dt,
-            kalman: Kalman::new(s.noise.displacement, s.noise.acceleration, dt)?,
+            observer: MotionObserver::kalman(s.noise.displacement, s.noise.acceleration, dt)?,
             actuator,
             flow: FlowMap::new(&s.flow, limit, dt)?,
             valve: Valve::new([gain, lag, s.lead], around.command_limit, dt)?,

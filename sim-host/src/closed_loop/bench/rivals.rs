@@ -6,7 +6,7 @@
 use super::super::design::Table;
 use super::super::{Actuation, Law, Measured};
 use nalgebra::{DMatrix, DVector};
-use shakedown_core::control::tracking::kalman::{Kalman, KalmanState};
+use shakedown_core::filter::{MotionObserver, MotionState};
 use std::f64::consts::TAU;
 
 /// Noise that the observers are made for: the paper's laboratory, m and m/s2.
@@ -15,14 +15,14 @@ const NOISE: (f32, f32) = (1.15e-5, 0.196);
 /// Displacement, velocity and acceleration of the table.
 #[derive(Debug, Clone)]
 struct Eyes {
-    observer: Option<Kalman>,
-    state: KalmanState,
+    observer: Option<MotionObserver>,
+    state: MotionState,
 }
 
 impl Eyes {
     fn new(rate: f64) -> Self {
-        let observer = Kalman::new(NOISE.0, NOISE.1, (1.0 / rate) as f32).ok();
-        Self { observer, state: KalmanState::default() }
+        let observer = MotionObserver::kalman(NOISE.0, NOISE.1, (1.0 / rate) as f32).ok();
+        Self { observer, state: MotionState::default() }
     }
 
     fn look(&mut self, measured: &Measured) -> [f64; 3] {

@@ -132,7 +132,9 @@ impl<S: Scalar> NotchFilter<S> {
 
     /// One tick.
     pub fn step(&mut self, x: S) -> S {
-        let y = x * self.b[0] + self.x[0] * self.b[1] + self.x[1] * self.b[2] - self.y[0] * self.a[0] - self.y[1] * self.a[1];
+        let y = x * self.b[0] + self.x[0] * self.b[1] + self.x[1] * self.b[2]
+            - self.y[0] * self.a[0]
+            - self.y[1] * self.a[1];
         self.x = [x, self.x[0]];
         self.y = [y, self.y[0]];
         y

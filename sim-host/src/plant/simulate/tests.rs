@@ -113,7 +113,16 @@ fn matrices_give_what_the_rule_gives() {
             velocity_limit: Dual::variable(0.242, 2),
         };
         let law = Law::Pi { kp: 6.0, ki: 1.0 };
-        let drive = Drive { dt: DT, ticks, input: &input, added: &[], law, shaping: crate::plant::simulate::Shaping::default(), sensor_noise: 1e-5, wanted: Wanted::ALL };
+        let drive = Drive {
+            dt: DT,
+            ticks,
+            input: &input,
+            added: &[],
+            law,
+            shaping: crate::plant::simulate::Shaping::default(),
+            sensor_noise: 1e-5,
+            wanted: Wanted::ALL,
+        };
         let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
         let [short, long] = [true, false]
             .map(|matrices| super::run(Dynamics::new(&model, &effects).unwrap(), &drive, &start, matrices));
@@ -184,8 +193,16 @@ fn effects_on_a_rigid_mass_have_their_units() {
     let moved = |id: &'static str, parameters: &[f64], command: f64| {
         let input = vec![command; 251];
         let wanted = Wanted::default();
-        let drive =
-            Drive { dt: DT, ticks: 1, input: &input, added: &[], law: Law::Recorded, shaping: crate::plant::simulate::Shaping::default(), sensor_noise: 0.0, wanted };
+        let drive = Drive {
+            dt: DT,
+            ticks: 1,
+            input: &input,
+            added: &[],
+            law: Law::Recorded,
+            shaping: crate::plant::simulate::Shaping::default(),
+            sensor_noise: 0.0,
+            wanted,
+        };
         let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
         let mass = Baseline::RigidMass { mass: 10.0, viscous: 0.0, gain: 20.0 };
         let trace = simulate(&mass, &[Placed { id, parameters: parameters.to_vec() }], &drive, &start).unwrap();

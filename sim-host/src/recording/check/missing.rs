@@ -12,6 +12,9 @@ const STRETCH: usize = 10;
 /// More dropped samples than this part of a run are too many, however short each gap is.
 const MANY: f64 = 0.05;
 
+/// The same of one channel alone: what is missing of it is not judged.
+const MANY_OF_ONE: f64 = 0.15;
+
 /// Looks for stretches of NaN in every channel; one stretch in all channels is one finding, about time.
 pub(super) fn check(run: &Run) -> Vec<Finding> {
     let channels: Vec<Channel> = run.channels.iter().map(|(c, _)| c).collect();
@@ -32,8 +35,9 @@ fn finding(run: &Run, channel: Channel, missing: &[bool]) -> Option<Finding> {
         return None;
     }
     let (from, length) = longest(missing);
+    let many = if channel == Channel::Time { MANY } else { MANY_OF_ONE };
     let gap = length as f64 * run.dt > BRIDGED && length >= STRETCH;
-    let bad = gap || total as f64 > MANY * run.len() as f64;
+    let bad = gap || total as f64 > many * run.len() as f64;
     let severity = if bad { Severity::BadData } else { Severity::Remark };
     let finding = Finding::whole(run, channel, Fault::MissingStretch, severity).between(run, from, from + length);
     let problem = format!(

@@ -6,8 +6,8 @@
 
 use super::replay::{Linear, gains};
 use super::{Doubt, SetUpFinding};
-use crate::recording::experiment::Experiment;
 use crate::recording::channel::Channel;
+use crate::recording::experiment::Experiment;
 use crate::recording::law::{Law, Shaping};
 use crate::recording::run::Run;
 use nalgebra::{DMatrix, DVector};
@@ -58,7 +58,8 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
         let corrected = corrected(&law, &fitted);
         findings.extend(different(&law, &corrected, &fitted, &runs));
         let feed = fitted.gains.get(2).zip(fitted.std.get(2));
-        let kvf = feed.filter(|(kvf, std)| moved(shaping.kvf, **kvf, **std, 0.1 * ROUNDED)).map_or(shaping.kvf, |f| *f.0);
+        let kvf =
+            feed.filter(|(kvf, std)| moved(shaping.kvf, **kvf, **std, 0.1 * ROUNDED)).map_or(shaping.kvf, |f| *f.0);
         if moved(shaping.kvf, kvf, 0.0, ROUNDED) {
             let finding = SetUpFinding::new(Doubt::ControllerKvf, kvf, "unit of u s per m").against(shaping.kvf);
             findings.push(finding.within(fitted.std.get(2).copied().unwrap_or(0.0)));
@@ -69,7 +70,8 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
         }
         if shift > 0 {
             let found = f64::from(shift) * runs[0].dt;
-            findings.push(SetUpFinding::new(Doubt::SampleShift, found, "s").against(0.0).of_channel(Channel::Displacement));
+            findings
+                .push(SetUpFinding::new(Doubt::SampleShift, found, "s").against(0.0).of_channel(Channel::Displacement));
         }
         for run in experiment.runs.iter_mut().filter(|run| run.law == law && run.shaping == shaping) {
             run.law = corrected.clone();
@@ -143,10 +145,7 @@ fn moved(stated: f64, found: f64, std: f64, least: f64) -> bool {
 /// The gains that are not as stated.
 fn different(stated: &Law, found: &Law, fitted: &Fitted, runs: &[&Run]) -> Vec<SetUpFinding> {
     let rows: Vec<(Doubt, f64, f64, f64, &str)> = match (stated, found) {
-        (
-            Law::ProportionalIntegral { kp, ki },
-            Law::ProportionalIntegral { kp: found_kp, ki: found_ki },
-        ) => vec![
+        (Law::ProportionalIntegral { kp, ki }, Law::ProportionalIntegral { kp: found_kp, ki: found_ki }) => vec![
             (Doubt::ControllerKp, *kp, *found_kp, fitted.std[0], "unit of u per m"),
             (Doubt::ControllerKi, *ki, *found_ki, fitted.std[1], "unit of u per m s"),
         ],

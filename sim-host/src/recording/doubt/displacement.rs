@@ -42,7 +42,12 @@ fn rise(run: &Run, noise: f64) -> Option<f64> {
         Law::ProportionalIntegral { kp, .. } => kp,
         _ => stated[0],
     };
-    let linear = Linear::of(run, -(run.shaping.late_displacement as i32), run.shaping.late_command as i32, run.shaping.kvf != 0.0)?;
+    let linear = Linear::of(
+        run,
+        -(run.shaping.late_displacement as i32),
+        run.shaping.late_command as i32,
+        run.shaping.kvf != 0.0,
+    )?;
     let mut all = stated.to_vec();
     all.push(run.shaping.kvf);
     let residual = linear.residual(&all);

@@ -63,7 +63,10 @@ fn outliers(samples: &[f64]) -> Vec<usize> {
         }
         // An error e here makes -2/3 e and 1/6 e of its neighbours' departures; what is left of them is the signal's own.
         let left = |j: usize, weight: f64| (departures[j] + weight * d).abs();
-        let near = left(k - 1, 2.0 / 3.0).max(left(k + 1, 2.0 / 3.0)).max(left(k - 2, -1.0 / 6.0)).max(left(k + 2, -1.0 / 6.0));
+        let near = left(k - 1, 2.0 / 3.0)
+            .max(left(k + 1, 2.0 / 3.0))
+            .max(left(k - 2, -1.0 / 6.0))
+            .max(left(k + 2, -1.0 / 6.0));
         let around = (k.saturating_sub(AROUND)..(k + AROUND + 1).min(n)).filter(|j| j.abs_diff(k) > 2);
         let local = around.map(|j| departures[j].abs()).fold(0.0, f64::max);
         near < SUPPORTED * d.abs() && local < 0.5 * d.abs()

@@ -1,10 +1,10 @@
 //! The controller's law as a linear model of the recorded command.
 
+use crate::plant::simulate::NotchFilter;
 use crate::recording::channel::Channel;
 use crate::recording::check::Ticks;
 use crate::recording::law::Law;
 use crate::recording::run::Run;
-use crate::plant::simulate::NotchFilter;
 use crate::recording::signal::filled;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,0 +1,241 @@
+//! Runs the observer, the envelope check, the sensor monitors and the round-robin monitors.
+//!
+//! The observer runs at every tick, and so does what must not wait: displacement with its stopping distance, velocity, noise,
+//! the displacement witness and the inputs. The other monitors judge what lasts ten milliseconds and more; each has its turn
+//! at every third tick, which costs a third and adds two ticks to their latency.
+
+mod latch;
+
+use super::config::{GuardConfig, MonitorConfig};
+use crate::block::Block;
+use crate::control::Blocked;
+use crate::filter::lag::LagState;
+use crate::filter::observer::MotionState;
+use crate::guard::envelope::{EnvelopeState, Motion};
+use crate::guard::plausibility::PlausibilityState;
+use crate::guard::{InputState, NoiseState, Trip, ValveMonitorState, WitnessState};
+use crate::sample::{Channels, Sample};
+use crate::saturation::{DetectorState, Evidence};
+use crate::settings::Mode;
+pub(super) use latch::MonitorInput;
+use latch::TripLatch;
+
+/// Ticks from one turn of a monitor to its next.
+pub(crate) const TURNS: u8 = 3;
+
+/// Ticks without sensors over which the table is held to go on as it went.
+const COAST: u32 = 20;
+
+/// The channels without which nothing can be said of the table.
+const SENSORS: Channels = Channels::DISPLACEMENT.and(Channels::ACCELERATION).and(Channels::VELOCITY);
+
+/// What observer and monitors remember.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Monitors {
+    observer: MotionState,
+    acceleration: LagState,
+    velocity_limit: f32,
+    detector: DetectorState,
+    envelope: EnvelopeState,
+    plausibility: PlausibilityState,
+    noise: NoiseState,
+    witness: WitnessState,
+    inputs: InputState,
+    valve: ValveMonitorState,
+    lost: u32,
+    turn: u8,
+    latch: TripLatch,
+}
+
+impl Monitors {
+    /// Monitors that have observed nothing, and would not let a test begin, of a table of `velocity_limit` (m/s).
+    pub(super) fn new(velocity_limit: f32) -> Self {
+        Self {
+            observer: MotionState::default(),
+            acceleration: LagState::default(),
+            velocity_limit,
+            detector: DetectorState::at(velocity_limit),
+            envelope: EnvelopeState::default(),
+            plausibility: PlausibilityState::default(),
+            noise: NoiseState::default(),
+            witness: WitnessState::default(),
+            inputs: InputState::default(),
+            valve: ValveMonitorState::default(),
+            lost: 0,
+            turn: 0,
+            latch: TripLatch::of(Trip::SensorLost),
+        }
+    }
+
+    /// The table is at rest at `displacement` (m): the first believable readings.
+    pub(super) fn begin(&mut self, displacement: f32) {
+        self.observer = MotionState::at(displacement);
+    }
+
+    /// A test is armed: the table's gain is learned anew, since another payload may be on it.
+    pub(super) fn arm(&mut self) {
+        self.valve.forget_gain();
+    }
+
+    /// Goes on under new settings, with the table at `displacement` (m); the limit in force is forgotten where the set one
+    /// changed, and an observer that begins here begins where the table is.
+    pub(super) fn retune(&mut self, config: &MonitorConfig, before: &MonitorConfig, displacement: f32) {
+        let detected = config.detector.is_some() && before.detector.is_some();
+        if !detected || config.velocity_limit != before.velocity_limit {
+            self.detector = DetectorState::at(config.velocity_limit);
+            self.velocity_limit = config.velocity_limit;
+        }
+        if before.observer.is_none() {
+            self.observer = MotionState::at(displacement);
+        }
+        if config.mode != before.mode {
+            self.valve = ValveMonitorState::default();
+        }
+        self.valve.forget_gain();
+    }
+
+    /// Measured velocity, m/s.
+    pub(super) fn velocity(&self, config: &MonitorConfig, readings: &Sample) -> f32 {
+        if config.observer.is_some() && !config.velocity_sensor { self.observer.velocity } else { readings.velocity }
+    }
+
+    /// Whether the table is at its velocity limit.
+    pub(super) fn saturated(&self) -> bool {
+        self.detector.blocked() != Blocked::Neither
+    }
+
+    /// The velocity limit in force, m/s.
+    pub(super) fn velocity_limit(&self) -> f32 {
+        self.velocity_limit
+    }
+
+    /// The direction in which the table is at its velocity limit.
+    pub(super) fn blocked(&self) -> Blocked {
+        self.detector.blocked()
+    }
+
+    /// Why the guard would trip: as of the last tick, or of the last turn of a monitor.
+    pub(super) fn cause(&self) -> Option<Trip> {
+        self.latch.cause()
+    }
+
+    /// One tick, with these needed readings `missing`: what remains is judged, and the rest is waited for. Gives why the
+    /// guard should trip.
+    pub(super) fn step(
+        &mut self,
+        config: &MonitorConfig,
+        missing: Channels,
+        readings: &Sample,
+        input: MonitorInput,
+    ) -> Option<Trip> {
+        if missing.is_empty() {
+            self.lost = 0;
+            return self.judge(config, readings, input);
+        }
+        self.lost = self.lost.saturating_add(1);
+        let found = if missing.any(SENSORS) {
+            self.coast(config, readings);
+            None
+        } else {
+            self.judge(config, readings, input)
+        };
+        let guard = config.guard.as_ref()?;
+        self.latch.now = found.or((self.lost > guard.lost).then_some(Trip::SensorLost));
+        self.latch.now
+    }
+
+    /// A tick without sensors: the table goes on as it went, for a while.
+    fn coast(&mut self, config: &MonitorConfig, readings: &Sample) {
+        let Some(observer) = config.observer.as_ref().filter(|_| self.lost <= COAST) else { return };
+        observer.motion.coast(&mut self.observer);
+        if let Some(witness) = config.guard.as_ref().and_then(|guard| guard.witness.as_ref()) {
+            witness.coast(&mut self.witness, readings.acceleration);
+        }
+    }
+
+    /// A tick in which every sensor is there.
+    fn judge(&mut self, config: &MonitorConfig, readings: &Sample, input: MonitorInput) -> Option<Trip> {
+        let observer = config.observer.as_ref()?;
+        observer.motion.advance(&mut self.observer, readings.displacement, readings.acceleration);
+        observer.smoothing.advance(&mut self.acceleration, readings.acceleration + self.observer.offset);
+
+        let turn = self.take_turn(config, readings, input);
+        let guard = config.guard.as_ref()?;
+        let left = guard.envelope.left_by(readings.displacement, self.velocity(config, readings));
+        let doubted = self.doubt_sensors(guard, readings, input);
+        self.latch.update(left.or(doubted), turn)
+    }
+
+    /// What must not wait of what the inputs say, and the sensors of each other and of themselves.
+    fn doubt_sensors(&mut self, guard: &GuardConfig, readings: &Sample, input: MonitorInput) -> Option<Trip> {
+        let (x, a) = (readings.displacement, readings.acceleration);
+        let noisy = guard.noise.advance(&mut self.noise, x, a);
+        let contradicted = guard.witness.as_ref().is_some_and(|witness| {
+            if input.moves {
+                witness.advance(&mut self.witness, x, a)
+            } else {
+                witness.follow(&mut self.witness, &self.observer, x);
+                false
+            }
+        });
+        let inputs = guard.inputs.advance(&mut self.inputs, readings, input.relay);
+        inputs.or(contradicted.then_some(Trip::SensorsDisagree)).or(noisy)
+    }
+
+    /// The round-robin monitor whose turn it is.
+    fn take_turn(&mut self, config: &MonitorConfig, readings: &Sample, input: MonitorInput) -> Option<Trip> {
+        let turn = self.turn;
+        self.turn = if turn + 1 < TURNS { turn + 1 } else { 0 };
+        match turn {
+            0 => {
+                self.detect(config, readings, input);
+                let valve = config.guard.as_ref()?.valve.as_ref()?;
+                valve.creeps(&mut self.valve).then_some(Trip::ValveStuck)
+            }
+            1 => {
+                let plausibility = config.guard.as_ref()?.plausibility.as_ref()?;
+                let (x, a) = (readings.displacement, readings.acceleration);
+                plausibility.advance(&mut self.plausibility, x, a, &self.observer)
+            }
+            _ => self.judge_motion(config, config.guard.as_ref()?, readings, input),
+        }
+    }
+
+    /// Looks for velocity saturation.
+    fn detect(&mut self, config: &MonitorConfig, readings: &Sample, input: MonitorInput) {
+        let Some(detector) = &config.detector else { return };
+        let velocity = self.velocity(config, readings);
+        let acceleration = self.acceleration.output();
+        let tracking_error = input.reference - readings.displacement;
+        let error = if config.mode == Mode::Guard { input.flow_command } else { tracking_error };
+        let demand = if config.mode == Mode::Modifier {
+            detector.existing(&mut self.detector, velocity, acceleration, error)
+        } else {
+            input.flow_command * config.valve_gain
+        };
+        detector.advance(&mut self.detector, Evidence { velocity, acceleration, error, demand });
+        self.velocity_limit = self.detector.limit();
+    }
+
+    /// Whether the valve does what it is told, and the table's motion what it may.
+    fn judge_motion(
+        &mut self,
+        config: &MonitorConfig,
+        guard: &GuardConfig,
+        readings: &Sample,
+        input: MonitorInput,
+    ) -> Option<Trip> {
+        let velocity = self.velocity(config, readings);
+        let stuck = guard.valve.as_ref().is_some_and(|valve| {
+            let asked = input.flow_command * config.valve_gain;
+            valve.advance(&mut self.valve, asked, self.velocity_limit, velocity, readings.displacement)
+        });
+        let motion = Motion {
+            acceleration: self.acceleration.output(),
+            pressure_difference: readings.pressure_difference,
+            error: input.reference - readings.displacement,
+        };
+        let beyond = guard.envelope.advance(&mut self.envelope, &motion);
+        if stuck { Some(Trip::ValveStuck) } else { beyond }
+    }
+}
