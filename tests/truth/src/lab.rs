@@ -4,6 +4,7 @@
 
 pub mod answer;
 mod case;
+pub mod choose;
 pub mod closure;
 pub mod engine;
 pub mod forms;
@@ -17,5 +18,6 @@ pub mod sheet;
 pub mod stated;
 #[cfg(test)]
 mod testing;
+pub mod unlisted;
 
-pub use case::{Case, case, cases};
+pub use case::{Case, DEVELOPMENT, case, cases, locked};

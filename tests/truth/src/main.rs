@@ -1,4 +1,4 @@
-//! Writes concealed cases into folders: `shakedown-truth DIR [--examiner 1|2] [--seed N] [--cases K] [--from I] [--open]`.
+//! Writes concealed cases into folders: `shakedown-truth DIR [--examiner 1|2] [--seed N] [--lock L] [--cases K] [--from I] [--open]`.
 //!
 //! `--open` writes each answer beside its experiment, for work on the diagnosis; an examination does without.
 
@@ -7,11 +7,12 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: shakedown-truth DIR [--examiner 1|2] [--seed N] [--cases K] [--from I] [--open]";
+const USAGE: &str = "usage: shakedown-truth DIR [--examiner 1|2] [--seed N] [--lock L] [--cases K] [--from I] [--open]";
 
 struct Wanted {
     folder: PathBuf,
     examiner: u64,
+    lock: u64,
     seed: u64,
     cases: u64,
     from: u64,
@@ -19,7 +20,15 @@ struct Wanted {
 }
 
 fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Wanted, String> {
-    let mut wanted = Wanted { folder: PathBuf::new(), examiner: 2, seed: 1, cases: 10, from: 0, open: false };
+    let mut wanted = Wanted {
+        folder: PathBuf::new(),
+        examiner: 2,
+        lock: lab::DEVELOPMENT,
+        seed: 1,
+        cases: 10,
+        from: 0,
+        open: false,
+    };
     while let Some(argument) = arguments.next() {
         let mut number = |name: &str| -> Result<u64, String> {
             let text = arguments.next().ok_or(format!("{name} needs a number"))?;
@@ -27,6 +36,7 @@ fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Wanted, String> 
         };
         match argument.as_str() {
             "--examiner" => wanted.examiner = number("--examiner")?,
+            "--lock" => wanted.lock = number("--lock")?,
             "--seed" => wanted.seed = number("--seed")?,
             "--cases" => wanted.cases = number("--cases")?,
             "--from" => wanted.from = number("--from")?,
@@ -66,7 +76,7 @@ fn write(number: u64, wanted: &Wanted) -> Result<String, String> {
     if wanted.examiner == 1 {
         write_case!(case(wanted.seed, number), wanted)
     } else {
-        write_case!(lab::case(wanted.seed, number), wanted)
+        write_case!(lab::locked(wanted.seed, number, wanted.lock), wanted)
     }
 }
 

@@ -24,6 +24,8 @@ pub struct Present {
     pub block: &'static str,
     /// Where it acts, if not everywhere.
     pub gate: Option<Gate>,
+    /// Listed effects that are truly part of it.
+    pub tolerated: &'static [&'static str],
     /// Added by it to chi2 on the rows held out, all else being there.
     pub excess: f64,
     /// Root of the sum of squares it leaves on all rows after a linear refit of the stated model (standard deviations).
@@ -35,6 +37,8 @@ pub struct Present {
 pub struct Answer {
     /// Seed and number.
     pub case: (u64, u64),
+    /// Lock that the grammar's kinds follow from.
+    pub lock: u64,
     /// Stratum by name.
     pub stratum: &'static str,
     /// `servo`, `rigid` or `axis`.
@@ -78,7 +82,7 @@ impl Answer {
         blocks.sort_unstable();
         blocks.dedup();
         json!({
-            "examiner": 2, "seed": self.case.0, "case": self.case.1, "stratum": self.stratum, "machine": self.machine,
+            "examiner": 2, "lock": self.lock, "seed": self.case.0, "case": self.case.1, "stratum": self.stratum, "machine": self.machine,
             "model": map(&self.model), "strength": self.strength().map(Strength::name),
             "effects": self.effects.iter().map(|p| present(p, map(&p.parameters))).collect::<Vec<_>>(),
             "unlisted": (!kinds.is_empty()).then(|| kinds.join(" + ")),

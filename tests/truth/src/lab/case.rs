@@ -1,17 +1,18 @@
 //! A case from seed and number: experiment, flaws at their strengths, recordings, sealed answer.
 
 use super::answer::{Answer, Present, Sealed};
+use super::choose::{Chosen, Ingredient};
 use super::engine::simulate;
-use super::forms::{self, Dial, Form};
-use super::law::Place;
-use super::measure::{Frame, seek};
-use super::plan::{Stratum, stratum, target};
+use super::forms::Dial;
+use super::law::Gate;
+use super::measure::{Frame, Visible, cosine, seek};
+use super::plan::{Stratum, stratum};
 use super::plant::Plant;
 use super::scene::{Kind, Scene, Wish};
 use super::sheet::{Pressures, Rows, Sheets};
+use super::unlisted::block;
 use crate::closed_loop::Traces;
 use crate::effect::Draw;
-use crate::plan::Strength;
 use crate::rng::Stream;
 use std::path::Path;
 
@@ -49,19 +50,34 @@ struct Flawed {
     excess: f64,
 }
 
+impl Flawed {
+    fn none(plant: Plant) -> Self {
+        Self { plant, effects: Vec::new(), unlisted: Vec::new(), alike: None, excess: 0.0 }
+    }
+}
+
 const ATTEMPTS: u64 = 8;
 
-/// Case `number` of `seed`: always the same.
+/// The lock of the grammar while the diagnosis is developed; a campaign draws another one when it is frozen.
+pub const DEVELOPMENT: u64 = 0;
+
+/// Case `number` of `seed` with the grammar's kinds of the development: always the same.
 pub fn case(seed: u64, number: u64) -> Case {
+    locked(seed, number, DEVELOPMENT)
+}
+
+/// Case `number` of `seed` with the grammar's kinds of `lock`: always the same.
+pub fn locked(seed: u64, number: u64, lock: u64) -> Case {
     let what = stratum(seed, number);
     let mut nearest: Option<(Scene, Flawed)> = None;
     for attempt in 0..ATTEMPTS {
         let mut rng = Stream::new(seed, number, 0x6c61_6263_6173 + attempt);
-        let chosen = Chosen::draw(what, number, &mut rng);
+        let chosen = Chosen::draw((seed, number), lock, &mut rng);
         let Some(scene) = Scene::draw(chosen.wish(&mut rng), (seed, number), &mut rng) else { continue };
         let frame = Frame::new(&scene);
         if let Some(flawed) = flaw(&scene, &frame, &chosen, &mut rng) {
-            let met = chosen.suits(&flawed);
+            let each: Vec<f64> = flawed.effects.iter().chain(&flawed.unlisted).map(|p| p.excess).collect();
+            let met = chosen.suits(flawed.excess, &each);
             nearest = Some((scene, flawed));
             if met {
                 break;
@@ -69,98 +85,100 @@ pub fn case(seed: u64, number: u64) -> Case {
         }
     }
     let (scene, flawed) = nearest.unwrap_or_else(|| plain(seed, number));
-    finish(seed, number, what, &scene, flawed)
+    finish((seed, number, lock), what, &scene, flawed)
 }
 
-/// What a case is to hold.
-struct Chosen {
-    what: Stratum,
-    forms: Vec<Form>,
+/// An ingredient at its strength, and where it acts.
+struct Set {
+    ingredient: Ingredient,
+    dial: Dial,
+    gate: Option<Gate>,
 }
 
-impl Chosen {
-    fn draw(what: Stratum, number: u64, rng: &mut Stream) -> Self {
-        let forms = match what {
-            Stratum::Null { .. } => Vec::new(),
-            Stratum::Single(effect, _) => {
-                let ids = forms::effects();
-                let all = forms::of(ids[effect % ids.len()]);
-                // Forms take turns from cycle to cycle and from strength to strength.
-                let turn = (number / super::plan::cycle()) as usize + rng.below(all.len());
-                vec![all[turn % all.len()]]
-            }
-        };
-        Self { what, forms }
-    }
-
-    fn wish(&self, rng: &mut Stream) -> Wish {
-        let any = |f: fn(&Form) -> bool| self.forms.iter().any(f);
-        let kind = if any(|f| f.needs.servo) || rng.chance(0.8) {
-            Kind::Servo
-        } else if rng.chance(0.5) {
-            Kind::Rigid
-        } else {
-            Kind::Axis
-        };
-        Wish {
-            kind,
-            saturating: any(|f| f.needs.saturation),
-            accelerometer: any(|f| f.needs.accelerometer),
-            damping_known: any(|f| f.needs.damping_known),
-            perfect: match self.what {
-                Stratum::Null { perfect } => perfect,
-                Stratum::Single(..) => rng.chance(0.1),
-            },
+impl Set {
+    /// Puts it into a plant; gives parameters and block.
+    fn add(&self, plant: &mut Plant) -> (Vec<(&'static str, f64)>, &'static str) {
+        let before = plant.clone();
+        let parameters = self.ingredient.build(plant, &self.dial);
+        if let Some(gate) = self.gate {
+            plant.gate_from(&before, gate);
         }
-    }
-
-    fn suits(&self, flawed: &Flawed) -> bool {
-        match self.what {
-            Stratum::Null { .. } => true,
-            Stratum::Single(_, strength) => Strength::of(1.0 + flawed.excess) == strength && flawed.excess > 5e-3,
-        }
+        let places = plant.places_since(&before);
+        let inner = if plant.delay == before.delay { "actuator" } else { "command" };
+        let at = if places.is_empty() { inner } else { block(&places) };
+        (parameters, if at == "table" && self.ingredient.id().contains("payload") { "payload" } else { at })
     }
 }
 
+/// Seeks each ingredient's strength by itself, then puts all together.
 fn flaw(scene: &Scene, frame: &Frame, chosen: &Chosen, rng: &mut Stream) -> Option<Flawed> {
     let baseline = Plant::baseline(scene.truth);
-    match chosen.what {
-        Stratum::Null { .. } => {
-            Some(Flawed { plant: baseline, effects: Vec::new(), unlisted: Vec::new(), alike: None, excess: 0.0 })
-        }
-        Stratum::Single(_, strength) => {
-            let form = chosen.forms.first()?;
-            let dial = Dial { s: 0.0, draw: Draw::new(rng), scales: scene.scales };
-            let target = target(strength, rng);
-            let build = |s: f64| {
-                let mut plant = baseline.clone();
-                (form.build)(&mut plant, &Dial { s, ..dial });
-                plant
-            };
-            let (s, visible) = seek(frame, target, &build)?;
+    let mut sets = Vec::new();
+    for (ingredient, target) in &chosen.list {
+        let gate = chosen.gate(&scene.scales, rng);
+        let mut set =
+            Set { ingredient: *ingredient, dial: Dial { s: 0.0, draw: Draw::new(rng), scales: scene.scales }, gate };
+        let build = |s: f64| {
             let mut plant = baseline.clone();
-            let parameters = (form.build)(&mut plant, &Dial { s, ..dial });
-            let excess = frame.refitted(&frame.deviation(&plant)?);
-            let effect = Present {
-                id: form.effect.into(),
-                form: form.name.into(),
-                source: form.source.into(),
-                parameters,
-                block: block(&plant, &baseline),
-                gate: None,
-                excess: visible.excess,
-                sigma: visible.sigma,
-            };
-            Some(Flawed { plant, effects: vec![effect], unlisted: Vec::new(), alike: None, excess })
-        }
+            Set { dial: Dial { s, ..set.dial }, ..set }.add(&mut plant);
+            plant
+        };
+        (set.dial.s, _) = seek(frame, *target, &build)?;
+        sets.push(set);
     }
+    if sets.is_empty() { Some(Flawed::none(baseline)) } else { together(frame, &baseline, &sets) }
 }
 
-fn block(plant: &Plant, before: &Plant) -> &'static str {
-    plant
-        .places_since(before)
-        .first()
-        .map_or(if plant.delay.0 > 0.0 { "command" } else { "actuator" }, |p: &Place| p.block())
+/// All flaws at once, each measured as what it adds to the others.
+fn together(frame: &Frame, baseline: &Plant, sets: &[Set]) -> Option<Flawed> {
+    let with = |left_out: Option<usize>| {
+        let mut plant = baseline.clone();
+        for (_, set) in sets.iter().enumerate().filter(|(i, _)| Some(*i) != left_out) {
+            set.add(&mut plant);
+        }
+        plant
+    };
+    let mut flawed = Flawed::none(with(None));
+    if flawed.plant.clashes() {
+        return None;
+    }
+    let all = frame.deviation(&flawed.plant)?;
+    flawed.excess = frame.refitted(&all);
+    let mut left = Vec::new();
+    for (i, set) in sets.iter().enumerate() {
+        let without = if sets.len() == 1 { vec![0.0; all.len()] } else { frame.deviation(&with(Some(i)))? };
+        let own: Vec<f64> = all.iter().zip(&without).map(|(a, b)| a - b).collect();
+        let there = present(set, baseline, frame.visible(&own));
+        if set.ingredient.listed() { &mut flawed.effects } else { &mut flawed.unlisted }.push(there);
+        left.push(frame.left(&own));
+    }
+    for i in 0..left.len() {
+        for j in 0..i {
+            let c = cosine(&left[i], &left[j]);
+            if flawed.alike.is_none_or(|most: f64| c.abs() > most.abs()) {
+                flawed.alike = Some(c);
+            }
+        }
+    }
+    Some(flawed)
+}
+
+fn present(set: &Set, baseline: &Plant, visible: Visible) -> Present {
+    let mut plant = baseline.clone();
+    let (parameters, block) = set.add(&mut plant);
+    let (form, source) = set.ingredient.form();
+    let gate = plant.gate_since(baseline);
+    Present {
+        id: set.ingredient.id(),
+        form,
+        source,
+        parameters,
+        block,
+        gate,
+        tolerated: set.ingredient.tolerated(),
+        excess: visible.excess,
+        sigma: visible.sigma,
+    }
 }
 
 /// An experiment in which nothing is missing, when everything else failed.
@@ -172,12 +190,12 @@ fn plain(seed: u64, number: u64) -> (Scene, Flawed) {
         attempt += 1;
         if let Some(scene) = Scene::draw(wish, (seed, number), &mut rng) {
             let plant = Plant::baseline(scene.truth);
-            return (scene, Flawed { plant, effects: Vec::new(), unlisted: Vec::new(), alike: None, excess: 0.0 });
+            return (scene, Flawed::none(plant));
         }
     }
 }
 
-fn finish(seed: u64, number: u64, what: Stratum, scene: &Scene, flawed: Flawed) -> Case {
+fn finish((seed, number, lock): (u64, u64, u64), what: Stratum, scene: &Scene, flawed: Flawed) -> Case {
     let mut rng = Stream::new(seed, number, 0x6c61_6266_696e);
     let name = format!("case-{number:04}");
     let pressures = pressures(scene, &flawed.plant, &mut rng);
@@ -204,7 +222,7 @@ fn finish(seed: u64, number: u64, what: Stratum, scene: &Scene, flawed: Flawed) 
     for chunk in salt.chunks_mut(8) {
         chunk.copy_from_slice(&rng.bits().to_le_bytes());
     }
-    let answer = answer(seed, number, what, scene, flawed);
+    let answer = answer((seed, number, lock), what, scene, flawed);
     Case { number, name, experiment, sealed: Sealed::new(answer, clean, salt) }
 }
 
@@ -217,13 +235,15 @@ fn pressures(scene: &Scene, plant: &Plant, rng: &mut Stream) -> Pressures {
     Pressures { load, supply: supply.then(|| (10.0 * rng.uniform(14.0, 28.0)).round() / 10.0) }
 }
 
-fn answer(seed: u64, number: u64, what: Stratum, scene: &Scene, flawed: Flawed) -> Answer {
+fn answer((seed, number, lock): (u64, u64, u64), what: Stratum, scene: &Scene, flawed: Flawed) -> Answer {
     let empty = flawed.effects.is_empty() && flawed.unlisted.is_empty();
     let mut tolerated: Vec<&'static str> = scene.misstated.iter().flat_map(|m| m.tolerated.iter().copied()).collect();
+    tolerated.extend(flawed.effects.iter().chain(&flawed.unlisted).flat_map(|p| p.tolerated.iter().copied()));
     tolerated.sort_unstable();
     tolerated.dedup();
     Answer {
         case: (seed, number),
+        lock,
         stratum: if empty { "null" } else { what.name() },
         machine: match scene.kind {
             Kind::Servo => "servo",

@@ -14,32 +14,64 @@ pub enum Stratum {
     },
     /// One listed effect, by its number in [`forms::effects`].
     Single(usize, Strength),
+    /// One listed effect in a part of the runs or in a region of state.
+    Located,
+    /// Two listed effects.
+    Pair,
+    /// Three listed effects.
+    Triple,
+    /// A flaw in no library.
+    Unlisted,
+    /// Two of them.
+    TwoUnlisted,
+    /// A listed effect beside a flaw in no library.
+    Mixed,
 }
+
+use Stratum as S;
 
 impl Stratum {
     /// A name for tables.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Null { .. } => "null",
-            Self::Single(..) => "single",
+            S::Null { .. } => "null",
+            S::Single(..) => "single",
+            S::Located => "located",
+            S::Pair => "pair",
+            S::Triple => "triple",
+            S::Unlisted => "unlisted",
+            S::TwoUnlisted => "two unlisted",
+            S::Mixed => "listed with unlisted",
         }
     }
+}
+
+/// Cases in a cycle beside the singles.
+const COUNTS: [(Stratum, usize); 8] = [
+    (S::Null { perfect: true }, 16),
+    (S::Null { perfect: false }, 24),
+    (S::Located, 12),
+    (S::Pair, 28),
+    (S::Triple, 8),
+    (S::Unlisted, 16),
+    (S::TwoUnlisted, 6),
+    (S::Mixed, 10),
+];
+
+fn deck() -> Vec<Stratum> {
+    let mut deck = Vec::new();
+    for (what, count) in COUNTS {
+        deck.extend(std::iter::repeat_n(what, count));
+    }
+    for effect in 0..forms::effects().len() {
+        deck.extend(Strength::ALL.map(|strength| S::Single(effect, strength)));
+    }
+    deck
 }
 
 /// Cases in a cycle.
 pub fn cycle() -> u64 {
     deck().len() as u64
-}
-
-fn deck() -> Vec<Stratum> {
-    let mut deck = Vec::new();
-    for (what, count) in [(Stratum::Null { perfect: true }, 16), (Stratum::Null { perfect: false }, 24)] {
-        deck.extend(std::iter::repeat_n(what, count));
-    }
-    for effect in 0..forms::effects().len() {
-        deck.extend(Strength::ALL.map(|strength| Stratum::Single(effect, strength)));
-    }
-    deck
 }
 
 /// The stratum of case `number` under `seed`.
@@ -50,11 +82,43 @@ pub fn stratum(seed: u64, number: u64) -> Stratum {
     deck[(number % count) as usize]
 }
 
+/// How many of its kind came before it in the campaign: kinds of flaws take turns.
+pub fn turn(seed: u64, number: u64) -> usize {
+    let kind = std::mem::discriminant(&stratum(seed, number));
+    let mut deck = deck();
+    let count = deck.len() as u64;
+    let in_cycle = deck.iter().filter(|s| std::mem::discriminant(*s) == kind).count();
+    Stream::new(seed, number / count, 0x6c61_6270_6c61).shuffle(&mut deck);
+    let before = deck.iter().take((number % count) as usize).filter(|s| std::mem::discriminant(*s) == kind).count();
+    (number / count) as usize * in_cycle + before
+}
+
 /// Draws how much a flaw of a class is to add to chi2: from barely there to gross without gaps.
 pub fn target(strength: Strength, rng: &mut Stream) -> f64 {
     match strength {
         Strength::Faint => rng.log_uniform(0.02, 5.0),
         Strength::Clear => rng.log_uniform(5.0, 99.0),
         Strength::Gross => rng.log_uniform(99.0, 800.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{S, cycle, stratum, turn};
+    use crate::lab::forms;
+
+    #[test]
+    fn a_cycle_holds_every_effect_at_every_strength_and_every_stratum() {
+        let all: Vec<_> = (0..cycle()).map(|n| stratum(11, n)).collect();
+        assert_eq!(forms::effects().len(), 28);
+        assert_eq!(all.iter().filter(|s| matches!(s, S::Single(..))).count(), 84);
+        assert_eq!(all.iter().filter(|s| matches!(s, S::Null { .. })).count(), 40);
+        assert_eq!(all.iter().filter(|s| **s == S::Pair).count(), 28);
+    }
+
+    #[test]
+    fn turns_count_up() {
+        let turns: Vec<_> = (0..2 * cycle()).filter(|n| stratum(5, *n) == S::Unlisted).map(|n| turn(5, n)).collect();
+        assert_eq!(turns, (0..32).collect::<Vec<_>>());
     }
 }

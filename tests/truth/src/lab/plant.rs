@@ -37,6 +37,10 @@ pub struct Plant {
     column: Option<Arc<dyn Column>>,
     /// Transport delay of the command (s), and the share of it by which single commands scatter (1).
     pub delay: (f64, f64),
+    /// Whether two laws were put where there is room for one.
+    clash: bool,
+    /// Whether the column is only there because a law needs its pressure.
+    stiff: bool,
     /// Offsets into states and memories of each part, and of the column.
     layout: Vec<(usize, usize)>,
     column_at: usize,
@@ -61,6 +65,8 @@ impl Plant {
             parts: Vec::new(),
             column: None,
             delay: (0.0, 0.0),
+            clash: false,
+            stiff: false,
             layout: Vec::new(),
             column_at: OWN,
             used: OWN,
@@ -80,6 +86,7 @@ impl Plant {
         let at = self.parts.iter().position(|p| p.place > part.place).unwrap_or(self.parts.len());
         if matches!(part.place, Place::Leak | Place::Edge) && self.column.is_none() {
             self.column = Some(Arc::new(Stiff));
+            self.stiff = true;
         }
         self.parts.insert(at, part);
         self.arrange();
@@ -87,13 +94,24 @@ impl Plant {
 
     /// Puts oil between valve and piston.
     pub fn set_column(&mut self, column: impl Column + 'static) {
+        self.clash |= self.column.is_some() && !self.stiff;
+        self.stiff = false;
         self.column = Some(Arc::new(column));
         self.arrange();
     }
 
-    /// Whether an oil column is there.
-    pub fn has_column(&self) -> bool {
-        self.column.is_some()
+    /// Whether two laws were put where there is room for one.
+    pub fn clashes(&self) -> bool {
+        self.clash
+    }
+
+    /// The gate of the laws that `before` does not have.
+    pub fn gate_since(&self, before: &Self) -> Option<Gate> {
+        self.parts.iter().filter(|p| before.is_new(p)).find_map(|p| p.gate)
+    }
+
+    fn is_new(&self, part: &Part) -> bool {
+        !self.parts.iter().any(|old| Arc::ptr_eq(&old.law, &part.law))
     }
 
     /// Whether laws act between actuator and table or under it: pressure is then no simple sum.
@@ -104,7 +122,7 @@ impl Plant {
     /// Lets every law from number `first` on act only where the gate is open.
     pub fn gate_from(&mut self, before: &Self, gate: Gate) {
         for part in &mut self.parts {
-            if !before.parts.iter().any(|old| Arc::ptr_eq(&old.law, &part.law)) {
+            if before.is_new(part) {
                 part.gate = Some(gate);
             }
         }
@@ -112,8 +130,7 @@ impl Plant {
 
     /// Places of the laws that `before` does not have.
     pub fn places_since(&self, before: &Self) -> Vec<Place> {
-        let new = self.parts.iter().filter(|p| !before.parts.iter().any(|old| Arc::ptr_eq(&old.law, &p.law)));
-        new.map(|p| p.place).collect()
+        self.parts.iter().filter(|p| before.is_new(p)).map(|p| p.place).collect()
     }
 
     fn arrange(&mut self) {
