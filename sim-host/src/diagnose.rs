@@ -163,7 +163,8 @@ fn far_from_stated(experiment: &Experiment, decision: &decide::Decision) -> Vec<
         let unit = kind.parameters().iter().find(|p| p.key == name)?.unit;
         let quantity = fitted.get(name).filter(|_| experiment.model.fits(name))?;
         let away = (quantity.value / stated).abs().ln().abs();
-        (!(away < FAR)).then(|| SetUpFinding::model_value(name, stated, quantity.value, quantity.std, unit))
+        (away.is_nan() || away >= FAR)
+            .then(|| SetUpFinding::model_value(name, stated, quantity.value, quantity.std, unit))
     };
     experiment.model.baseline.parameters().into_iter().filter_map(far).collect()
 }

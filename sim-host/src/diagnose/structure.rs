@@ -132,12 +132,16 @@ fn standardise(rows: &mut [Row]) {
     let n = rows.len() as f64;
     let count = rows.first().map_or(0, |row| row.features.len());
     let level = rows.iter().map(|row| row.residual).sum::<f64>() / n;
-    rows.iter_mut().for_each(|row| row.residual -= level);
+    for row in rows.iter_mut() {
+        row.residual -= level;
+    }
     for i in 0..count {
         let mean = rows.iter().map(|row| row.features[i]).sum::<f64>() / n;
         let size = (rows.iter().map(|row| (row.features[i] - mean).powi(2)).sum::<f64>() / n).sqrt();
         let inverse = if size > 0.0 { 1.0 / size } else { 0.0 };
-        rows.iter_mut().for_each(|row| row.features[i] = (row.features[i] - mean) * inverse);
+        for row in rows.iter_mut() {
+            row.features[i] = (row.features[i] - mean) * inverse;
+        }
     }
 }
 

@@ -329,7 +329,7 @@ fn bridged(values: &[f64]) -> Option<Vec<f64>> {
     let known: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_finite()).collect();
     let slope = |i: usize, j: usize, k: usize| {
         let all = values[i].is_finite() && values[j].is_finite() && values[k].is_finite();
-        all.then(|| (3.0 * values[i] - 4.0 * values[j] + values[k]) / 2.0)
+        all.then(|| 1.5 * values[i] - 2.0 * values[j] + 0.5 * values[k])
     };
     for pair in known.windows(2).filter(|pair| pair[1] > pair[0] + 1) {
         let (a, b) = (pair[0], pair[1]);

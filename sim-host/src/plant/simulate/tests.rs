@@ -24,7 +24,7 @@ fn run<S: Scalar>(effects: &[Placed<S>]) -> Trace<S> {
         input: &input,
         added: &[],
         law: Law::Pi { kp: 6.0, ki: 1.0 },
-        shaping: crate::plant::simulate::Shaping::default(),
+        shaping: Shaping::default(),
         sensor_noise: 1e-5,
         wanted: Wanted::ALL,
     };
@@ -119,7 +119,7 @@ fn matrices_give_what_the_rule_gives() {
             input: &input,
             added: &[],
             law,
-            shaping: crate::plant::simulate::Shaping::default(),
+            shaping: Shaping::default(),
             sensor_noise: 1e-5,
             wanted: Wanted::ALL,
         };
@@ -154,7 +154,7 @@ fn without_effects_it_is_the_papers_plant() {
         input: &input,
         added: &[],
         law: Law::Recorded,
-        shaping: crate::plant::simulate::Shaping::default(),
+        shaping: Shaping::default(),
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
     };
@@ -178,7 +178,7 @@ fn an_unknown_effect_is_refused_by_name() {
         input: &[0.0],
         added: &[],
         law: Law::Recorded,
-        shaping: crate::plant::simulate::Shaping::default(),
+        shaping: Shaping::default(),
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
     };
@@ -199,7 +199,7 @@ fn effects_on_a_rigid_mass_have_their_units() {
             input: &input,
             added: &[],
             law: Law::Recorded,
-            shaping: crate::plant::simulate::Shaping::default(),
+            shaping: Shaping::default(),
             sensor_noise: 0.0,
             wanted,
         };

@@ -5,7 +5,7 @@ use crate::recording::channel::Channel;
 use crate::recording::run::Run;
 
 /// A gap is bridged, its samples not being judged, up to this length, s: longer than that the reference in between is a guess.
-const BRIDGED: f64 = 0.2;
+const BRIDGED: f64 = 0.15;
 /// A gap of fewer samples is a dropped sample, which a recording may have.
 const STRETCH: usize = 10;
 

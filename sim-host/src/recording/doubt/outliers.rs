@@ -13,7 +13,7 @@ use crate::recording::steps::quantisation_step;
 /// Departure beyond which a sample is wrong, in robust standard deviations of the run's departures.
 const FAR: f64 = 10.0;
 /// Departures of the neighbours beyond which it is motion, as a share of the sample's own, its own effect on them taken off.
-const SUPPORTED: f64 = 0.35;
+const SUPPORTED: f64 = 0.25;
 /// Samples on either side whose departures say what is usual at that stretch.
 const AROUND: usize = 12;
 /// Largest share of a run's samples that are single errors; with more it is something else.

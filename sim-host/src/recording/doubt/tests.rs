@@ -1,1 +1,145 @@
+use super::*;
+use crate::recording::clock::Clock;
+use crate::recording::experiment::Experiment;
+use crate::recording::holdout::HeldBack;
+use crate::recording::law::{Law, Shaping};
+use crate::recording::model::{Accuracy, Baseline, Model, Servo};
+use crate::recording::run::{Run, Use};
+use crate::recording::{Channel, PerChannel};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::collections::BTreeMap;
 
+const DT: f64 = 0.002;
+const N: usize = 8000;
+const NOISE: f64 = 1e-5;
+
+/// A table of one lag behind a PI law, its displacement recorded as the controller saw it.
+fn experiment(ran: &Law, shaping: Shaping, seed: u64) -> Experiment {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
+    let Law::ProportionalIntegral { kp, ki } = *ran else { panic!("a PI law") };
+    let (mut x, mut sum, mut before) = (0.0, 0.0, 0.0);
+    let mut seen_before = vec![0.0; shaping.late_displacement + 1];
+    let (mut reference, mut displacement, mut command) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..N {
+        let t = k as f64 * DT;
+        let r = 0.02 * (1.0 + (0.31 * t).sin()) * ((4.0 * t).sin() + 0.3 * (11.0 * t + 1.0).sin());
+        let seen = x + NOISE * normal();
+        seen_before.rotate_right(1);
+        seen_before[0] = seen;
+        let error = r - seen_before[shaping.late_displacement];
+        sum += error * DT;
+        let u = kp * error + ki * sum + shaping.kvf * (r - before) / DT;
+        before = r;
+        reference.push(r);
+        displacement.push(seen);
+        command.push(u);
+        x += DT * 2.4 * u;
+    }
+    let acceleration = crate::recording::signal::curvature(&displacement, DT).iter().map(|a| a * 0.0).collect();
+    let mut channels = PerChannel::default();
+    channels.set(Channel::Reference, reference);
+    channels.set(Channel::Displacement, displacement);
+    channels.set(Channel::Acceleration, acceleration);
+    channels.set(Channel::Command, command);
+    let mut noise = PerChannel::default();
+    noise.set(Channel::Displacement, NOISE);
+    let run = Run {
+        name: "a.csv".into(),
+        path: "a.csv".into(),
+        dt: DT,
+        time: (0..N).map(|k| k as f64 * DT).collect(),
+        channels,
+        noise,
+        loop_noise: None,
+        law: ran.clone(),
+        shaping: Shaping::default(),
+        controller_rate_hz: None,
+        purpose: Use::Fit,
+        cut: false,
+        clock: Clock::default(),
+    };
+    let servo = Servo { b1: 0.7, b0: 138.0, a1: 57.6, velocity_limit: None, mass: None, piston_area: None };
+    Experiment {
+        name: "a".into(),
+        path: "a.toml".into(),
+        model: Model {
+            baseline: Baseline::Servo(servo),
+            fit: Vec::new(),
+            effects: Vec::new(),
+            bandwidth_hz: None,
+            accuracy: BTreeMap::<String, Accuracy>::new(),
+        },
+        sources: PerChannel::default(),
+        runs: vec![run],
+        held_back: HeldBack::Stated,
+        inputs: Vec::new(),
+        notes: Vec::new(),
+    }
+}
+
+fn pi(kp: f64, ki: f64) -> Law {
+    Law::ProportionalIntegral { kp, ki }
+}
+
+fn kinds(found: &SetUp) -> Vec<Doubt> {
+    found.findings.iter().map(|f| f.what).collect()
+}
+
+#[test]
+fn a_set_up_that_is_as_stated_raises_no_doubt() {
+    for seed in 0..20 {
+        let found = doubt(&experiment(&pi(4.0, 1.0), Shaping::default(), seed));
+        assert!(found.findings.is_empty(), "{seed}: {:?}", found.findings);
+    }
+}
+
+#[test]
+fn gains_stated_one_per_cent_wrong_are_found_to_a_part_in_ten_thousand() {
+    let mut stated = experiment(&pi(4.0, 1.0), Shaping::default(), 1);
+    stated.runs[0].law = pi(4.04, 0.97);
+    let found = doubt(&stated);
+    assert_eq!(kinds(&found), [Doubt::ControllerKp, Doubt::ControllerKi]);
+    let Law::ProportionalIntegral { kp, ki } = found.experiment.runs[0].law else { panic!() };
+    assert!((kp / 4.0 - 1.0).abs() < 1e-4 && (ki - 1.0).abs() < 1e-3, "{kp} {ki}");
+}
+
+#[test]
+fn feed_forward_that_nobody_stated_is_found() {
+    let found = doubt(&experiment(&pi(4.0, 1.0), Shaping { kvf: 0.3, ..Shaping::default() }, 2));
+    assert_eq!(kinds(&found), [Doubt::ControllerKvf]);
+    assert!((found.experiment.runs[0].shaping.kvf - 0.3).abs() < 1e-3);
+}
+
+#[test]
+fn a_controller_that_sees_the_displacement_late_is_found() {
+    let found = doubt(&experiment(&pi(4.0, 1.0), Shaping { late_displacement: 2, ..Shaping::default() }, 3));
+    assert_eq!(kinds(&found), [Doubt::ControllerDelay]);
+    assert_eq!(found.experiment.runs[0].shaping.late_displacement, 2);
+}
+
+#[test]
+fn a_displacement_that_drifts_in_the_recording_alone_is_straightened() {
+    let mut drifting = experiment(&pi(4.0, 1.0), Shaping::default(), 4);
+    let straight = drifting.runs[0].channel(Channel::Displacement).unwrap().to_vec();
+    let drift = |k: usize| 2e-4 * (k as f64 / N as f64 - 0.5);
+    let with = straight.iter().enumerate().map(|(k, x)| x + drift(k)).collect();
+    drifting.runs[0].channels.set(Channel::Displacement, with);
+    let found = doubt(&drifting);
+    assert_eq!(kinds(&found), [Doubt::Drift]);
+    assert!((found.findings[0].found / 2e-4 - 1.0).abs() < 0.05, "{:?}", found.findings);
+}
+
+#[test]
+fn hum_of_the_displacement_is_taken_off() {
+    let mut humming = experiment(&pi(4.0, 1.0), Shaping::default(), 5);
+    let clean = humming.runs[0].channel(Channel::Displacement).unwrap().to_vec();
+    let hum = |k: usize| 3e-5 * (std::f64::consts::TAU * 50.0 * k as f64 * DT + 0.7).sin();
+    humming.runs[0].channels.set(Channel::Displacement, clean.iter().enumerate().map(|(k, x)| x + hum(k)).collect());
+    let found = doubt(&humming);
+    assert!(kinds(&found).contains(&Doubt::Hum), "{:?}", found.findings);
+    let cleaned = found.experiment.runs[0].channel(Channel::Displacement).unwrap();
+    let left = cleaned.iter().zip(&clean).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / N as f64;
+    assert!(left.sqrt() < 2e-6, "{}", left.sqrt());
+}
