@@ -334,7 +334,11 @@ fn each_fault_is_called_by_its_name() {
                 Fault::MissingInput,
             ),
             (
-                changed(&run, Displacement, |k, x| if (middle..middle + middle / 8).contains(&k) { f64::NAN } else { x }),
+                changed(
+                    &run,
+                    Displacement,
+                    |k, x| if (middle..middle + second(0.2)).contains(&k) { f64::NAN } else { x },
+                ),
                 "displacement",
                 Fault::MissingStretch,
             ),
