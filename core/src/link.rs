@@ -13,7 +13,7 @@ mod wiring;
 
 pub use arming::{Challenge, answer};
 pub use frame::{
-    Batch, Cause, Identity, MAX_BATCH, MAX_POINTS, Points, Record, RefusedBecause, Report, Request, Vitals,
+    Batch, Cause, Clock, Identity, MAX_BATCH, MAX_POINTS, Points, Record, RefusedBecause, Report, Request, Vitals,
 };
 pub use wiring::{Scale, Setup, SetupError, Source, Wiring};
 

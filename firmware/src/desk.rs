@@ -2,7 +2,7 @@
 //! time; what the loop hears of it is an order in a queue.
 
 use shakedown_core::link::{
-    Batch, Cause, Challenge, Identity, MAX_BATCH, Points, RefusedBecause, Report, Request, Setup, Vitals, answer,
+    Batch, Cause, Challenge, Clock, Identity, MAX_BATCH, Points, RefusedBecause, Report, Request, Setup, Vitals, answer,
 };
 use shakedown_core::{Request as Ask, State};
 
@@ -46,6 +46,7 @@ pub struct Desk<'a> {
     queues: DeskEnd<'a>,
     setup: Setup,
     stored: bool,
+    clock: Clock,
     entropy: u64,
     challenge: Option<(Challenge, u32)>,
     next_point: u32,
@@ -56,12 +57,14 @@ pub struct Desk<'a> {
 }
 
 impl<'a> Desk<'a> {
-    /// A desk for a loop that runs `setup`. `entropy` differs from reset to reset; `stored` says that the setup came from flash.
-    pub const fn new(setup: Setup, stored: bool, entropy: u64, queues: DeskEnd<'a>) -> Self {
+    /// A desk for a loop that runs `setup`. `entropy` differs from reset to reset; `stored` says that the setup came from flash,
+    /// `clock` what the ticks are counted by.
+    pub const fn new(setup: Setup, stored: bool, clock: Clock, entropy: u64, queues: DeskEnd<'a>) -> Self {
         Self {
             queues,
             setup,
             stored,
+            clock,
             entropy,
             challenge: None,
             next_point: 0,
@@ -140,7 +143,12 @@ impl<'a> Desk<'a> {
     }
 
     fn identity(&self) -> Identity {
-        Identity { firmware: version(), full_scale: self.setup.wiring.full_scale, buffer: POINTS as u16 - 1 }
+        Identity {
+            firmware: version(),
+            full_scale: self.setup.wiring.full_scale,
+            buffer: POINTS as u16 - 1,
+            clock: self.clock,
+        }
     }
 
     fn vitals(&self, seen: Seen) -> Vitals {

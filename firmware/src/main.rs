@@ -27,7 +27,7 @@ mod app {
 
     #[init(local = [queues: Queues = Queues::new()])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let (control, link) = start::start(context.device, context.local.queues);
+        let (control, link) = start::start(context.device, context.core, context.local.queues);
         (Shared { control }, Local { link })
     }
 

@@ -58,6 +58,18 @@ pub struct Points {
     pub last: bool,
 }
 
+/// What a device counts time by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Clock {
+    /// A crystal.
+    Crystal,
+    /// A clock that comes from outside.
+    External,
+    /// The chip's own oscillator, since neither of the others started: 1 % at room temperature, several over the whole range.
+    Internal,
+}
+
 /// Who a device is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
@@ -67,6 +79,8 @@ pub struct Identity {
     pub full_scale: u16,
     /// Points that the reference buffer holds.
     pub buffer: u16,
+    /// What it counts time by.
+    pub clock: Clock,
 }
 
 /// Why a device tripped, stopped by itself, or does not arm.

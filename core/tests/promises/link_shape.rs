@@ -11,7 +11,7 @@ use serde_reflection::{Samples, Tracer, TracerConfig};
 use shakedown_core::Modification;
 use shakedown_core::control::InnerLoop;
 use shakedown_core::guard::{State, Trip};
-use shakedown_core::link::{Cause, RefusedBecause, Report, Request, Source, VERSION};
+use shakedown_core::link::{Cause, Clock, RefusedBecause, Report, Request, Source, VERSION};
 use shakedown_core::settings::{Mode, ReferenceRates, VelocitySource};
 
 /// One line a type: its name, and every field or variant in order.
@@ -22,7 +22,7 @@ fn shape() -> String {
         ($($kind:ty),*) => { $(tracer.trace_type::<$kind>(&samples).unwrap();)* };
     }
     // A type's own enums come first: one hidden in a field is seen with its first variant alone.
-    trace!(State, Trip, Cause, RefusedBecause, Source);
+    trace!(State, Trip, Cause, Clock, RefusedBecause, Source);
     trace!(Mode, InnerLoop, Modification, ReferenceRates, VelocitySource, Request, Report);
     let registry = tracer.registry().unwrap();
     registry.iter().fold(String::new(), |mut text, (name, format)| {

@@ -100,9 +100,10 @@ impl OnChip {
         NVIC::is_pending(Interrupt::DMA2_STREAM0)
     }
 
-    /// Lets the last code written out, if it is not out yet.
+    /// Lets the last code written out, if it is not out yet. Without the chip's buffer, which would end 0.2 V from either rail: the
+    /// follower behind the pin drives what comes after.
     pub(crate) fn go_live(&mut self) {
-        self.dac.cr().modify(|_, w| w.en1().enabled());
+        self.dac.cr().write(|w| w.boff1().disabled().en1().enabled());
     }
 }
 

@@ -84,10 +84,13 @@ impl Line {
         Some(byte)
     }
 
-    /// Forgets that the line fell idle.
+    /// Forgets that the line fell idle, if it did. Reading the data register does that and takes a byte that waits there, so not
+    /// while one does: the DMA fetches it, which does it as well, and if it does not this is asked again.
     pub(crate) fn acknowledge(&self) {
-        let _ = self.usart.sr().read();
-        let _ = self.usart.dr().read();
+        let status = self.usart.sr().read();
+        if status.idle().bit_is_set() && status.rxne().bit_is_clear() {
+            let _ = self.usart.dr().read();
+        }
     }
 
     /// Whether the last frame has left.

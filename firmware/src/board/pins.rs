@@ -3,6 +3,7 @@
 use stm32f4xx_hal::{
     gpio::{Input, Output, PB0, PB1},
     pac::PWR,
+    rcc::{Enable, Rcc},
 };
 
 use shakedown_core::link::Cause;
@@ -15,11 +16,14 @@ pub(crate) struct Pins {
 }
 
 impl Pins {
-    /// With the relay open and the supply monitor at 2.9 V.
-    pub(crate) fn new(mut relay: PB0<Output>, stop: PB1<Input>, power: PWR) -> Self {
+    /// With the relay open and the supply monitor at 2.84 V falling, 2.93 V rising: below a board of 3.0 V, above the 2.7 V
+    /// that the flash is written with.
+    pub(crate) fn new(mut relay: PB0<Output>, stop: PB1<Input>, power: PWR, rcc: &mut Rcc) -> Self {
         relay.set_low();
-        // SAFETY: 7 is the highest threshold the register is specified for.
-        power.cr().modify(|_, w| unsafe { w.pls().bits(7) }.pvde().set_bit());
+        // Without its clock the monitor takes no setting and says that all is well.
+        PWR::enable(rcc);
+        // SAFETY: any three bits are a threshold.
+        power.cr().modify(|_, w| unsafe { w.pls().bits(5) }.pvde().set_bit());
         Self { relay, stop, power }
     }
 
@@ -39,7 +43,7 @@ impl Pins {
         self.stop.is_high()
     }
 
-    /// Whether the supply is below 2.9 V.
+    /// Whether the supply is below 2.84 V.
     #[inline]
     pub(crate) fn supply_low(&self) -> bool {
         self.power.csr().read().pvdo().bit_is_set()

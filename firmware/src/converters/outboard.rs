@@ -6,8 +6,9 @@
 //! `(address << 1 | 1) << 8 | value`, echoed in the next byte.
 //!
 //! Output (Analog Devices AD5761R): a frame is 24 clocks, the command in bits 19 to 16: 3 writes and updates the DAC,
-//! 4 writes the control register, 15 resets. Range code 0 is +/-10 V; the output powers up and clears to zero scale
-//! volts with `CV = PV = 01` (mid-scale).
+//! 4 writes the control register, 15 resets. The control register's fields, from the top (AD5761/AD5721 data sheet, table of
+//! the control register): `CV` in bits 10 and 9, overrange 8, braking 7, thermal shutdown 6, internal reference 5, `PV` in 4 and 3, range
+//! in 2 to 0. `CV` and `PV` are what a clear and a power-up give: 00 zero scale, which is -10 V, 01 mid-scale, which is 0 V.
 
 use embedded_hal::spi::{Operation, SpiDevice};
 
@@ -21,8 +22,15 @@ const CHANNEL_STEP: u16 = 0x0400;
 const DAC_WRITE: u8 = 0x03;
 const DAC_CONTROL: u8 = 0x04;
 const DAC_RESET: u8 = 0x0F;
+/// `CV` and `PV`: mid-scale.
+const MID_SCALE: u16 = 0b01;
+const CLEAR_AT: u16 = 9;
+const POWER_UP_AT: u16 = 3;
+const INTERNAL_REFERENCE: u16 = 1 << 5;
+/// The range of +/-10 V.
+const BIPOLAR_10V: u16 = 0b000;
 /// Clear and power-up at mid-scale, internal reference on, range +/-10 V.
-const DAC_SETTING: u16 = 0x0A20;
+const DAC_SETTING: u16 = MID_SCALE << CLEAR_AT | INTERNAL_REFERENCE | MID_SCALE << POWER_UP_AT | BIPOLAR_10V;
 
 /// Why the pair failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

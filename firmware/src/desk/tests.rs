@@ -11,7 +11,7 @@ fn seen(state: State) -> Seen {
 fn with_desk(test: impl FnOnce(&mut Desk<'_>, &mut LoopEnd<'_>)) {
     let mut queues = Queues::new();
     let (mut loop_end, desk_end) = queues.split();
-    test(&mut Desk::new(defaults::setup(), false, 1, desk_end), &mut loop_end);
+    test(&mut Desk::new(defaults::setup(), false, Clock::Crystal, 1, desk_end), &mut loop_end);
 }
 
 fn report(desk: &mut Desk<'_>, request: Request, state: State, now: u32) -> Report {

@@ -17,7 +17,7 @@ pub(crate) struct Control {
     pub(crate) pins: Pins,
     /// The timer.
     pub(crate) ticker: Ticker,
-    /// Fed where something follows a tick, which is at least every sixteenth.
+    /// Fed where something follows a tick, which is at least every sixteenth, and the link has been served.
     pub(crate) watchdog: Watchdog,
 }
 

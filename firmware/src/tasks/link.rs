@@ -5,7 +5,7 @@ use shakedown_firmware::OpenRelay;
 use shakedown_firmware::desk::{Action, Desk, Seen};
 use shakedown_firmware::store;
 
-use crate::board::{flash::Flash, line::Line, pins, standing};
+use crate::board::{flash::Flash, line::Line, pins, standing, watchdog};
 
 pub(crate) use crate::board::line::{received, sent};
 
@@ -34,6 +34,7 @@ impl Link {
         if self.line.ready() {
             self.speak();
         }
+        watchdog::served();
     }
 
     /// A frame is whole. By itself, like what follows: what one of them needs of the stack the others need not have free.

@@ -1,9 +1,9 @@
 //! From reset to the first tick.
 
-use cortex_m::{peripheral::DWT, singleton};
+use cortex_m::{Peripherals, singleton};
 use defmt_rtt as _;
 use shakedown_core::link::{Assembler, Setup};
-use shakedown_firmware::queues::{DeskEnd, LoopEnd, Queues};
+use shakedown_firmware::queues::{LoopEnd, Queues};
 use shakedown_firmware::{Desk, Loop, defaults, store};
 use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
 
@@ -13,9 +13,14 @@ use crate::board::{
     watchdog::Watchdog,
 };
 
-/// Sets everything up. The watchdog runs from here on; the first tick follows one period later.
-pub(crate) fn start(device: pac::Peripherals, queues: &'static mut Queues) -> (Control, &'static mut Link) {
-    let mut rcc = clock::start(device.RCC);
+/// Sets everything up, the watchdog first: a start that hangs is a program that hangs. The first tick follows one period later.
+pub(crate) fn start(
+    device: pac::Peripherals,
+    mut core: Peripherals,
+    queues: &'static mut Queues,
+) -> (Control, &'static mut Link) {
+    let watchdog = Watchdog::start(device.IWDG);
+    let (mut rcc, clock) = clock::start(device.RCC);
     let restarted = clock::restarted(&rcc);
     let flash = Flash(LockedFlash::new(device.FLASH));
     let (setup, stored) = stored_or_default(&flash);
@@ -29,8 +34,9 @@ pub(crate) fn start(device: pac::Peripherals, queues: &'static mut Queues) -> (C
         port_a.pa3.into_analog(),
         port_a.pa4.into_analog(),
     );
-    let _line = (port_d.pd8.into_alternate::<7>(), port_d.pd9.into_alternate::<7>());
-    let pins = Pins::new(port_b.pb0.into_push_pull_output(), port_b.pb1.into_pull_up_input(), device.PWR);
+    // A line with nothing at its end is idle, not noise.
+    let _line = (port_d.pd8.into_alternate::<7>(), port_d.pd9.into_alternate::<7>().internal_pull_up(true));
+    let pins = Pins::new(port_b.pb0.into_push_pull_output(), port_b.pb1.into_pull_up_input(), device.PWR, &mut rcc);
     let converters = OnChip::new(device.ADC1, &device.ADC_COMMON, device.DAC, device.DMA2, &mut rcc);
     let line = Line::new(device.USART3, device.DMA1, &mut rcc);
     let ticker = Ticker::new(device.TIM2, setup.control.rate as u32, &mut rcc);
@@ -38,9 +44,11 @@ pub(crate) fn start(device: pac::Peripherals, queues: &'static mut Queues) -> (C
     let decide = place_loop(&setup, loop_end);
     failure::prepare(decide.zero_flow());
     let Ok(()) = decide.begin(&setup, restarted) else { failure::park() };
-    let link = place_link(&setup, stored, desk_end, line, flash);
+    let entropy = entropy::gather(&device.RNG, &mut core.DCB, &mut core.DWT, &mut rcc);
+    let desk = Desk::new(setup, stored, clock, entropy, desk_end);
+    let link = place_link(desk, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
-    let control = Control { decide, converters, pins, ticker, watchdog: Watchdog::start(device.IWDG) };
+    let control = Control { decide, converters, pins, ticker, watchdog };
     control.ticker.start();
     (control, link)
 }
@@ -63,8 +71,7 @@ fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut Loop<'sta
 
 /// Puts the link where it stays.
 #[inline(never)]
-fn place_link(setup: &Setup, stored: bool, queues: DeskEnd<'static>, line: Line, flash: Flash) -> &'static mut Link {
-    let desk = Desk::new(*setup, stored, entropy::since_power_on(DWT::cycle_count()), queues);
+fn place_link(desk: Desk<'static>, line: Line, flash: Flash) -> &'static mut Link {
     let link = singleton!(: Link = Link { desk, line, flash, assembler: Assembler::new(), answer: None });
     link.unwrap_or_else(|| failure::park())
 }

@@ -8,6 +8,7 @@
 mod board;
 mod count;
 mod driver;
+mod silicon;
 mod wire;
 
 use std::path::Path;
@@ -23,6 +24,7 @@ use board::Board;
 pub use count::{Mark, marks};
 use driver::Lockstep;
 pub use driver::Stack;
+pub use silicon::Silicon;
 
 /// Virtual time in which the firmware must start its timer, ms.
 const BOOT_LIMIT: u64 = 2000;
@@ -43,6 +45,8 @@ pub struct Ran<W> {
     pub blind_spots: Vec<String>,
     /// The stack, which the firmware paints at reset.
     pub stack: Stack,
+    /// What the program did that an emulator forgives and the silicon does not.
+    pub silicon: Silicon,
     /// What [`follow`] followed.
     pub followed: Vec<u64>,
 }
@@ -89,11 +93,12 @@ fn start<W: World>(
     }
     let (resets, blind_spots) = (finished.session.resets(), blind_spots(&finished.session));
     let resets = resets.iter().map(|reset| reset.at.0).collect();
-    let stack = finished.driver.stack();
+    let (stack, silicon) = (finished.driver.stack(), finished.driver.silicon());
     let (world, followed) = finished.driver.into_world();
     Ok(Ran {
         world,
         stack,
+        silicon,
         followed,
         resets,
         blind_spots,

@@ -14,4 +14,4 @@ pub mod world;
 
 pub use error::ReplayError;
 pub use f4::{Mark, Ran, Stack, follow, marks, run, run_with};
-pub use world::{Line, Tick, World};
+pub use world::{Line, Oscillator, Tick, World};

@@ -4,7 +4,7 @@ use shakedown::device::{Drive, Progress, Talker};
 use shakedown_core::link::Setup;
 
 use crate::bench::Bench;
-use crate::{Tick, World};
+use crate::{Oscillator, Tick, World};
 
 /// What was at the converters in one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +47,10 @@ pub struct Seen {
     pub dead_from: Option<usize>,
     /// Tick whose sample is lost.
     pub lost_at: Option<usize>,
+    /// What is on the pins of the crystal.
+    pub oscillator: Oscillator,
+    /// Frequency of the watchdog's clock, Hz.
+    pub watchdog_clock: u64,
     /// Resets since power-on.
     pub resets: usize,
     relay: bool,
@@ -69,6 +73,8 @@ impl Seen {
             limit,
             dead_from: None,
             lost_at: None,
+            oscillator: Oscillator::Crystal,
+            watchdog_clock: 32_000,
             resets: 0,
             relay: false,
         }
@@ -113,5 +119,13 @@ impl World for Seen {
 
     fn overruns(&self) -> bool {
         self.lost_at == Some(self.codes.len())
+    }
+
+    fn oscillator(&self) -> Oscillator {
+        self.oscillator
+    }
+
+    fn watchdog_clock(&self) -> u64 {
+        self.watchdog_clock
     }
 }

@@ -36,6 +36,17 @@ pub struct Tick<'a> {
     pub line: &'a mut Line,
 }
 
+/// What is on the pins of the crystal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Oscillator {
+    /// A crystal that starts.
+    Crystal,
+    /// An external clock, which runs where the oscillator is bypassed.
+    External,
+    /// Nothing, or a crystal that does not start.
+    Dead,
+}
+
 /// What closes the loop around the image.
 pub trait World: Send + 'static {
     /// The sampling timer's update. False ends the run.
@@ -44,6 +55,16 @@ pub trait World: Send + 'static {
     /// Whether a conversion follows this update; a converter that is dead says no.
     fn converts(&self) -> bool {
         true
+    }
+
+    /// What is on the pins of the crystal.
+    fn oscillator(&self) -> Oscillator {
+        Oscillator::Crystal
+    }
+
+    /// Frequency of the watchdog's clock, Hz: 17,000 to 47,000.
+    fn watchdog_clock(&self) -> u64 {
+        32_000
     }
 
     /// Whether the DMA is off when this update's conversion ends, so that the converter overruns.

@@ -75,7 +75,7 @@ fn the_output_is_reset_set_and_written() {
     let log = RefCell::default();
     let mut pair = Outboard::new(MockAdc::default(), MockDac { written: Some(&log) }).unwrap();
     pair.write(0x8001).unwrap();
-    assert_eq!(log.borrow()[..], [[0x0F, 0, 0], [0x04, 0x0A, 0x20], [0x03, 0x80, 0x01]]);
+    assert_eq!(log.borrow()[..], [[0x0F, 0, 0], [0x04, 0x02, 0x28], [0x03, 0x80, 0x01]]);
 }
 
 #[test]
@@ -84,4 +84,14 @@ fn a_converter_that_is_not_there_is_named() {
     let adc = MockAdc { missing: Some(&missing), ..MockAdc::default() };
     let made = Outboard::new(adc, MockDac { written: Some(&log) });
     assert_eq!(made.err(), Some(Error::ReadBack { register: 0x05, read: 0xFF }));
+}
+
+/// The control word, field by field as the data sheet's table has them, and not as this file names them.
+#[test]
+fn the_control_word_powers_up_and_clears_at_mid_scale() {
+    let field = |high: u16, low: u16| DAC_SETTING >> low & ((1 << (high - low + 1)) - 1);
+    assert_eq!((field(10, 9), field(4, 3)), (0b01, 0b01), "clear and power-up at mid-scale");
+    assert_eq!((field(5, 5), field(2, 0)), (1, 0b000), "internal reference, +/-10 V");
+    assert_eq!((field(8, 8), field(7, 7), field(6, 6), field(15, 11)), (0, 0, 0, 0), "no overrange, nothing reserved");
+    assert_eq!(DAC_SETTING, 0x0228);
 }

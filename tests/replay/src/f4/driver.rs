@@ -12,6 +12,7 @@ use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::time::VirtualNanos;
 
 use super::board::Board;
+use super::silicon::Silicon;
 use crate::{Line, Tick, World};
 
 const TIM2_CR1: u64 = 0x4000_0000;
@@ -70,6 +71,7 @@ pub(super) struct Lockstep<W> {
     follow: Option<(u64, Vec<u64>)>,
     followed: Vec<u64>,
     stack: Stack,
+    silicon: Silicon,
 }
 
 /// The stack, byte.
@@ -98,11 +100,16 @@ impl<W: World> Lockstep<W> {
             follow: None,
             followed: Vec::new(),
             stack: Stack::default(),
+            silicon: Silicon::default(),
         }
     }
 
     pub(super) const fn ticked(&self) -> bool {
         self.ticked
+    }
+
+    pub(super) fn silicon(&self) -> Silicon {
+        self.silicon.clone()
     }
 
     pub(super) const fn stack(&self) -> Stack {
@@ -236,15 +243,21 @@ impl<W: World> Lockstep<W> {
 }
 
 impl<W: World> Driver<Board> for Lockstep<W> {
-    fn on_settled(&mut self, session: &mut Session<Board>, _: &mut dyn Host, settled: Settled) {
+    fn on_settled(&mut self, session: &mut Session<Board>, host: &mut dyn Host, settled: Settled) {
         match settled {
-            Settled::Access { access, value } if access.kind == AccessKind::Write => {
-                self.notice(session, access, value);
+            Settled::Access { access, value } => {
+                self.silicon.settled(session, host, self.world.oscillator(), access, value);
+                if access.kind == AccessKind::Write {
+                    self.notice(session, access, value);
+                }
             }
             Settled::Hit(hit) => self.followed.push(hit.address),
-            Settled::Stop(stop) if self.first => {
-                self.first = false;
-                self.circuit(session, stop.at);
+            Settled::Stop(stop) => {
+                if std::mem::take(&mut self.first) {
+                    session.board_mut().part.whole.rcc.calibrate_lsi(self.world.watchdog_clock());
+                    self.circuit(session, stop.at);
+                }
+                self.silicon.stopped(session, host, stop.at.0);
             }
             _ => {}
         }
