@@ -259,7 +259,8 @@ impl Scenario {
             None => Twin::from(self.plant),
             Some(Ok(table)) => table,
             Some(Err(e)) => {
-                let (place, text) = (self.table.as_ref().map_or(String::new(), |path| path.display().to_string()), e.to_string());
+                let (place, text) =
+                    (self.table.as_ref().map_or(String::new(), |path| path.display().to_string()), e.to_string());
                 return refuse("table", if text.contains(&place) { text } else { format!("{place}: {text}") });
             }
         };
