@@ -72,9 +72,6 @@ fn a_drive_says_where_it_comes_from_and_is_played_as_it_is() {
     assert_eq!(result["conditioning"].as_str(), Some("none: a drive is played as it is"));
     assert_eq!(result["drive"]["source"].as_str(), Some("generated near-field-moderate-1"));
     assert!(fs::read_to_string(at("run.html")).unwrap().contains("a drive is played as it is"));
-    // The fit's own figure and the drive's: what is commanded never passes the limit.
-    let speed = written.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
-    assert!(speed <= 0.242 * 1.0001, "{speed} m/s");
 }
 
 #[test]
