@@ -74,8 +74,8 @@ impl DriveError {
 }
 
 impl Drive {
-    /// The drive that a fitted motion is, at `rate_hz`, or at its own rate. Its velocity is linear between samples, so a
-    /// displacement between them is exact and passes no limit that the motion keeps.
+    /// The drive that a fitted motion is, at `rate_hz`, or at its own rate. Its acceleration is linear between samples, so a
+    /// displacement between them is exact.
     pub fn of(motion: &Motion, quantity: Quantity, unit: DriveUnit, rate_hz: Option<f64>) -> Self {
         let dt = rate_hz.map_or(motion.dt, |rate| 1.0 / rate);
         let last = motion.len().saturating_sub(1);
@@ -88,8 +88,9 @@ impl Drive {
         };
         let displacement = |k: usize| {
             let (i, next, share) = at(k);
-            let (v, w) = (motion.velocity[i], motion.velocity[next]);
-            motion.displacement[i] + share * motion.dt * (v + share * (w - v) / 2.0)
+            // Acceleration is linear between samples, as `Motion` has it.
+            let (tau, a, b) = (share * motion.dt, motion.acceleration[i], motion.acceleration[next]);
+            motion.displacement[i] + tau * (motion.velocity[i] + tau * (a / 2.0 + share * (b - a) / 6.0))
         };
         let acceleration = |k: usize| {
             let (i, next, share) = at(k);
