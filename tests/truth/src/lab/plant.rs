@@ -285,12 +285,6 @@ impl Plant {
         }
     }
 
-    /// Supply pressure over its start (1).
-    pub fn supply(&self, y: &State) -> f64 {
-        let of = |(part, at): (&Part, &(usize, usize))| part.law.supply(&y[at.0..at.0 + part.law.states()]);
-        self.parts.iter().zip(&self.layout).find_map(of).unwrap_or(1.0)
-    }
-
     /// Displacement as its sensor gives it, before noise and counts (m).
     pub fn displacement(&self, now: &Now, y: &State, m: &State) -> f64 {
         self.through(Place::Displacement, now, y[X], y, m)
