@@ -190,13 +190,15 @@ impl Chosen {
                 } else {
                     (rng.uniform(0.25, 0.5) * size, 9.0 * size)
                 }
-            } else if rng.chance(0.5) {
-                let middle = rng.uniform(-0.3, 0.3) * size;
-                (middle - 0.2 * size, middle + 0.2 * size)
-            } else if rng.chance(0.5) {
-                (rng.uniform(0.0, 0.3) * size, 9.0 * size)
             } else {
-                (-9.0 * size, rng.uniform(-0.3, 0.0) * size)
+                match rng.below(4) {
+                    0 => (rng.uniform(0.0, 0.3) * size, 9.0 * size),
+                    1 => (-9.0 * size, rng.uniform(-0.3, 0.0) * size),
+                    _ => {
+                        let middle = rng.uniform(-0.3, 0.3) * size;
+                        (middle - 0.2 * size, middle + 0.2 * size)
+                    }
+                }
             };
             Gate::State { variable, low, high, edge: 0.05 * size }
         })

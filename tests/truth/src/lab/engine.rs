@@ -145,8 +145,8 @@ impl<'a> Simulation<'a> {
             let (_, later) = k.split_at_mut(stage);
             plant.rates(&now, &trial, &self.m, &mut later[0]);
         }
-        for i in 0..n {
-            self.y[i] += h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+        for (i, value) in self.y.iter_mut().enumerate().take(n) {
+            *value += h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
         }
         self.now = Now { t: self.now.t + h, ..seen };
         if plant.remembers() {

@@ -2,10 +2,11 @@
 //! rigid mass.
 
 use super::forms::column::Stiff;
-use super::law::{Column, Gate, Law, Now, Part, Place};
+use super::law::{Column, Law, Now, Part, Place};
 use crate::plant::Machine;
 use std::sync::Arc;
 
+mod compare;
 mod memory;
 
 /// Greatest number of states and of memories.
@@ -105,32 +106,9 @@ impl Plant {
         self.clash
     }
 
-    /// The gate of the laws that `before` does not have.
-    pub fn gate_since(&self, before: &Self) -> Option<Gate> {
-        self.parts.iter().filter(|p| before.is_new(p)).find_map(|p| p.gate)
-    }
-
-    fn is_new(&self, part: &Part) -> bool {
-        !self.parts.iter().any(|old| Arc::ptr_eq(&old.law, &part.law))
-    }
-
     /// Whether laws act between actuator and table or under it: pressure is then no simple sum.
     pub fn parts_table(&self) -> bool {
         self.parts.iter().any(|p| matches!(p.place, Place::Link | Place::Frame))
-    }
-
-    /// Lets every law from number `first` on act only where the gate is open.
-    pub fn gate_from(&mut self, before: &Self, gate: Gate) {
-        for part in &mut self.parts {
-            if before.is_new(part) {
-                part.gate = Some(gate);
-            }
-        }
-    }
-
-    /// Places of the laws that `before` does not have.
-    pub fn places_since(&self, before: &Self) -> Vec<Place> {
-        self.parts.iter().filter(|p| before.is_new(p)).map(|p| p.place).collect()
     }
 
     fn arrange(&mut self) {
@@ -305,12 +283,6 @@ impl Plant {
                 dy[IMPULSE] = force;
             }
         }
-    }
-
-    /// Supply pressure over its start (1).
-    pub fn supply(&self, y: &State) -> f64 {
-        let of = |(part, at): (&Part, &(usize, usize))| part.law.supply(&y[at.0..at.0 + part.law.states()]);
-        self.parts.iter().zip(&self.layout).find_map(of).unwrap_or(1.0)
     }
 
     /// Displacement as its sensor gives it, before noise and counts (m).

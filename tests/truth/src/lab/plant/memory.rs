@@ -1,7 +1,7 @@
-//! The memories of a plant's laws.
+//! The memories of a plant's laws, and the supply that one of them may hold.
 
 use super::{Plant, State};
-use crate::lab::law::{Now, Place};
+use crate::lab::law::{Now, Part, Place};
 
 impl Plant {
     /// Updates the memories over `h` seconds from the instant as [`Self::rates`] gave it.
@@ -37,5 +37,11 @@ impl Plant {
             }
         }
         signal
+    }
+
+    /// Supply pressure over its start (1).
+    pub fn supply(&self, y: &State) -> f64 {
+        let of = |(part, at): (&Part, &(usize, usize))| part.law.supply(&y[at.0..at.0 + part.law.states()]);
+        self.parts.iter().zip(&self.layout).find_map(of).unwrap_or(1.0)
     }
 }

@@ -46,7 +46,7 @@ impl Law for Supply {
 
     fn rates(&self, _: &Now, input: f64, y: &[f64], m: &[f64], dy: &mut [f64]) {
         let r = y[0].clamp(0.05, 1.2);
-        let drawn = self.depth * input.abs() * self.pressed(y) / self.limit;
+        let drawn = self.depth * input.abs() * pressed(y) / self.limit;
         let feed = match self.pump {
             Pump::Compensated => (1.0 - r).clamp(0.0, 0.8),
             Pump::Line => (1.0 - r).max(0.0).sqrt() * 0.7 * self.depth.sqrt(),
@@ -58,7 +58,7 @@ impl Law for Supply {
     }
 
     fn out(&self, _: &Now, input: f64, y: &[f64], _: &[f64]) -> f64 {
-        input * self.pressed(y)
+        input * pressed(y)
     }
 
     fn supply(&self, y: &[f64]) -> Option<f64> {
@@ -70,10 +70,9 @@ impl Law for Supply {
     }
 }
 
-impl Supply {
-    fn pressed(&self, y: &[f64]) -> f64 {
-        y[1].max(0.0).sqrt()
-    }
+/// Flow at this pressure over that at the start (1).
+fn pressed(y: &[f64]) -> f64 {
+    y[1].max(0.0).sqrt()
 }
 
 fn with(plant: &mut Plant, dial: &Dial, pump: Pump) -> Parameters {
