@@ -5,14 +5,15 @@
 //! same check.
 
 mod consistency;
+mod error;
 mod findings;
 mod validate;
 
 use serde::{Deserialize, Serialize};
 
+pub use error::SettingsError;
 pub use findings::Finding;
 
-use crate::block::BlockError;
 use crate::control::{InnerLoop, TrackingSettings};
 use crate::guard::GuardSettings;
 pub use crate::modifier::{Modification, PREVIEW_PLACES, PREVIEW_WINDOW};
@@ -76,7 +77,7 @@ pub enum ReferenceRates {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VelocitySource {
-    /// The observer ([`crate::filter::Fusion`]).
+    /// The observer ([`crate::filter::MotionObserver`]).
     #[default]
     Observer,
     /// A velocity sensor, as [`crate::Sample::velocity`].
@@ -249,65 +250,5 @@ impl Settings {
     pub(crate) fn reads_pressure(&self) -> bool {
         let limits = self.guard.is_some_and(|guard| guard.envelope.force.is_some());
         limits || self.tracking.is_some_and(|tracking| tracking.pressure.is_some())
-    }
-}
-
-/// Why [`Settings`] were refused.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum SettingsError {
-    /// A field is not a number, or outside its range.
-    OutOfRange {
-        /// The field's name.
-        field: &'static str,
-        /// What was given.
-        value: f32,
-        /// Smallest value accepted.
-        low: f32,
-        /// Largest value accepted.
-        high: f32,
-    },
-    /// Two fields contradict each other.
-    Contradiction {
-        /// The field to change.
-        field: &'static str,
-        /// What it contradicts.
-        with: &'static str,
-    },
-    /// A field is within its own range, but not with the others.
-    Conflict {
-        /// The field's name.
-        field: &'static str,
-        /// What was given.
-        value: f32,
-        /// Smallest value accepted with the others as they are.
-        low: f32,
-        /// Largest value accepted with the others as they are.
-        high: f32,
-        /// Why.
-        because: &'static str,
-        /// What to do.
-        remedy: &'static str,
-    },
-}
-
-impl core::fmt::Display for SettingsError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::OutOfRange { field, value, low, high } => write!(f, "{field} is {value}, not within {low} to {high}"),
-            Self::Contradiction { field, with } => write!(f, "{field} does not go with {with}"),
-            Self::Conflict { field, value, low, high, because, remedy } => {
-                write!(f, "{field} is {value}, not within {low} to {high}: {because}; {remedy}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for SettingsError {}
-
-impl From<BlockError> for SettingsError {
-    fn from(error: BlockError) -> Self {
-        let BlockError { field, value, low, high } = error;
-        Self::OutOfRange { field, value, low, high }
     }
 }

@@ -8,6 +8,7 @@
 pub mod change;
 pub mod decide;
 mod finish;
+mod leftover;
 pub mod locate;
 mod next_test;
 mod noise;

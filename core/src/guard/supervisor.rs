@@ -19,7 +19,10 @@
 //! command is known to stop the table: the valve itself is not believed, or the zero-flow output follows an LVDT that is lost
 //! or stuck.
 
+mod weight;
+
 use serde::{Deserialize, Serialize};
+use weight::{down, smooth, up};
 
 use super::{RampSettings, Trip};
 use crate::block::{BlockError, require};
@@ -284,23 +287,4 @@ impl Supervisor {
         }
         self.settle();
     }
-}
-
-#[inline]
-fn up(weight: f32, step: f32) -> f32 {
-    // Half a step of slack: rounding must not add a tick.
-    let next = weight + step;
-    if next < 1.0 - 0.5 * step { next } else { 1.0 }
-}
-
-#[inline]
-fn down(weight: f32, step: f32) -> f32 {
-    let next = weight - step;
-    if next > 0.5 * step { next } else { 0.0 }
-}
-
-/// The smooth step 3 p^2 - 2 p^3.
-#[inline]
-fn smooth(p: f32) -> f32 {
-    p * p * (3.0 - 2.0 * p)
 }

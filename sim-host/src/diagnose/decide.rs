@@ -2,11 +2,10 @@
 //! excess explained. What falls short is said to be outside the library.
 
 use super::finish::{best_of, needed, polished, refined};
+use super::leftover::{follows, larger_noise, more_is_missing};
 use super::ranking::{Ranking, parameters};
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
-use super::structure::{Structure, structure};
-use crate::identify::evaluate::predict;
 use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, gains, score};
 use crate::identify::prepare::Prepared;
@@ -39,10 +38,6 @@ const MODEST: f64 = 2.5;
 const IRREGULAR: f64 = 0.05;
 /// Share of what is still left that an effect must have taken away: what explains less is a stranger to the mismatch.
 const CREDIBLE: f64 = 0.15;
-/// Probability of names that explain a part where more is missing.
-const BESIDE_MORE: f64 = 0.8;
-/// Share of the stated model's excess that an effect in another equation than the library's may leave.
-const SIMPLE: f64 = 0.03;
 /// Least gain of chi2 for a further effect: less than this is not told from noise that is not quite white.
 const LEAST_GAIN: f64 = 0.015;
 /// Log odds below which two models are not told apart.
@@ -108,20 +103,6 @@ impl Decision {
     /// True where the stated model and the recordings agree.
     pub fn consistent(&self) -> bool {
         !self.unlisted && self.after.added.is_empty()
-    }
-
-    /// Names effects that explain a part and cannot be left to a curve; more is missing beside them.
-    pub(super) fn name_beside_more(&mut self, names: &[&'static str]) {
-        let same = |c: &Judged| c.added == names;
-        let others: f64 = self.candidates.iter().filter(|c| !same(c)).map(|c| c.probability).sum();
-        let rest = (1.0 - BESIDE_MORE) / (others + self.unlisted_probability).max(1e-9);
-        for candidate in &mut self.candidates {
-            candidate.probability = if same(candidate) { BESIDE_MORE } else { rest * candidate.probability };
-        }
-        self.unlisted_probability *= rest;
-        self.unlisted = false;
-        self.more_missing = true;
-        self.ties.clear();
     }
 
     /// Share of the stated model's excess on the runs held back that the model handed on leaves.
@@ -211,10 +192,10 @@ fn weigh(
     let (mut unlisted, mut unlisted_probability) = outside(&before, &after);
     let mut noise = Vec::new();
     let modest = after.hold.chi2.max(after.fit.chi2()) < MODEST;
-    let follows = left_over(prepared, &after)?;
+    let follows = follows(prepared, &after)?;
     if unlisted && modest && !follows.is_certain() {
         (unlisted, unlisted_probability) = (false, IRREGULAR);
-        noise = larger_noise(prepared, &after);
+        noise = larger_noise(prepared, &after, NEGLIGIBLE);
     }
     let ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
     if let Some(same) = candidates.iter().find(|c| c.added == after.added) {
@@ -224,44 +205,8 @@ fn weigh(
     if unlisted {
         after = before.clone();
     }
-    let left = (after.hold.chi2 - 1.0).max(0.0);
-    let excess = (before.hold.chi2 - 1.0).max(1e-9);
-    let more_missing = !after.added.is_empty() && left > NEGLIGIBLE && left > SIMPLE * excess && follows.is_certain();
+    let more_missing = follows.is_certain() && more_is_missing(&before, &after, NEGLIGIBLE);
     Ok(Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise })
-}
-
-/// What of a model's residuals follows the motion, on all runs at hand.
-fn left_over(prepared: &Prepared, judged: &Judged) -> Result<Structure, SimulateError> {
-    let mut runs = prepared.fit.clone();
-    let fitted = runs.iter().zip(&judged.fit.locals).map(|(run, local)| predict(&judged.fit.model, run, local));
-    let mut predicted = fitted.collect::<Result<Vec<_>, _>>()?;
-    if !prepared.holdout.is_empty() {
-        runs.extend(prepared.holdout.iter().cloned());
-        predicted.extend(judged.hold.predicted.iter().cloned());
-    }
-    Ok(structure(&runs, &predicted))
-}
-
-/// The noise that stands for what a model leaves where that follows nothing, by channel.
-fn larger_noise(prepared: &Prepared, judged: &Judged) -> Vec<SetUpFinding> {
-    let runs = prepared.judging();
-    let mut findings: Vec<SetUpFinding> = Vec::new();
-    let channels = runs.first().map(super::locate::judged_channels).unwrap_or_default();
-    for channel in channels {
-        let (mut squares, mut count, mut stated) = (0.0, 0.0, 0.0);
-        for (run, predicted) in runs.iter().zip(&judged.hold.predicted) {
-            let residual = super::locate::residual(run, predicted, channel).unwrap_or_default();
-            squares += residual.iter().filter(|r| r.is_finite()).map(|r| r * r).sum::<f64>();
-            count += residual.iter().filter(|r| r.is_finite()).count() as f64;
-            stated = run.channel(channel).map_or(stated, |m| m.noise);
-        }
-        let factor = (squares / f64::max(count, 1.0)).sqrt();
-        if factor > 1.0 + NEGLIGIBLE / 2.0 {
-            let (found, std) = (stated * factor, stated * factor / (2.0 * f64::max(count, 1.0)).sqrt());
-            findings.push(SetUpFinding::noise(channel.name(), stated, found, std, channel.unit()));
-        }
-    }
-    findings
 }
 
 /// Whether a larger model stands against the present one.

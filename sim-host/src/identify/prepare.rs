@@ -1,5 +1,6 @@
 //! From an experiment as it was read to the model and runs a fit works on.
 
+mod input;
 mod start;
 
 use super::data::{Channel, Measured, Run};
@@ -9,9 +10,10 @@ use super::shift::earlier;
 use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Role, entry};
 use crate::plant::model::Kind;
-use crate::plant::simulate::{Law, MeasuredMotion, Shaping};
+use crate::plant::simulate::{Law, MeasuredMotion};
 use crate::recording::check::Skew;
 use crate::recording::{self, Experiment, Use};
+use input::{bridged, filled, shaping, with_pressure_feedback};
 
 /// Why an experiment cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -203,46 +205,6 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
     Ok(Run { moving_start: run.moving_start || start::in_motion(&run), ..run })
 }
 
-/// What is added to the command with the feedback of the recorded pressure, which is taken as it was measured.
-fn with_pressure_feedback(mut added: Vec<f64>, run: &recording::Run) -> Vec<f64> {
-    let gain = run.shaping.kdp;
-    let pressure = run.channel(recording::Channel::PressureDifference).filter(|_| gain != 0.0).and_then(filled);
-    let Some(pressure) = pressure else { return added };
-    added.resize(pressure.len(), 0.0);
-    added.iter_mut().zip(&pressure).for_each(|(u, p)| *u -= gain * p);
-    added
-}
-
-/// What stands around a run's controller, in ticks.
-fn shaping(run: &recording::Run, ticks: usize) -> Shaping {
-    let recording::Shaping { kvf, notch, late_command, late_displacement, .. } = run.shaping;
-    let integral = if run.cut { integral_at_start(run).unwrap_or(0.0) } else { 0.0 };
-    Shaping { kvf, notch, late_command: late_command * ticks, late_displacement: late_displacement * ticks, integral }
-}
-
-/// Samples over which the integral's part of the command is averaged where a run begins.
-const BEGINNING: usize = 64;
-
-/// What the integral holds where a part of a recording begins: the recorded command less what the law makes of the samples since;
-/// none without a recorded command.
-fn integral_at_start(run: &recording::Run) -> Option<f64> {
-    use recording::Channel as C;
-    let recording::Law::ProportionalIntegral { kp, ki } = run.law else { return None };
-    let of = |channel| run.channel(channel).and_then(filled);
-    let (reference, displacement, command) = (of(C::Reference)?, of(C::Displacement)?, of(C::Command)?);
-    let added = of(C::Disturbance).unwrap_or_default();
-    let (mut sum, mut held, mut before) = (0.0, 0.0, *reference.first()?);
-    let n = BEGINNING.min(command.len());
-    for k in 0..n {
-        let error = reference[k] - displacement[k];
-        sum += error * run.dt;
-        let fed = run.shaping.kvf * (reference[k] - before) / run.dt;
-        before = reference[k];
-        held += command[k] - added.get(k).unwrap_or(&0.0) - kp * error - ki * sum - fed;
-    }
-    Some(held / n.max(1) as f64)
-}
-
 /// Controller ticks in one sample.
 fn ticks(run: &recording::Run) -> Result<usize, PrepareError> {
     let ratio = run.controller_rate_hz.map_or(1.0, |rate| rate * run.dt);
@@ -321,44 +283,4 @@ fn measured(
 fn mean_of_start(values: &[f64]) -> f64 {
     let first: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).take(16).collect();
     first.iter().sum::<f64>() / first.len().max(1) as f64
-}
-
-/// Missing samples of an input filled by the cubic through the slopes on either side; none where every sample is missing.
-fn bridged(values: &[f64]) -> Option<Vec<f64>> {
-    let mut full = filled(values)?;
-    let known: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_finite()).collect();
-    let slope = |i: usize, j: usize, k: usize| {
-        let all = values[i].is_finite() && values[j].is_finite() && values[k].is_finite();
-        all.then(|| 1.5 * values[i] - 2.0 * values[j] + 0.5 * values[k])
-    };
-    for pair in known.windows(2).filter(|pair| pair[1] > pair[0] + 1) {
-        let (a, b) = (pair[0], pair[1]);
-        if a < 2 || b + 2 >= values.len() {
-            continue;
-        }
-        let (Some(leaves), Some(enters)) = (slope(a, a - 1, a - 2), slope(b, b + 1, b + 2)) else { continue };
-        let (length, rise) = ((b - a) as f64, values[b] - values[a]);
-        let (m0, m1) = (leaves * length, -enters * length);
-        for (i, value) in full.iter_mut().enumerate().take(b).skip(a + 1) {
-            let t = (i - a) as f64 / length;
-            *value = values[a] + t * (m0 + t * (3.0 * rise - 2.0 * m0 - m1 + t * (m0 + m1 - 2.0 * rise)));
-        }
-    }
-    Some(full)
-}
-
-/// Missing samples of an input filled by straight lines; none where every sample is missing.
-fn filled(values: &[f64]) -> Option<Vec<f64>> {
-    let known: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_finite()).collect();
-    let (&first, &last) = (known.first()?, known.last()?);
-    let mut full = values.to_vec();
-    full[..first].fill(values[first]);
-    full[last..].fill(values[last]);
-    for pair in known.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        for (i, value) in full.iter_mut().enumerate().take(b).skip(a + 1) {
-            *value = values[a] + (values[b] - values[a]) * (i - a) as f64 / (b - a) as f64;
-        }
-    }
-    Some(full)
 }

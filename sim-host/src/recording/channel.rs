@@ -73,7 +73,8 @@ impl Channel {
             Self::Velocity => &[Velocity],
             Self::Acceleration | Self::SpecimenAcceleration => &[Acceleration],
             Self::Command | Self::Disturbance => &[Number, Length, Voltage, Current, Force],
-            Self::PressureDifference | Self::SupplyPressure => &[Pressure, Number, Voltage, Current],
+            Self::PressureDifference => &[Pressure, Number, Voltage, Current, Force],
+            Self::SupplyPressure => &[Pressure, Number, Voltage, Current],
         }
     }
 }

@@ -42,27 +42,36 @@ const fn unit(symbol: &'static str, dimension: Dimension, factor: f64) -> Unit {
 }
 
 /// Every unit an experiment may name (docs/formats.md).
-pub const UNITS: [Unit; 20] = [
+pub const UNITS: [Unit; 29] = [
     unit("m", Dimension::Length, 1.0),
+    unit("cm", Dimension::Length, 1e-2),
     unit("mm", Dimension::Length, 1e-3),
     unit("um", Dimension::Length, 1e-6),
     unit("in", Dimension::Length, 0.0254),
     unit("m/s", Dimension::Velocity, 1.0),
+    unit("cm/s", Dimension::Velocity, 1e-2),
     unit("mm/s", Dimension::Velocity, 1e-3),
     unit("m/s2", Dimension::Acceleration, 1.0),
+    unit("cm/s2", Dimension::Acceleration, 1e-2),
     unit("mm/s2", Dimension::Acceleration, 1e-3),
+    unit("gal", Dimension::Acceleration, 1e-2),
     unit("g", Dimension::Acceleration, STANDARD_GRAVITY),
     unit("s", Dimension::Time, 1.0),
     unit("ms", Dimension::Time, 1e-3),
     unit("N", Dimension::Force, 1.0),
     unit("kN", Dimension::Force, 1e3),
+    unit("lbf", Dimension::Force, 4.448_221_615_260_5),
+    unit("kip", Dimension::Force, 4_448.221_615_260_5),
+    unit("kgf", Dimension::Force, STANDARD_GRAVITY),
     unit("Pa", Dimension::Pressure, 1.0),
+    unit("kPa", Dimension::Pressure, 1e3),
     unit("MPa", Dimension::Pressure, 1e6),
     unit("bar", Dimension::Pressure, 1e5),
     unit("psi", Dimension::Pressure, 6_894.757_293_168),
     unit("V", Dimension::Voltage, 1.0),
     unit("mV", Dimension::Voltage, 1e-3),
     unit("mA", Dimension::Current, 1e-3),
+    unit("%", Dimension::Number, 1e-2),
 ];
 
 /// A plain number: `1`, the unit of what has none.
@@ -115,12 +124,14 @@ mod tests {
 
     #[test]
     fn every_unit_of_the_format_is_known_and_unique() {
-        let listed = "m mm um in m/s mm/s m/s2 mm/s2 g s ms N kN Pa MPa bar psi V mV mA 1";
+        let listed =
+            "m cm mm um in m/s cm/s mm/s m/s2 cm/s2 mm/s2 gal g s ms N kN lbf kip kgf Pa kPa MPa bar psi V mV mA % 1";
         assert_eq!(symbols(), listed);
         for symbol in listed.split(' ') {
             assert_eq!(Unit::named(symbol).unwrap().symbol, symbol);
+            assert!(crate::files::layout::is_unit(symbol), "{symbol}");
         }
-        assert_eq!(Unit::named("cm"), None);
+        assert_eq!(Unit::named("furlong"), None);
     }
 
     #[test]

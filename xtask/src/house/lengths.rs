@@ -12,6 +12,8 @@ const LONGER: &[(&str, &str)] = &[
         "sim-host/src/cli/modify.rs",
         "arguments, figures and page of one command; its page is the next thing to move out",
     ),
+    ("sim-host/src/cli/run.rs", "arguments and steps of one command; what is played is the next thing to move out"),
+    ("sim-host/src/files/layout.rs", "one search for delimiter, decimal sign and header, judged together"),
     ("sim-host/src/motion/condition.rs", "the steps of one recipe in their order, each short"),
     ("sim-host/src/plant/effects.rs", "the shape of an effect and the registry that names them all"),
     (
@@ -19,6 +21,7 @@ const LONGER: &[(&str, &str)] = &[
         "the equations of all effects at their stages, in one place to be read together",
     ),
     ("sim-host/src/recording/check/consistency.rs", "one check after another over the same channels"),
+    ("sim-host/src/recording/binary/tdms/objects.rs", "the objects of one format and how each stores its samples"),
     ("tests/truth/src/case.rs", "one dealing of a case from its seed, read top to bottom"),
 ];
 

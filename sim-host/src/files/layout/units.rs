@@ -1,17 +1,18 @@
 //! Which texts are units, so that a row of units is known from a row of names.
 
-/// Spellings beyond the recordings' own units: counts, temperatures, strains, angles, days.
-const OTHERS: [&str; 22] = [
-    "cm", "km", "ft", "g's", "gal", "cm/s2", "cm/s^2", "deg", "rad", "K", "C", "degC", "Hz", "min", "h", "d", "um/m",
-    "strain", "counts", "A", "kPa", "none",
+/// Spellings of units, superscripts written as plain digits.
+const UNITS: [&str; 58] = [
+    "m", "cm", "mm", "um", "km", "in", "ft", "m/s", "cm/s", "mm/s", "in/s", "m/s2", "cm/s2", "mm/s2", "in/s2", "gal",
+    "g", "g's", "mg", "s", "sec", "ms", "us", "min", "h", "d", "N", "kN", "MN", "lbf", "kip", "kgf", "Pa", "kPa",
+    "MPa", "GPa", "bar", "psi", "V", "mV", "mA", "A", "%", "1", "-", "deg", "rad", "K", "C", "degC", "Hz", "um/m",
+    "strain", "counts", "none", "cm/s/s", "m/s/s", "mm/s/s",
 ];
 
 /// True for a unit, in brackets or without: `mm`, `[m/s²]`, `(g)`.
 pub fn is_unit(text: &str) -> bool {
     let plain = text.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim();
-    crate::recording::unit::Unit::in_header(plain).is_some()
-        || plain.parse::<crate::motion::AccelerationUnit>().is_ok()
-        || OTHERS.iter().any(|unit| unit.eq_ignore_ascii_case(plain))
+    let plain = plain.replace('²', "2").replace("**2", "2").replace("^2", "2").replace("/sec", "/s").replace('µ', "u");
+    UNITS.iter().any(|unit| unit.eq_ignore_ascii_case(&plain))
 }
 
 #[cfg(test)]

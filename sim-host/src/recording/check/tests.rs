@@ -299,7 +299,7 @@ fn each_fault_is_called_by_its_name() {
         };
         let with_law = |law: Law| Run { law, ..run.clone() };
         let second = |s: f64| (s * bench.rate) as usize;
-        let cases = [
+        let cases = vec![
             (changed(&run, Acceleration, |_, a| -a), "acceleration", Fault::Inverted),
             (changed(&run, Displacement, |_, x| -x), "displacement", Fault::Inverted),
             (changed(&run, Acceleration, |_, a| a / 9.80665), "acceleration", Fault::WrongUnit),

@@ -31,7 +31,9 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
             let mut kept = samples.to_vec();
             // Single samples at the extreme are cut off too.
             kept.iter_mut().filter(|x| x.abs() >= range).for_each(|x| *x = f64::NAN);
-            cut.iter().for_each(|&(from, to)| kept[from..=to].fill(f64::NAN));
+            for (from, to) in cut {
+                kept[from..=to].fill(f64::NAN);
+            }
             run.channels.set(channel, kept);
             findings.push(SetUpFinding::new(Doubt::Clipped, range, unit).of_run(&run.name).of_channel(channel));
         }

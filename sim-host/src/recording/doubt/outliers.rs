@@ -32,8 +32,10 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
                 continue;
             }
             let mut kept = samples.to_vec();
-            wrong.iter().for_each(|&k| kept[k] = f64::NAN);
             let count = wrong.len() as f64;
+            for k in wrong {
+                kept[k] = f64::NAN;
+            }
             run.channels.set(channel, kept);
             let finding = SetUpFinding::new(Doubt::Outliers, count, "samples").against(0.0);
             findings.push(finding.of_run(&run.name).of_channel(channel));

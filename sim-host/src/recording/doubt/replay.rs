@@ -65,7 +65,9 @@ impl Linear {
         for term in &mut terms {
             if let Some(notch) = run.shaping.notch {
                 let mut filter = NotchFilter::<f64>::new(notch, ticks.period());
-                term.iter_mut().for_each(|x| *x = filter.step(*x));
+                for x in term.iter_mut() {
+                    *x = filter.step(*x);
+                }
             }
             *term = shifted(term, -delayed);
         }
