@@ -101,7 +101,7 @@ fn a_message_names_the_place_and_the_remedy() {
         ),
         (
             channels("unit = \"g\"", "unit = \"mm\""),
-            "e.toml, line 12, `channels.acceleration.unit`: `mm` is no unit of acceleration; use one of m/s2 mm/s2 g",
+            "e.toml, line 12, `channels.acceleration.unit`: `mm` is no unit of acceleration; use one of m/s2 cm/s2 mm/s2 gal g",
         ),
         (
             channels("unit = \"g\"", "unit = \"G\""),
