@@ -11,7 +11,9 @@ use shakedown::faults::campaign::{join, run, run_shard};
 use shakedown::faults::watcher::{Broken, judge};
 use shakedown::faults::{CampaignError, Case, Class, Motions, Plan, Summary};
 use shakedown_core::Settings;
-use shakedown_core::guard::{EnvelopeSettings, GuardSettings, PlausibilitySettings, ValveMonitorSettings};
+use shakedown_core::guard::{
+    EnvelopeSettings, GuardSettings, PlausibilitySettings, ValveMonitorSettings, WitnessSettings,
+};
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -50,6 +52,7 @@ fn deaf(settings: &Settings) -> Settings {
             offset: 1000.0,
             acceleration_noise: 1e4,
         },
+        witness: WitnessSettings { scale: 0.5, delay: 0.1, bias: 100.0, noise: 100.0, ..WitnessSettings::default() },
         valve: ValveMonitorSettings { mismatch: 10.0, memory: 0.2 },
         ..GuardSettings::default()
     };

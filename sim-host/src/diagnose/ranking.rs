@@ -11,7 +11,7 @@ const PARAMETER: f64 = 0.12;
 /// Samples over which a misfit's error is alike.
 const ALIKE: f64 = 20.0;
 /// Share of the stated model's excess that the right equation in its simple form may leave: less is no evidence.
-const FORM: f64 = 1e-2;
+const FORM: f64 = 2e-4;
 /// Standard deviation of a stated value that may be fitted, as a share of it.
 const STATED: f64 = 0.2;
 

@@ -23,7 +23,11 @@ const RAMP: f32 = 0.3;
 /// With a long safe ramp.
 fn ramping() -> Setup {
     let mut setup = setup(Mode::Controller);
-    setup.control.guard.as_mut().unwrap().ramps.safe = RAMP;
+    let lag = setup.control.valve.lag;
+    let guard = setup.control.guard.as_mut().unwrap();
+    guard.ramps.safe = RAMP;
+    // The way to stop over such a ramp has to be planned for.
+    guard.envelope.stopping_latency = 0.5 * RAMP + lag;
     setup
 }
 
