@@ -105,7 +105,7 @@ fn a_message_names_the_place_and_the_remedy() {
         ),
         (
             channels("unit = \"g\"", "unit = \"G\""),
-            "e.toml, line 12, `channels.acceleration.unit`: `G` is not among m mm um",
+            "e.toml, line 12, `channels.acceleration.unit`: `G` is not among m cm mm um",
         ),
         (
             channels("reference\", unit = \"mm\"", "reference\", unit = \"m\""),
