@@ -54,10 +54,6 @@ pub enum Doubt {
     Noise,
     /// A value of the model is far from what was stated.
     ModelValue,
-    /// The accelerometer does not sit on the table.
-    UpperFloor,
-    /// The sign of a channel.
-    Sign,
 }
 
 /// A fault of the stated set-up, with the value stated and the value found.
@@ -161,8 +157,6 @@ impl Doubt {
             Self::LostRows => "rows missing",
             Self::Noise => "noise of a channel",
             Self::ModelValue => "stated value of the model",
-            Self::UpperFloor => "accelerometer not on the table: gain of its resonance",
-            Self::Sign => "sign of a channel",
         }
     }
 }
