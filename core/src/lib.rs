@@ -11,6 +11,8 @@ pub mod control;
 pub mod controller;
 pub mod filter;
 pub mod guard;
+pub mod host;
+#[cfg(feature = "link")]
 pub mod link;
 pub mod math;
 mod modifier;

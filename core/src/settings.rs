@@ -7,12 +7,12 @@
 mod consistency;
 mod error;
 mod findings;
+mod named;
 mod validate;
-
-use serde::{Deserialize, Serialize};
 
 pub use error::SettingsError;
 pub use findings::Finding;
+pub use named::NameError;
 
 use crate::control::{InnerLoop, TrackingSettings};
 use crate::guard::GuardSettings;
@@ -20,8 +20,8 @@ pub use crate::modifier::{Modification, PREVIEW_PLACES, PREVIEW_WINDOW};
 use crate::saturation::Detection;
 
 /// Proportional and integral gain of one feedback loop of Fig. 12.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Gains {
     /// Proportional gain, 1.
     pub proportional: f32,
@@ -42,8 +42,8 @@ impl Gains {
 }
 
 /// Where the device sits in the valve command path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Mode {
     /// Behind an existing controller: passes its command on, detects saturation, enforces limits.
     Guard,
@@ -55,8 +55,8 @@ pub enum Mode {
 }
 
 /// Where the velocity and acceleration of the reference come from, for the loops that track them.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum ReferenceRates {
     /// Differentiated from the modified reference ([`crate::filter::Differentiator`]).
     Derived {
@@ -74,8 +74,8 @@ pub enum ReferenceRates {
 }
 
 /// Where the measured velocity comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum VelocitySource {
     /// The observer ([`crate::filter::MotionObserver`]).
     #[default]
@@ -85,8 +85,8 @@ pub enum VelocitySource {
 }
 
 /// The observer of the table's velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct ObserverSettings {
     /// Below this the LVDT is believed, above it the accelerometer, Hz.
     pub frequency: f32,
@@ -103,8 +103,8 @@ impl Default for ObserverSettings {
 }
 
 /// What is known of the servovalve and its actuator, for what must know how the table will answer.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct ValveSettings {
     /// Velocity per command at rest, 1/s: b0 / a1 of Eq. 7.
     pub gain: f32,
@@ -123,8 +123,8 @@ impl Default for ValveSettings {
 }
 
 /// Largest readings that can be true, either way from zero. A reading beyond is not used: the last good output is held.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct Ranges {
     /// Reference displacement, m.
     pub reference: f32,
@@ -155,10 +155,11 @@ impl Default for Ranges {
 
 /// Everything a user may set. What is left out of a file has the default's value: the paper's current controller,
 /// bare, at 1 kHz.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct Settings {
-    /// Control rate, Hz, 50 to 20,000.
+    /// Control rate, Hz, 50 to 20,000. A device's board has a bound of its own, which it states in
+    /// [`crate::link::Identity::highest_rate`].
     pub rate: f32,
     /// Place in the valve command path.
     pub mode: Mode,

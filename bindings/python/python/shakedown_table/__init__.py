@@ -1,0 +1,136 @@
+"""Control core and host library of shakedown, for hydraulic shake tables. SI units throughout.
+
+The controller is the one that runs on the device: `Controller.step` gives the same bits. What the library finds comes as the
+dictionaries that the command line writes as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from typing import Any, Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._native import Command, Motion, Record, Sample, Settings, ShakedownError, __version__
+
+__all__ = [
+    "COMMAND",
+    "SAMPLE",
+    "Command",
+    "Controller",
+    "Fitted",
+    "Motion",
+    "Record",
+    "Sample",
+    "Settings",
+    "ShakedownError",
+    "Trial",
+    "__version__",
+    "diagnose",
+    "fit_record",
+    "identify",
+    "read_record",
+    "simulate",
+]
+
+#: One sample of a run; `flags` has bit 0 for the limit switch, bit 1 for the relay's contact.
+SAMPLE = np.dtype(
+    [
+        ("reference", "<f4"),
+        ("displacement", "<f4"),
+        ("acceleration", "<f4"),
+        ("external", "<f4"),
+        ("velocity", "<f4"),
+        ("pressure_difference", "<f4"),
+        ("reference_velocity", "<f4"),
+        ("reference_acceleration", "<f4"),
+        ("second_displacement", "<f4"),
+        ("flags", "<u4"),
+    ]
+)
+
+#: One command of a run; `status` is the word of docs/hosts.md.
+COMMAND = np.dtype([("valve", "<f4"), ("reference", "<f4"), ("velocity_limit", "<f4"), ("status", "<u4")])
+
+Progress = Callable[[str, float], object]
+Path = str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A record fitted to limits: the motion, and the command line's JSON of `shakedown modify`."""
+
+    motion: Motion
+    figures: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A run of the closed loop: arrays by name (SI, the true motion), and how near the table came to the motion."""
+
+    arrays: dict[str, NDArray[np.float64]]
+    scores: dict[str, float]
+
+
+class Controller(_native.Controller):
+    """The control core: `step` for one tick, `steps` for a run."""
+
+    def steps(self, samples: ArrayLike) -> NDArray[np.void]:
+        """A run: an array of SAMPLE in, an array of COMMAND out, the interpreter free meanwhile."""
+        given = np.asarray(samples)
+        if given.dtype != SAMPLE:
+            raise TypeError(f"expected an array of shakedown_table.SAMPLE, not of {given.dtype}")
+        commands = self._steps(np.ascontiguousarray(given).tobytes())
+        return np.frombuffer(commands, COMMAND).reshape(given.shape).copy()
+
+
+def diagnose(experiment: Path, *, progress: Progress | None = None) -> dict[str, Any]:
+    """Where model and recordings part, what physics was left out, how much better it fits: the command line's JSON.
+
+    `experiment` is the file that `shakedown init` writes. `progress` is told what is being done and a share of the whole.
+    """
+    verdict: dict[str, Any] = json.loads(_native.diagnose(experiment, progress))
+    return verdict
+
+
+def identify(experiment: Path) -> dict[str, Any]:
+    """Fits the parameters that the experiment lists, with intervals, and judges the model on the runs held back."""
+    model: dict[str, Any] = json.loads(_native.identify(experiment))
+    return model
+
+
+def read_record(
+    path: Path, *, dt: float | None = None, unit: str | None = None, channel: str | None = None
+) -> Record:
+    """Reads a ground-motion record; `dt` (s) and `unit` where the file states none, `channel` where it has several."""
+    return _native.read_record(path, dt, unit, channel)
+
+
+def fit_record(
+    record: Record | Path,
+    *,
+    velocity: float = 0.242,
+    stroke: float = 0.12,
+    acceleration: float | None = None,
+    jerk: float | None = None,
+    stall: float | None = None,
+    method: str = "convex",
+    preview: float | None = None,
+    as_is: bool = False,
+) -> Fitted:
+    """Fits a record to a table's limits (m/s, m, m/s2, m/s3, m/s2): convex, taut, clip, causal or preview."""
+    given = record if isinstance(record, Record) else read_record(record)
+    figures, motion = _native.fit_record(
+        given, method, velocity, stroke, acceleration, jerk, stall, preview, as_is
+    )
+    return Fitted(motion, json.loads(figures))
+
+
+def simulate(motion: Motion, settings: Settings | None = None, *, table: Path | None = None) -> Trial:
+    """Plays a motion to the control core in the loop with a table: the paper's, or that of a model file."""
+    arrays, scores = _native.simulate(motion, settings or Settings(), table)
+    return Trial(arrays, json.loads(scores))

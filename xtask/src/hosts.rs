@@ -1,0 +1,148 @@
+//! Plays one tape to the core on every host it can be called from, and holds their answers against each other.
+//!
+//! A host plays the file `tape` into the file `answers` (the format is that of `shakedown_core::host`), once as it is and once
+//! with one bit flipped, which must change what it answers. No host is skipped: one that cannot be built or run fails.
+
+mod c;
+mod fmu;
+mod rust;
+mod tape;
+mod venv;
+mod wasm;
+mod wheel;
+
+use crate::output::say;
+use crate::shell::{Problem, command, metadata, read, run as execute, top};
+use std::path::{Path, PathBuf};
+use tape::{Tape, difference, digest};
+
+/// A host of the core.
+struct Host {
+    name: &'static str,
+    /// Builds what plays a tape.
+    build: fn(&Work) -> Result<(), Problem>,
+    /// Plays `tape` into `answers`, both in the folder.
+    play: fn(&Work, &Path) -> Result<(), Problem>,
+}
+
+const HOSTS: &[Host] = &[
+    Host { name: "rust", build: |_| Ok(()), play: rust::play },
+    Host { name: "thumbv7em", build: rust::build_image, play: rust::play_image },
+    Host { name: "c-gcc-O0", build: |work| c::build(work, "gcc", "-O0"), play: |_, at| c::play(at, "gcc", "-O0") },
+    Host { name: "c-gcc-O3", build: |work| c::build(work, "gcc", "-O3"), play: |_, at| c::play(at, "gcc", "-O3") },
+    Host {
+        name: "c-clang-O0",
+        build: |work| c::build(work, "clang", "-O0"),
+        play: |_, at| c::play(at, "clang", "-O0"),
+    },
+    Host {
+        name: "c-clang-O3",
+        build: |work| c::build(work, "clang", "-O3"),
+        play: |_, at| c::play(at, "clang", "-O3"),
+    },
+    Host { name: "python", build: wheel::build, play: wheel::play },
+    Host { name: "wasm", build: wasm::build, play: wasm::play },
+    Host { name: "fmu", build: fmu::build, play: fmu::play },
+];
+
+/// Where things are built and played.
+struct Work {
+    /// Cargo's folder of what it has built.
+    target: PathBuf,
+    /// A folder of our own.
+    folder: PathBuf,
+}
+
+impl Work {
+    fn new() -> Result<Self, Problem> {
+        let metadata = metadata(false)?;
+        let target = PathBuf::from(metadata["target_directory"].as_str().unwrap_or("target"));
+        let folder = target.join("hosts");
+        make(&folder)?;
+        Ok(Self { target, folder })
+    }
+
+    /// What was built in release, by its file's name.
+    fn release(&self, name: &str) -> PathBuf {
+        self.target.join("release").join(name)
+    }
+}
+
+fn make(folder: &Path) -> Result<(), Problem> {
+    std::fs::create_dir_all(folder).map_err(|e| Problem::Failed(format!("{}: {e}", folder.display())))
+}
+
+/// What a host answered to the tape.
+struct Played {
+    name: &'static str,
+    answers: Vec<u8>,
+}
+
+/// The chore: every host, or those named.
+pub(crate) fn run(wanted: &[String]) -> Result<(), Problem> {
+    let names: Vec<&str> = HOSTS.iter().map(|host| host.name).collect();
+    if let Some(unknown) = wanted.iter().find(|name| !names.contains(&name.as_str())) {
+        return Err(Problem::Usage(format!("there is no host `{unknown}`; there are: {}", names.join(", "))));
+    }
+    let work = Work::new()?;
+    execute(&mut command(&["cargo", "build", "--locked", "--release", "--package", "shakedown-tape"]))?;
+    let whole = work.folder.join("tape");
+    read(command(&[&work.release("shakedown-tape").display().to_string(), "write"]).arg(&whole))?;
+    let tape = Tape::of(&whole)?;
+    let chosen = HOSTS.iter().filter(|host| wanted.is_empty() || wanted.iter().any(|name| name == host.name));
+    let played: Vec<(&str, Result<Played, Problem>)> =
+        chosen.map(|host| (host.name, play(&work, &tape, host))).collect();
+    compare(&tape, &played)
+}
+
+/// Both tapes on one host.
+fn play(work: &Work, tape: &Tape, host: &Host) -> Result<Played, Problem> {
+    (host.build)(work)?;
+    let answers = |name: &str, bytes: &[u8]| {
+        let folder = work.folder.join(host.name).join(name);
+        make(&folder)?;
+        let failed = |e: std::io::Error| Problem::Failed(format!("{}: {e}", folder.display()));
+        let _ = std::fs::remove_file(folder.join("answers"));
+        std::fs::write(folder.join("tape"), bytes).map_err(failed)?;
+        (host.play)(work, &folder)?;
+        std::fs::read(folder.join("answers")).map_err(failed)
+    };
+    let (whole, flipped) = (answers("whole", &tape.bytes)?, answers("flipped", &tape.flipped())?);
+    if digest(&whole) == digest(&flipped) {
+        return Err(Problem::Failed("one flipped bit of the tape did not change its digest".into()));
+    }
+    if whole.len() != tape.records() * tape::ANSWER {
+        return Err(Problem::Failed(format!("answered {} of {} records", whole.len() / tape::ANSWER, tape.records())));
+    }
+    Ok(Played { name: host.name, answers: whole })
+}
+
+/// Prints every digest and where a host first differs from the first that played.
+fn compare(tape: &Tape, played: &[(&str, Result<Played, Problem>)]) -> Result<(), Problem> {
+    let first = played.iter().find_map(|(_, played)| played.as_ref().ok());
+    let mut failed = Vec::new();
+    for (name, played) in played {
+        match (played, first) {
+            (Ok(played), Some(first)) => {
+                say(&format!("HOST DIGEST {name} {:016x}", digest(&played.answers)));
+                if let Some(record) = difference(&first.answers, &played.answers) {
+                    let place = tape.place(record);
+                    failed.push(format!("{name} differs from {} from {place} on", first.name));
+                }
+            }
+            (Err(Problem::Usage(why) | Problem::Failed(why)), _) => failed.push(format!("{name}: {why}")),
+            (Ok(_), None) => {}
+        }
+    }
+    if failed.is_empty() { Ok(()) } else { Err(Problem::Failed(failed.join("\n       "))) }
+}
+
+/// Builds and runs the examples of other hosts.
+pub(crate) fn examples() -> Result<(), Problem> {
+    c::example(&Work::new()?)
+}
+
+/// The top of the bindings.
+fn bindings() -> PathBuf {
+    top().join("bindings")
+}

@@ -1,0 +1,47 @@
+//! C over the static library, by two compilers and with and without optimisation.
+
+use super::{Work, bindings};
+use crate::shell::{Problem, command, read, run as execute, works};
+use std::path::Path;
+
+pub(super) const LIBRARY: [&str; 6] = ["cargo", "build", "--locked", "--release", "--package", "shakedown-c"];
+/// What a host's C compiler is told: no fused multiplication where the source has none.
+const FLAGS: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"];
+/// What Rust's standard library needs.
+pub(super) const LINKED: [&str; 3] = ["-lpthread", "-ldl", "-lm"];
+
+fn program(compiler: &str, optimised: &str) -> String {
+    format!("tape-{compiler}{optimised}")
+}
+
+pub(super) fn build(work: &Work, compiler: &str, optimised: &str) -> Result<(), Problem> {
+    if !works(&[compiler, "--version"]) {
+        return Err(Problem::Failed(format!("{compiler} is not here: run `cargo xtask setup`")));
+    }
+    execute(&mut command(&LIBRARY))?;
+    compile(work, compiler, optimised, "tape.c", &program(compiler, optimised))?;
+    compile(work, compiler, optimised, "misuse.c", "misuse")?;
+    read(&mut command(&[&work.folder.join("misuse").display().to_string()])).map(drop)
+}
+
+fn compile(work: &Work, compiler: &str, optimised: &str, source: &str, to: &str) -> Result<(), Problem> {
+    let c = bindings().join("c");
+    let mut cc = command(&[&[compiler, optimised], &FLAGS[..]].concat());
+    cc.arg("-I").arg(c.join("include")).arg(c.join("tests").join(source)).arg(work.release("libshakedown_c.a"));
+    execute(cc.args(LINKED).arg("-o").arg(work.folder.join(to)))
+}
+
+pub(super) fn play(folder: &Path, compiler: &str, optimised: &str) -> Result<(), Problem> {
+    // target/hosts/NAME/whole, and the program in target/hosts.
+    let program = Path::new("../..").join(program(compiler, optimised));
+    read(command(&[&program.display().to_string(), "tape", "answers"]).current_dir(folder)).map(drop)
+}
+
+/// The example of a C project: built by CMake, its loop run.
+pub(super) fn example(work: &Work) -> Result<(), Problem> {
+    let folder = work.folder.join("c-loop");
+    let cargo = format!("-DCARGO_TARGET={}", work.target.display());
+    execute(command(&["cmake", "-S", "examples/c-loop", &cargo, "-B"]).arg(&folder))?;
+    execute(command(&["cmake", "--build"]).arg(&folder))?;
+    execute(command(&["ctest", "--output-on-failure", "--test-dir"]).arg(&folder))
+}
