@@ -90,7 +90,30 @@ impl BlockError {
     }
 }
 
+/// Whole ticks of `dt` (s) in `time` (s). A quotient short of a whole number by no more than its rounding is that number: 10 ms
+/// are 20 ticks of 0.5 ms, although the `f32` nearest to one over the other is below 20.
+pub(crate) fn whole_ticks(time: f32, dt: f32) -> u32 {
+    (time / dt * (1.0 + 2.0 * f32::EPSILON)) as u32
+}
+
 /// `value` if it lies between `low` and `high`, both included; NaN never does.
 pub(crate) fn require(field: &'static str, value: f32, low: f32, high: f32) -> Result<f32, BlockError> {
     if value >= low && value <= high { Ok(value) } else { Err(BlockError { field, value, low, high }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole_ticks;
+
+    /// A time of so many milliseconds at a rate of so many kilohertz, and at the turns of the slower monitors.
+    #[test]
+    fn a_time_of_whole_ticks_has_that_many() {
+        for rate in [200_u32, 500, 1000, 1250, 2000, 2500, 4000, 5000, 8000, 10_000] {
+            for count in 1..2000_u32 {
+                let dt = 1.0 / rate as f32;
+                assert_eq!(whole_ticks(count as f32 / rate as f32, dt), count, "{rate} Hz");
+                assert_eq!(whole_ticks((count as f32 + 0.5) / rate as f32, dt), count, "{rate} Hz");
+            }
+        }
+    }
 }

@@ -15,15 +15,13 @@ pub use inputs::{InputMonitor, InputSettings, InputState};
 pub use noise::{NoiseMonitor, NoiseState};
 pub use plausibility::{Plausibility, PlausibilitySettings};
 pub use supervisor::{Refused, Request, State, Supervisor};
-pub use valve::{ValveMonitor, ValveMonitorSettings, ValveMonitorState};
+pub use valve::{Creep, ValveMonitor, ValveMonitorSettings, ValveMonitorState};
 pub use walls::Walls;
 pub use witness::{DisplacementWitness, WitnessSettings, WitnessState};
 
-use serde::{Deserialize, Serialize};
-
 /// Everything the guard needs to be told.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct GuardSettings {
     /// Where the table may be and how it may move.
     pub envelope: EnvelopeSettings,
@@ -40,8 +38,8 @@ pub struct GuardSettings {
 }
 
 /// How long things take.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct RampSettings {
     /// From a stand into the reference, and back, s.
     pub test: f32,
@@ -56,8 +54,8 @@ impl Default for RampSettings {
 }
 
 /// Why the guard tripped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[repr(u8)]
 #[non_exhaustive]
 pub enum Trip {

@@ -11,17 +11,18 @@ mod arming;
 mod frame;
 mod wiring;
 
+pub use crate::units::Scale;
 pub use arming::{Challenge, answer};
 pub use frame::{
     Batch, Cause, Clock, Identity, MAX_BATCH, MAX_POINTS, Points, Record, RefusedBecause, Report, Request, Vitals,
 };
-pub use wiring::{Scale, Setup, SetupError, Source, Wiring};
+pub use wiring::{Setup, SetupError, Source, Wiring};
 
 use serde::{Serialize, de::DeserializeOwned};
 
 /// The version of frames and settings; a device and a host of different versions refuse each other. Whatever changes their
 /// shape changes this: a test holds the shape of each version.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 
 /// Longest frame on the wire, byte, the closing zero included.
 pub const MAX_FRAME: usize = 640;

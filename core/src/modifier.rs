@@ -1,13 +1,11 @@
 //! The record modifier that the settings name, behind one call.
 
-use serde::{Deserialize, Serialize};
-
 use crate::record::{Limits, causal, clip, preview};
 use crate::settings::{Settings, SettingsError};
 
 /// How the reference is modified on its way in.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Modification {
     /// Not at all.

@@ -25,10 +25,10 @@ pub mod preview;
 mod travel;
 
 use crate::settings::SettingsError;
-use serde::{Deserialize, Serialize};
 
 /// What the table allows, as the modifiers need it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
     /// Control rate, Hz.
     pub rate: f32,
@@ -61,7 +61,8 @@ impl Limits {
 
 /// How what was given up is made good: the displacement error e obeys e'' + 2 zeta w e' + w^2 e = 0 wherever no limit
 /// acts, so the drift it leaves at the end is zero.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Washout {
     /// Natural frequency w / 2 pi, Hz.
     pub frequency: f32,

@@ -24,15 +24,13 @@ pub mod existing;
 
 pub use existing::{Existing, ExistingState};
 
-use serde::{Deserialize, Serialize};
-
-use crate::block::{BlockError, require};
+use crate::block::{BlockError, require, whole_ticks};
 use crate::control::Blocked;
 use crate::math::Magnitude;
 
 /// How saturation is looked for.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct Detection {
     /// Acceleration below which a table is held to move at constant speed, m/s2; a few times the sensor's noise.
     pub plateau: f32,
@@ -140,7 +138,7 @@ impl Detector {
             limit,
             lag,
             existing: Existing::new(lag, settings.plateau, dt),
-            hold: (hold / dt) as u32,
+            hold: whole_ticks(hold, dt),
             follow: (dt / follow).min(1.0),
             recovery: (dt / recovery).min(1.0),
         })

@@ -7,11 +7,9 @@
 //! do, the output at which the valve passes no oil is the LVDT's reading, not zero: a zero from x = 0.1 m would drive the
 //! table at (b0 / a1) 0.1 m = 0.24 m/s.
 
-use serde::{Deserialize, Serialize};
-
 /// What stands between the output and the valve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum InnerLoop {
     /// Nothing: the output is the valve command, and zero (with the null bias) passes no oil.
     #[default]

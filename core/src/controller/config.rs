@@ -2,7 +2,7 @@
 
 use super::law::{ThreeVariable, tracking};
 use super::monitors::TURNS;
-use crate::block::{BlockError, require};
+use crate::block::{BlockError, require, whole_ticks};
 use crate::control::Tracking;
 use crate::filter::{Lag, MotionObserver};
 use crate::guard::supervisor::Ramps;
@@ -198,7 +198,7 @@ impl GuardConfig {
         let plausibility = Plausibility::new(&guard.plausibility, turn)?;
         let envelope = Envelope::new(&guard.envelope, s.stroke, turn)?;
         let witness = DisplacementWitness::new(&guard.witness, s.velocity_limit, dt)?;
-        let valve = ValveMonitor::new(&guard.valve, s.valve.lag, turn)?;
+        let valve = ValveMonitor::new(&guard.valve, s.valve.lag, s.velocity_limit, turn)?;
         Ok(Self {
             // An existing controller's reference is not ours to know.
             envelope: if s.mode == Mode::Guard { envelope.without_tracking() } else { envelope },
@@ -207,7 +207,7 @@ impl GuardConfig {
             plausibility: accelerometer.then_some(plausibility),
             witness: accelerometer.then_some(witness),
             valve: (s.mode != Mode::Modifier).then_some(valve),
-            lost: (require("guard.plausibility.lost", guard.plausibility.lost, 0.0, 1.0)? / dt) as u32,
+            lost: whole_ticks(require("guard.plausibility.lost", guard.plausibility.lost, 0.0, 1.0)?, dt),
         })
     }
 }

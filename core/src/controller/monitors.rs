@@ -13,7 +13,7 @@ use crate::filter::lag::LagState;
 use crate::filter::observer::MotionState;
 use crate::guard::envelope::{EnvelopeState, Motion};
 use crate::guard::plausibility::PlausibilityState;
-use crate::guard::{InputState, NoiseState, Trip, ValveMonitorState, WitnessState};
+use crate::guard::{Creep, InputState, NoiseState, Trip, ValveMonitorState, WitnessState};
 use crate::sample::{Channels, Sample};
 use crate::saturation::{DetectorState, Evidence};
 use crate::settings::Mode;
@@ -114,9 +114,10 @@ impl Monitors {
         self.detector.blocked()
     }
 
-    /// Why the guard would trip: as of the last tick, or of the last turn of a monitor.
+    /// Why the guard would trip: as of the last tick, or of the last turn of a monitor. A table whose readings are not all there
+    /// is not known to be where it may be armed, however short the gap.
     pub(super) fn cause(&self) -> Option<Trip> {
-        self.latch.cause()
+        self.latch.cause().or((self.lost > 0).then_some(Trip::SensorLost))
     }
 
     /// One tick, with these needed readings `missing`: what remains is judged, and the rest is waited for. Gives why the
@@ -189,8 +190,7 @@ impl Monitors {
         match turn {
             0 => {
                 self.detect(config, readings, input);
-                let valve = config.guard.as_ref()?.valve.as_ref()?;
-                valve.creeps(&mut self.valve).then_some(Trip::ValveStuck)
+                self.judge_creep(config, config.guard.as_ref()?, readings)
             }
             1 => {
                 let plausibility = config.guard.as_ref()?.plausibility.as_ref()?;
@@ -215,6 +215,17 @@ impl Monitors {
         };
         detector.advance(&mut self.detector, Evidence { velocity, acceleration, error, demand });
         self.velocity_limit = self.detector.limit();
+    }
+
+    /// Whether the LVDT has crept, or the table may be where it must not if it has.
+    fn judge_creep(&self, config: &MonitorConfig, guard: &GuardConfig, readings: &Sample) -> Option<Trip> {
+        let crept = match guard.valve.as_ref()?.creep(&self.valve) {
+            Creep::None => return None,
+            Creep::Certain => return Some(Trip::ValveStuck),
+            Creep::Possible(crept) => crept,
+        };
+        let left = guard.envelope.left_by(readings.displacement - crept, self.velocity(config, readings));
+        left.and(Some(Trip::ValveStuck))
     }
 
     /// Whether the valve does what it is told, and the table's motion what it may.

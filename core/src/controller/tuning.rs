@@ -20,6 +20,7 @@ pub struct Tuning(Config);
 
 impl Tuning {
     /// Works out `settings`, or says which field does not hold.
+    #[inline(always)]
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         Config::new(settings).map(Self)
     }

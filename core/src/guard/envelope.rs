@@ -8,15 +8,13 @@
 //! its limit for `persistence` without a break. Acceleration comes low-passed from the observer and is
 //! differenced for jerk; force is the pressure difference times the piston's area.
 
-use serde::{Deserialize, Serialize};
-
 use super::Trip;
-use crate::block::{BlockError, require};
+use crate::block::{BlockError, require, whole_ticks};
 use crate::math::Magnitude;
 
 /// Largest force of the actuator and how it is measured.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ForceSettings {
     /// Largest force, N.
     pub limit: f32,
@@ -25,8 +23,8 @@ pub struct ForceSettings {
 }
 
 /// Limits of the envelope. The stroke is the settings' own.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct EnvelopeSettings {
     /// Room kept free at each end of the stroke, m.
     pub margin: f32,
@@ -118,7 +116,7 @@ impl Envelope {
             jerk_step: Magnitude::new(require("guard.envelope.jerk", s.jerk, 0.1, 1e7)? * dt),
             pressure: Magnitude::new(pressure),
             tracking: Magnitude::new(require("guard.envelope.tracking", s.tracking, 1e-4, 100.0)?),
-            persistence: (require("guard.envelope.persistence", s.persistence, 0.0, 10.0)? / dt) as u32,
+            persistence: whole_ticks(require("guard.envelope.persistence", s.persistence, 0.0, 10.0)?, dt),
         })
     }
 

@@ -10,6 +10,7 @@
 //! frequency within a record change of a table's flow gain; a loop that is closed over the LVDT goes 1 / 0.75 of its
 //! reference by then. A supply that sags below 0.56 of its pressure changes the flow gain as much, and trips as well.
 
+use crate::block::whole_ticks;
 use crate::math::{Magnitude, max};
 
 /// Time constant of the means, s of motion.
@@ -37,7 +38,7 @@ pub(super) struct GainState {
 impl GainWitness {
     /// A witness at turns of `dt` (s).
     pub(super) fn new(dt: f32) -> Self {
-        Self { share: dt / MEMORY, learn: (MEMORY / dt) as u32 }
+        Self { share: dt / MEMORY, learn: whole_ticks(MEMORY, dt) }
     }
 
     /// One turn: velocity asked for (m/s), limit in force (m/s), velocity expected of it and measured (m/s). True: the gain

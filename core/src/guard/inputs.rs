@@ -4,16 +4,14 @@
 //! reading may be missing, and the relay when its contact has said for longer than its time that it is not where it was told to
 //! be: welded, or open with the coil energised. Each says so with the table off as well, and so refuses arming.
 
-use serde::{Deserialize, Serialize};
-
 use super::Trip;
-use crate::block::{BlockError, require};
+use crate::block::{BlockError, require, whole_ticks};
 use crate::math::Magnitude;
 use crate::sample::{Relay, Sample};
 
 /// Which of these inputs are fitted. None are where nothing is said.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct InputSettings {
     /// Largest difference between [`Sample::second_displacement`] and the LVDT, m; none without a second sensor.
     pub second_displacement: Option<f32>,
@@ -46,9 +44,9 @@ impl InputMonitor {
         let time = |time| require("guard.inputs.relay_feedback", time, 0.0, 10.0);
         Ok(Self {
             difference: settings.second_displacement.map(difference).transpose()?.map(Magnitude::new),
-            lost: (lost / dt) as u32,
+            lost: whole_ticks(lost, dt),
             limit_switches: settings.limit_switches,
-            relay: settings.relay_feedback.map(time).transpose()?.map(|time| (time / dt) as u32),
+            relay: settings.relay_feedback.map(time).transpose()?.map(|time| whole_ticks(time, dt)),
         })
     }
 

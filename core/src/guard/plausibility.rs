@@ -10,18 +10,16 @@
 //!
 //! Readings that the walls refused for longer than `lost`: open, saturated or dead.
 
-use serde::{Deserialize, Serialize};
-
 use super::Trip;
-use crate::block::{Block, BlockError, require};
+use crate::block::{Block, BlockError, require, whole_ticks};
 use crate::filter::Lag;
 use crate::filter::MotionState;
 use crate::filter::lag::LagState;
 use crate::math::Magnitude;
 
 /// When a sensor is not believed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct PlausibilitySettings {
     /// How long a reading may be missing, s.
     pub lost: f32,
@@ -68,7 +66,7 @@ impl Plausibility {
         let s = settings;
         let disagreement = require("guard.plausibility.disagreement", s.disagreement, 1e-6, 1.0)?;
         Ok(Self {
-            stuck: (require("guard.plausibility.stuck", s.stuck, 0.0, 10.0)? / dt) as u32,
+            stuck: whole_ticks(require("guard.plausibility.stuck", s.stuck, 0.0, 10.0)?, dt),
             suspicious: 0.25 * disagreement,
             disagreement,
             offset: Magnitude::new(require("guard.plausibility.offset", s.offset, 0.01, 1e3)?),

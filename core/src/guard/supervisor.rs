@@ -21,7 +21,6 @@
 
 mod weight;
 
-use serde::{Deserialize, Serialize};
 use weight::{down, smooth, up};
 
 use super::{RampSettings, Trip};
@@ -29,8 +28,8 @@ use crate::block::{BlockError, require};
 use crate::sample::Relay;
 
 /// Where a test stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[repr(u8)]
 pub enum State {
     /// Relay open, no flow asked for.
@@ -49,8 +48,8 @@ pub enum State {
 }
 
 /// What an operator asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Request {
     /// Off to Ready.
     Arm,

@@ -3,20 +3,22 @@
 //! ```text
 //! w[k] = lag(clamp(gain u, -V, +V), valve lag)                 the velocity that the command asks for, m/s
 //! r[k] = r[k-1] + dt (v - w) - (dt / memory) r[k-1]            displacement that it does not explain, m
-//! c[k] = c[k-1] + dt (v - w) - (dt / 25 memory) c[k-1]         the same over a longer time, m, as r and what r forgot
+//! f[k] = f[k-1] + clamp(x - f[k-1], -2 dt Vmax, +2 dt Vmax)      the LVDT less its spikes, m
+//! c[k] = c[k-1] + f[k] - f[k-1] - dt w - (dt / 25 memory) c[k-1]   way of the LVDT that the command does not explain, m
+//! d[k]: the same as c with Vmax for V and 50 memory                   m
 //! s[k] = s[k-1] + dt clamp(gain u, -V, +V) - (dt / 5 memory) s[k-1]     while the LVDT stays within mismatch / 20, else 0
 //! ```
-//! u is the command beyond zero flow (m), V the velocity limit in force. `|r| > mismatch` trips, and so does
+//! u is the command beyond zero flow (m), V the velocity limit in force, Vmax the one that is set. `|r| > mismatch` trips, and so does
 //! `|c| > 2 mismatch`: an LVDT that creeps, of which neither the accelerometer nor a loop that is closed over it sees
-//! anything. An even speed below 8 % of mismatch / memory may be an unknown null. So does
-//! `|s| > mismatch / 2`: a table that is told to move and by its LVDT does not. That is a valve that is shut, or an LVDT that
+//! anything. An even speed below 8 % of mismatch / memory may be an unknown null. From `|d| > mismatch` on nobody knows
+//! whether it is the LVDT or what limits the table that is wrong: a table that does less than it is told looks saturated, and an
+//! LVDT that creeps against its motion looks the same. So the table may be at x or at x - d, and it trips where the envelope,
+//! with its stopping distance, would not let it be at x - d. So does `|s| > mismatch / 2`: a table that is told to move and by its LVDT does not. That is a valve that is shut, or an LVDT that
 //! stands still while the table moves evenly, of which the accelerometer sees nothing; an even speed below a tenth of
 //! mismatch / memory is not seen, so that an unknown null does not trip a table at rest. No command stops a valve stuck hard
 //! over, and none is right without an LVDT: this trip opens the relay of the hydraulic block at once.
 //!
 //! A gain of the table by its LVDT that changes during a test trips as well (`gain`).
-
-use serde::{Deserialize, Serialize};
 
 use super::gain::{GainState, GainWitness};
 use crate::block::{Block, BlockError, require};
@@ -29,8 +31,8 @@ use crate::scalar::Scalar;
 const SLOW: (f32, f32) = (25.0, 2.0);
 
 /// When the valve is not believed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct ValveMonitorSettings {
     /// Largest displacement that the command does not explain, m.
     pub mismatch: f32,
@@ -51,9 +53,11 @@ pub struct ValveMonitor {
     dt: f32,
     keep: f32,
     mismatch: Magnitude,
-    /// The same for what creeps: what is kept from turn to turn, what is kept of what r forgets, and limit, m.
+    /// The same for what creeps: what is kept from turn to turn, farthest that the LVDT is followed in a turn, and limit, m.
     slow_keep: f32,
-    slow_gain: f32,
+    step: f32,
+    velocity_limit: f32,
+    possible_keep: f32,
     slow_limit: Magnitude,
     /// The same for a table that stands still: what is kept from turn to turn, band and limit, m.
     still_keep: f32,
@@ -67,11 +71,27 @@ pub struct ValveMonitor {
 pub struct ValveMonitorState {
     velocity: LagState,
     unexplained: f32,
-    forgotten: f32,
+    /// The LVDT less its spikes, m, and what of its way the command does not explain, m.
+    followed: Option<f32>,
+    crept: f32,
+    /// The same by the velocity limit that is set, and its lag.
+    possible: f32,
+    unlimited: LagState,
     /// Where the LVDT has stood since it last moved, m, and what it was told to move since, m.
     stood: f32,
     told: f32,
     gain: GainState,
+}
+
+/// What the command says of an LVDT that creeps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Creep {
+    /// It does not.
+    None,
+    /// It may have, this far, m: the table would be so far below its reading.
+    Possible(f32),
+    /// It has.
+    Certain,
 }
 
 impl ValveMonitorState {
@@ -82,8 +102,8 @@ impl ValveMonitorState {
 }
 
 impl ValveMonitor {
-    /// A monitor of a valve with the given `lag` (s) at ticks of `dt` (s).
-    pub fn new(settings: &ValveMonitorSettings, lag: f32, dt: f32) -> Result<Self, BlockError> {
+    /// A monitor of a valve with the given `lag` (s), of a table of `velocity_limit` (m/s), at ticks of `dt` (s).
+    pub fn new(settings: &ValveMonitorSettings, lag: f32, velocity_limit: f32, dt: f32) -> Result<Self, BlockError> {
         let memory = require("guard.valve.memory", settings.memory, 0.01, 100.0)?;
         let mismatch = require("guard.valve.mismatch", settings.mismatch, 1e-5, 10.0)?;
         let keep = 1.0 - (dt / memory).min(1.0);
@@ -94,7 +114,9 @@ impl ValveMonitor {
             keep,
             mismatch: Magnitude::new(mismatch),
             slow_keep,
-            slow_gain: slow_keep - keep,
+            step: 2.0 * velocity_limit * dt,
+            velocity_limit,
+            possible_keep: 1.0 - (0.5 * dt / (SLOW.0 * memory)).min(1.0),
             slow_limit: Magnitude::new(SLOW.1 * mismatch),
             still_keep: 1.0 - (0.2 * dt / memory).min(1.0),
             still_band: Magnitude::new(0.05 * mismatch),
@@ -117,6 +139,12 @@ impl ValveMonitor {
         let wanted = asked;
         let asked = asked.bounded(limit);
         let expected = self.lag.advance(&mut state.velocity, asked);
+        let followed = state.followed.unwrap_or(displacement);
+        let step = (displacement - followed).bounded(self.step);
+        state.followed = Some(followed + step);
+        state.crept = self.slow_keep * state.crept + step - self.dt * expected;
+        let most = self.lag.advance(&mut state.unlimited, wanted.bounded(self.velocity_limit));
+        state.possible = self.possible_keep * state.possible + step - self.dt * most;
         let changed = self.gain.advance(&mut state.gain, wanted, limit, expected, velocity);
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);
         if self.still_band.holds(displacement - state.stood) {
@@ -128,10 +156,16 @@ impl ValveMonitor {
         changed || !(self.mismatch.holds(state.unexplained) && self.still_limit.holds(state.told))
     }
 
-    /// Between two of these: true where the LVDT creeps.
+    /// Between two of these: how far the LVDT has crept, m, by what the command does not explain over the longer time; and whether
+    /// that is believed.
     #[inline(always)]
-    pub fn creeps(&self, state: &mut ValveMonitorState) -> bool {
-        state.forgotten = self.slow_keep * state.forgotten + self.slow_gain * state.unexplained;
-        !self.slow_limit.holds(state.unexplained + state.forgotten)
+    pub fn creep(&self, state: &ValveMonitorState) -> Creep {
+        if !self.slow_limit.holds(state.crept) {
+            Creep::Certain
+        } else if !self.mismatch.holds(state.possible) {
+            Creep::Possible(state.possible)
+        } else {
+            Creep::None
+        }
     }
 }

@@ -18,8 +18,6 @@
 
 use core::f32::consts::TAU;
 
-use serde::{Deserialize, Serialize};
-
 use crate::block::{Block, BlockError, require};
 use crate::filter::Lag;
 use crate::filter::lag::LagState;
@@ -27,8 +25,8 @@ use crate::filter::{MotionObserver, MotionState};
 use crate::math::{self, max};
 
 /// Stated errors of LVDT and accelerometer, and the window over which they are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct WitnessSettings {
     /// Below this the accelerometer is not believed, Hz.
     pub frequency: f32,

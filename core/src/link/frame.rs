@@ -81,6 +81,8 @@ pub struct Identity {
     pub buffer: u16,
     /// What it counts time by.
     pub clock: Clock,
+    /// Highest control rate that the board keeps up with, Hz.
+    pub highest_rate: u32,
 }
 
 /// Why a device tripped, stopped by itself, or does not arm.
@@ -117,6 +119,8 @@ pub enum RefusedBecause {
     Full,
     /// The flash did not take it.
     Flash,
+    /// The control rate is above the highest that the board keeps up with, Hz.
+    RateAbove(u32),
 }
 
 /// One tick as the device saw it: the codes it read and wrote, and what lay between them.

@@ -4,30 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::guard::InputSettings;
 use crate::settings::{Mode, Settings, SettingsError};
-
-/// A straight line between converter codes and SI units.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scale {
-    /// Code at zero, which may lie between two codes or outside the converter's range.
-    pub zero: f32,
-    /// SI units per code; negative where the wiring inverts.
-    pub per_code: f32,
-}
-
-impl Scale {
-    /// What `code` stands for, in the channel's SI unit.
-    #[inline]
-    pub fn to_si(&self, code: u16) -> f32 {
-        (f32::from(code) - self.zero) * self.per_code
-    }
-
-    /// What the codes from `first` to `last` stand for: smallest and largest value, in the channel's SI unit.
-    pub fn span(&self, first: u16, last: u16) -> [f32; 2] {
-        let [a, b] = [first, last].map(|code| self.to_si(code));
-        if a < b { [a, b] } else { [b, a] }
-    }
-}
+use crate::units::Scale;
 
 /// Where the reference comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

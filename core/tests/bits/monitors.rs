@@ -4,7 +4,7 @@ use crate::tape::{Noise, Tape, hold, run};
 use shakedown_core::filter::MotionState;
 use shakedown_core::guard::envelope::{Envelope, EnvelopeSettings, EnvelopeState, ForceSettings, Motion};
 use shakedown_core::guard::plausibility::{Plausibility, PlausibilitySettings, PlausibilityState};
-use shakedown_core::guard::valve::{ValveMonitor, ValveMonitorSettings, ValveMonitorState};
+use shakedown_core::guard::valve::{Creep, ValveMonitor, ValveMonitorSettings, ValveMonitorState};
 use shakedown_core::saturation::{Detection, Detector, Evidence};
 
 const DT: f32 = 0.003;
@@ -80,7 +80,7 @@ fn plausible(tape: &mut Tape) {
 
 fn believed(settings: ValveMonitorSettings) -> impl FnOnce(&mut Tape) {
     move |tape| {
-        let monitor = ValveMonitor::new(&settings, 0.02, DT).unwrap();
+        let monitor = ValveMonitor::new(&settings, 0.02, 0.242, DT).unwrap();
         let mut state = ValveMonitorState::default();
         let mut noise = Noise::new(101);
         let (mut asked, mut x, mut share) = (0.0_f32, 0.0_f32, 1.0);
@@ -92,7 +92,7 @@ fn believed(settings: ValveMonitorSettings) -> impl FnOnce(&mut Tape) {
             let velocity = share * asked.clamp(-LIMIT, LIMIT);
             x += if k % 1500 < 300 { 0.0 } else { DT * velocity };
             tape.count(monitor.advance(&mut state, asked, LIMIT, velocity, x));
-            tape.count(monitor.creeps(&mut state));
+            tape.count(monitor.creep(&state) == Creep::Certain);
             tape.word(&state);
         }
     }

@@ -15,11 +15,10 @@
 
 use crate::block::{BlockError, require};
 use crate::math;
-use serde::{Deserialize, Serialize};
 
 /// What is known of the flow beyond gain and limit. Zeros switch off.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct FlowSettings {
     /// Velocity limit toward negative displacement over the one toward positive, 1.
     pub asymmetry: f32,

@@ -8,11 +8,10 @@
 
 use crate::block::{BlockError, require};
 use crate::scalar::Scalar;
-use serde::{Deserialize, Serialize};
 
 /// What is known of friction and overlap. Zeros switch off.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct FrictionSettings {
     /// Coulomb friction per table mass, m/s2.
     pub coulomb: f32,

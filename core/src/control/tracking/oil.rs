@@ -17,11 +17,10 @@ use super::trajectory::Motion;
 use crate::block::{BlockError, require};
 use crate::math;
 use crate::scalar::Scalar;
-use serde::{Deserialize, Serialize};
 
 /// The table's mode on its oil column.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct OilSettings {
     /// Natural frequency, Hz.
     pub frequency: f32,

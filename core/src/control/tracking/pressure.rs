@@ -10,11 +10,10 @@
 use crate::block::{Block, BlockError, require};
 use crate::filter::Washout;
 use crate::filter::washout::WashoutState;
-use serde::{Deserialize, Serialize};
 
 /// What is known of the sensor and wanted of the damping.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct PressureSettings {
     /// Piston area over moving mass, m2/kg.
     pub area_per_mass: f32,

@@ -11,11 +11,10 @@ use super::{Actuator, LONGEST_DELAY, Tracking};
 use crate::block::{BlockError, require};
 use crate::filter::{MotionObserver, SecondOrder};
 use core::f32::consts::TAU;
-use serde::{Deserialize, Serialize};
 
 /// Noise of the sensors at each tick, standard deviations: what weighs them against each other.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct NoiseSettings {
     /// LVDT, m; a step's is the step over the root of 12.
     pub displacement: f32,
@@ -31,8 +30,8 @@ impl Default for NoiseSettings {
 }
 
 /// A notch in the feedback, for a mode that it must leave alone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct NotchSettings {
     /// Hz.
     pub frequency: f32,
@@ -41,8 +40,8 @@ pub struct NotchSettings {
 }
 
 /// Everything that is set of the tracking law beside the valve's gain, lag and null.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct TrackingSettings {
     /// Bandwidth of the feedback, Hz.
     pub bandwidth: f32,
