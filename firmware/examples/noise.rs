@@ -131,7 +131,7 @@ fn request(kind: Kind, earlier: &[u64], dice: &mut Dice) -> Request {
 fn noise(kind: Kind, bytes: u64, seed: u64) -> Heard {
     let mut queues = Queues::new();
     let (orders, desk) = queues.split();
-    let desk = Desk::new(defaults::setup(), false, Clock::Crystal, seed, desk);
+    let desk = Desk::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, seed, desk);
     let assembler = Assembler::new();
     let (heard, earlier, last) = (Heard::default(), Vec::new(), None);
     let mut device = Device { desk, orders, assembler, heard, earlier, last };
@@ -160,7 +160,7 @@ fn noise(kind: Kind, bytes: u64, seed: u64) -> Heard {
 fn right_answer_arms() -> bool {
     let mut queues = Queues::new();
     let (mut orders, desk) = queues.split();
-    let mut desk = Desk::new(defaults::setup(), false, Clock::Crystal, 1, desk);
+    let mut desk = Desk::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, 1, desk);
     let standing = Standing { state: State::Off, cause: None };
     let seen = Seen { standing, ticks: 0, dropped: 0, cause: None };
     let Action::Send(Report::Challenge(Challenge(asked))) = desk.take(Request::RequestArming, seen, 0) else {

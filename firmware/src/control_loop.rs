@@ -11,9 +11,11 @@ mod attend;
 mod open_relay;
 mod orders;
 mod outcome;
+mod prepared;
 
 pub use open_relay::OpenRelay;
 pub use outcome::{Codes, Events, News, Outcome};
+pub use prepared::Prepared;
 
 use crate::output::ZeroFlow;
 use crate::queues::{LoopEnd, Standing};

@@ -10,6 +10,13 @@ use shakedown_core::saturation::Detection;
 use shakedown_core::settings::Ranges;
 use shakedown_core::{Modification, Settings};
 
+use crate::limits::Limits;
+
+/// The STM32F407 with the converters on the chip. At 5 kHz a tick has 33,600 cycles of 168 MHz: 5.6 for each of the 6,000
+/// instructions that a tick takes at most (`tests/replay/tests/cost.rs`), where five wait states at every fetch of a line make 6
+/// for one that needs a line of its own.
+pub const LIMITS: Limits = Limits { full_scale: 4095, highest_rate: 5000 };
+
 const MIDDLE: f32 = 2048.0;
 const DISPLACEMENT: Scale = Scale { zero: MIDDLE, per_code: 0.1524 / MIDDLE };
 
@@ -21,7 +28,7 @@ pub const WIRING: Wiring = Wiring {
     acceleration: Scale { zero: MIDDLE, per_code: 2.0 * 9.806_65 / MIDDLE },
     external: DISPLACEMENT,
     output: DISPLACEMENT,
-    full_scale: 4095,
+    full_scale: LIMITS.full_scale,
     rails_are_faults: true,
 };
 

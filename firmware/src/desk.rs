@@ -7,6 +7,7 @@ use shakedown_core::link::{
 use shakedown_core::{Request as Ask, State};
 
 use crate::control_loop::OpenRelay;
+use crate::limits::Limits;
 use crate::queues::{DeskEnd, Order, POINTS, Point, Standing};
 
 mod awaited;
@@ -47,6 +48,7 @@ pub struct Desk<'a> {
     setup: Setup,
     stored: bool,
     clock: Clock,
+    limits: Limits,
     entropy: u64,
     challenge: Option<(Challenge, u32)>,
     next_point: u32,
@@ -57,14 +59,22 @@ pub struct Desk<'a> {
 }
 
 impl<'a> Desk<'a> {
-    /// A desk for a loop that runs `setup`. `entropy` differs from reset to reset; `stored` says that the setup came from flash,
-    /// `clock` what the ticks are counted by.
-    pub const fn new(setup: Setup, stored: bool, clock: Clock, entropy: u64, queues: DeskEnd<'a>) -> Self {
+    /// A desk for a loop that runs `setup` on a board of these `limits`. `entropy` differs from reset to reset; `stored` says that
+    /// the setup came from flash, `clock` what the ticks are counted by.
+    pub const fn new(
+        setup: Setup,
+        stored: bool,
+        clock: Clock,
+        limits: Limits,
+        entropy: u64,
+        queues: DeskEnd<'a>,
+    ) -> Self {
         Self {
             queues,
             setup,
             stored,
             clock,
+            limits,
             entropy,
             challenge: None,
             next_point: 0,
@@ -145,9 +155,10 @@ impl<'a> Desk<'a> {
     fn identity(&self) -> Identity {
         Identity {
             firmware: version(),
-            full_scale: self.setup.wiring.full_scale,
+            full_scale: self.limits.full_scale,
             buffer: POINTS as u16 - 1,
             clock: self.clock,
+            highest_rate: self.limits.highest_rate,
         }
     }
 

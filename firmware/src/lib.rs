@@ -16,6 +16,7 @@ pub mod control_loop;
 pub mod converters;
 pub mod defaults;
 pub mod desk;
+pub mod limits;
 pub mod output;
 pub mod queues;
 pub mod store;

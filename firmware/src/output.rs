@@ -80,6 +80,11 @@ impl ZeroFlow {
         }
     }
 
+    /// How the board is wired.
+    pub(crate) const fn wires(&self) -> &Wires {
+        &self.wires
+    }
+
     /// The code, with `displacement` the LVDT's own.
     pub fn code(&self, displacement: u16) -> u16 {
         let displacement = self.wires.read(self.wires.displacement, displacement);

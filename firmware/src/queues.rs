@@ -1,10 +1,10 @@
 //! What passes between the loop and the desk. Every queue has one sender and one receiver and never blocks.
 
 use heapless::spsc::{Consumer, Producer, Queue};
-use shakedown_core::link::{Cause, Record, Setup};
+use shakedown_core::link::{Cause, Record};
 use shakedown_core::{Request, State, Trip};
 
-use crate::control_loop::OpenRelay;
+use crate::control_loop::{OpenRelay, Prepared};
 
 /// Records of telemetry that wait for the desk, one place less: 127 ms at 1 kHz. A power of two, like the others, so that
 /// places are found by masking.
@@ -17,7 +17,7 @@ pub const ORDERS: usize = 4;
 /// What the desk tells the loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
-    /// Take the setup that waits in the queue of setups, which was validated whole. There it needs room for one, and
+    /// Take the setup that waits in the queue of setups, validated whole and worked out. There it needs room for one, and
     /// not for as many as there are orders.
     TakeSetup,
     /// Lend the proof of an open relay.
@@ -144,7 +144,7 @@ impl Point {
 #[allow(missing_debug_implementations, reason = "the queues have none")]
 pub struct Queues {
     orders: Queue<Order, ORDERS>,
-    setups: Queue<Setup, 2>,
+    setups: Queue<Prepared, 2>,
     points: Queue<Point, POINTS>,
     records: Queue<Entry, RECORDS>,
     verdicts: Queue<Verdict, 2>,
@@ -157,7 +157,7 @@ pub struct LoopEnd<'a> {
     /// What to do.
     pub orders: Consumer<'a, Order>,
     /// What [`Order::TakeSetup`] is about.
-    pub setups: Consumer<'a, Setup>,
+    pub setups: Consumer<'a, Prepared>,
     /// The streamed reference, m.
     pub points: Consumer<'a, Point>,
     /// Telemetry.
@@ -174,7 +174,7 @@ pub struct DeskEnd<'a> {
     /// What the loop shall do.
     pub orders: Producer<'a, Order>,
     /// What [`Order::TakeSetup`] is about.
-    pub setups: Producer<'a, Setup>,
+    pub setups: Producer<'a, Prepared>,
     /// The streamed reference, m.
     pub points: Producer<'a, Point>,
     /// Telemetry.

@@ -5,11 +5,13 @@
 //! whether what the hazard table promises of its [`class`] was kept. The tables have the limit switches of
 //! docs/commissioning.md ([`limit_switches()`]), or the guard is alone.
 
+pub mod adversary;
 pub mod campaign;
 pub mod case;
 pub mod class;
 pub mod dice;
 pub mod feed;
+pub mod healthy;
 mod limit_switches;
 pub mod machine;
 pub mod motions;

@@ -21,7 +21,8 @@ pub trait Board {
     fn write(&mut self, code: i16);
     /// The relay of the hydraulic block.
     fn relay(&mut self, closed: bool);
-    /// The operator's key: on runs the test, off stops it.
+    /// The operator's key: turned on it runs the test, off it stops it. One that is on when the power comes, or after a trip,
+    /// runs nothing before it was off.
     fn key(&self) -> bool;
 }
 
@@ -29,6 +30,8 @@ pub trait Board {
 pub struct Table<B> {
     board: B,
     controller: Controller,
+    /// Whether the key has been off since the power came or the test tripped.
+    released: bool,
 }
 
 impl<B: Board> Table<B> {
@@ -44,7 +47,7 @@ impl<B: Board> Table<B> {
         };
         settings.displacement.proportional = 10.0;
         settings.displacement.integral = 1.0;
-        Ok(Self { board, controller: Controller::new(&settings)? })
+        Ok(Self { board, controller: Controller::new(&settings)?, released: false })
     }
 
     /// The timer interrupt.
@@ -58,8 +61,10 @@ impl<B: Board> Table<B> {
         // A command beyond the converter is cut there; `as` saturates.
         self.board.write((command.valve / (STROKE_PER_VOLT * VOLT_PER_CODE)) as i16);
         self.board.relay(command.status.relay == Relay::Closed);
-        let wanted = match (self.board.key(), command.status.state) {
-            (true, State::Off) => Some(Request::Arm),
+        let (key, state) = (self.board.key(), command.status.state);
+        self.released = state != State::Tripped && (self.released || !key);
+        let wanted = match (key, state) {
+            (true, State::Off) if self.released => Some(Request::Arm),
             (true, State::Ready) => Some(Request::Start),
             (false, State::Running) => Some(Request::Stop),
             (false, State::Ready) => Some(Request::Off),
@@ -89,6 +94,8 @@ mod tests {
         a: f32,
         oil: bool,
         farthest: f32,
+        /// The tick at which the key is turned on.
+        turned: u32,
     }
 
     impl Board for Bench {
@@ -113,13 +120,28 @@ mod tests {
         }
 
         fn key(&self) -> bool {
-            self.tick < 10_000
+            (self.turned..10_000).contains(&self.tick)
+        }
+    }
+
+    /// At rest, with the key off until tick `turned`.
+    fn bench(turned: u32) -> Bench {
+        Bench { tick: 0, x: 0.0, v: 0.0, a: 0.0, oil: false, farthest: 0.0, turned }
+    }
+
+    /// A power failure during a test must not end in a table that starts when the power is back.
+    #[test]
+    fn a_key_that_is_on_when_the_power_comes_arms_nothing() {
+        let mut table = Table::new(bench(0)).unwrap();
+        for _ in 0..9000 {
+            table.tick();
+            assert!(!table.board().oil);
         }
     }
 
     #[test]
     fn the_table_follows_and_comes_to_rest() {
-        let mut table = Table::new(Bench { tick: 0, x: 0.0, v: 0.0, a: 0.0, oil: false, farthest: 0.0 }).unwrap();
+        let mut table = Table::new(bench(10)).unwrap();
         for _ in 0..15_000 {
             table.tick();
         }

@@ -135,7 +135,7 @@ fn interleave(seed: u64, count: &mut Count) {
     let (mut queues, mut dice) = (Queues::new(), Dice(seed));
     let (loop_end, desk_end) = queues.split();
     let decide = Loop::new(&defaults::setup(), loop_end, false).unwrap();
-    let desk = Desk::new(defaults::setup(), false, Clock::Crystal, seed, desk_end);
+    let desk = Desk::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, seed, desk_end);
     let published = decide.standing();
     let mut device = Device { decide, desk, published, challenge: Challenge(0), owed: 0, count };
     device.tick(Events::default());

@@ -4,7 +4,6 @@ use shakedown_core::link::Cause;
 use shakedown_core::{Refused, Relay, Request, State};
 
 use super::{Loop, OpenRelay, round};
-use crate::output::ZeroFlow;
 use crate::queues::{Order, Verdict};
 use crate::wires::Wires;
 
@@ -38,20 +37,19 @@ impl Loop<'_> {
         self.lent = self.say(verdict) && lends;
     }
 
-    /// Takes the setup that waits, from where it lies: a copy would cost the stack.
+    /// Exchanges the setup that waits, from where it lies: a copy would cost the stack. It was worked out by the desk.
     #[inline(never)]
     fn take_setup(&mut self) -> bool {
         let open = self.open_relay();
-        let Some(setup) = self.queues.setups.peek() else { return false };
-        let wires = Wires::new(setup);
-        let same_board = wires.same_board(&self.wires) && setup.control.rate == self.rate;
+        let Some(prepared) = self.queues.setups.peek() else { return false };
+        let (wires, rate) = (*prepared.zero_flow.wires(), prepared.rate);
+        let same_board = wires.same_board(&self.wires) && rate == self.rate;
         let verdict = if !same_board && open.is_none() {
             Verdict::Refused(self.controller.state())
-        } else if self.controller.retune(&setup.control).is_err() {
+        } else if self.controller.exchange(&prepared.tuning).is_err() {
             Verdict::NotTaken
         } else {
-            (self.every, self.zero_flow) = (setup.telemetry_every, ZeroFlow::new(setup));
-            let rate = setup.control.rate;
+            (self.every, self.zero_flow) = (prepared.every, prepared.zero_flow);
             match open {
                 Some(open) => self.rewire(wires, rate, &open),
                 None => self.wires.guards = wires.guards,

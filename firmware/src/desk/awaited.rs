@@ -4,7 +4,7 @@ use shakedown_core::State;
 use shakedown_core::link::{RefusedBecause, Report, Setup};
 
 use super::{Action, Desk, at_rest};
-use crate::control_loop::OpenRelay;
+use crate::control_loop::{OpenRelay, Prepared};
 use crate::queues::{Order, Verdict};
 
 /// What the desk waits for.
@@ -59,15 +59,21 @@ impl Desk<'_> {
         if !at_rest(state) && !same_board {
             return Err(RefusedBecause::State(state));
         }
-        if setup.validate().is_err() || setup.wiring.full_scale != self.setup.wiring.full_scale {
-            return Err(RefusedBecause::Setup);
-        }
-        // Both or neither: one without the other would be the setup of another order.
-        if !self.queues.orders.ready() || self.queues.setups.enqueue(*setup).is_err() {
-            return Err(RefusedBecause::Full);
-        }
+        self.limits.check(setup)?;
+        self.prepare(setup)?;
         let _ = self.queues.orders.enqueue(Order::TakeSetup);
         self.awaited = Some(Awaited::Setup(*setup));
+        Ok(())
+    }
+
+    /// Works `setup` out, which takes longer than a tick, and puts it where the loop finds it. By itself, for its stack.
+    #[inline(never)]
+    fn prepare(&mut self, setup: &Setup) -> Result<(), RefusedBecause> {
+        let prepared = Prepared::new(setup).map_err(|_| RefusedBecause::Setup)?;
+        // Both or neither: one without the other would be the setup of another order.
+        if !self.queues.orders.ready() || self.queues.setups.enqueue(prepared).is_err() {
+            return Err(RefusedBecause::Full);
+        }
         Ok(())
     }
 }

@@ -45,7 +45,7 @@ pub(crate) fn start(
     failure::prepare(decide.zero_flow());
     let Ok(()) = decide.begin(&setup, restarted) else { failure::park() };
     let entropy = entropy::gather(&device.RNG, &mut core.DCB, &mut core.DWT, &mut rcc);
-    let desk = Desk::new(setup, stored, clock, entropy, desk_end);
+    let desk = Desk::new(setup, stored, clock, defaults::LIMITS, entropy, desk_end);
     let link = place_link(desk, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
     let control = Control { decide, converters, pins, ticker, watchdog };
@@ -53,10 +53,10 @@ pub(crate) fn start(
     (control, link)
 }
 
-/// The setup in flash, and whether there is one.
+/// The setup in flash, and whether there is one that this board takes.
 #[inline(never)]
 fn stored_or_default(flash: &Flash) -> (Setup, bool) {
-    match store::load(flash) {
+    match store::load(flash).filter(|found| defaults::LIMITS.check(&found.setup).is_ok()) {
         Some(found) => (found.setup, true),
         None => (defaults::setup(), false),
     }

@@ -1,5 +1,7 @@
 //! `shakedown faults`: the guard among random faults, and any one run of it again.
 
+mod adversary;
+mod healthy;
 mod page;
 
 use super::output::{Outputs, print_table, tell};
@@ -20,6 +22,8 @@ use std::path::PathBuf;
   shakedown faults --seed 1 --runs 100000 --out faults --shard 1/2
   shakedown faults --seed 1 --class lvdt-stuck --runs 500          one class alone
   shakedown faults --seed 1 --runs 100000 --guard-alone            without limit switches
+  shakedown faults --healthy 10000                                nothing wrong: no trip
+  shakedown faults --adversary 2000 --class lvdt-stuck             the worst case of a class
   shakedown faults --seed 1 --run 4711 --report run.html           one run again, drawn; the other arguments as they were
 
 Ends with status 1 where a run broke what docs/hazards.md promises.")]
@@ -48,6 +52,14 @@ pub(crate) struct Args {
     /// Runs this one again and shows it.
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["runs", "out"])]
     run: Option<u64>,
+    /// So many tests with nothing wrong instead, which must not trip: tables, laws, records, and sines up to the envelope.
+    #[arg(long, value_name = "K", conflicts_with_all = ["runs", "out", "run", "class", "guard_alone"])]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    healthy: Option<u64>,
+    /// Searches for the worst case of every class instead (cross-entropy), with so many runs each; resumable with --out.
+    #[arg(long, value_name = "K", conflicts_with_all = ["runs", "run", "healthy"])]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    adversary: Option<u64>,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -58,6 +70,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--out {}: is a file; name a folder", folder.display())));
     }
     let motions = Motions::new(args.records.as_deref()).map_err(|e| Failure::Input(e.to_string()))?;
+    if let Some(runs) = args.healthy {
+        return healthy::healthy(args, runs, &motions);
+    }
+    if let Some(runs) = args.adversary {
+        return adversary::adversary(args, runs, &motions);
+    }
     if let Some(number) = args.run {
         return again(args, number, &motions);
     }

@@ -33,6 +33,8 @@ pub struct Case {
     pub settings: Settings,
     /// The existing controller's proportional gain, 1; also behind a modifier.
     pub existing: f64,
+    /// What it feeds forward of the reference's velocity in front of a guard, s.
+    pub feed_forward: f64,
     /// The table, which is not quite the one in the settings.
     pub table: Table,
     /// Where in [`Motions::all`] the record is.
@@ -52,7 +54,11 @@ pub struct Case {
 impl Case {
     /// The run `number` of `seed`; `only` takes every fault from one class.
     pub fn deal(seed: u64, number: u64, only: Option<&'static Class>, motions: &Motions) -> Self {
-        let mut dice = Dice::new(seed, number);
+        Self::deal_with(Dice::new(seed, number), number, only, motions)
+    }
+
+    /// The run that `dice` deal, of this number.
+    pub fn deal_with(mut dice: Dice, number: u64, only: Option<&'static Class>, motions: &Motions) -> Self {
         let class = only.unwrap_or_else(|| draw(&mut dice));
         let fault = (class.deal)(&mut dice);
         let table = table(&mut dice, matches!(fault, Fault::Table(Break::Payload { .. })));
@@ -69,6 +75,7 @@ impl Case {
             limit_switches: limit_switches(&settings),
             settings,
             existing: kp,
+            feed_forward: 0.0,
             table,
             motion,
             reference,
@@ -100,7 +107,7 @@ fn draw(dice: &mut Dice) -> &'static Class {
 }
 
 /// A table within a tenth of the one in the settings; on oil where asked for, and a third of the time.
-fn table(dice: &mut Dice, oil: bool) -> Table {
+pub(super) fn table(dice: &mut Dice, oil: bool) -> Table {
     let gain = dice.uniform(0.9, 1.1);
     let a1 = 57.65 * dice.uniform(0.85, 1.15);
     let oil = (oil || dice.chance(0.33))
@@ -127,12 +134,12 @@ fn mode(dice: &mut Dice, fault: Fault) -> Mode {
 }
 
 /// A proportional gain that the table takes with 6 dB to spare.
-fn gain(dice: &mut Dice, table: &Table) -> f64 {
+pub(super) fn gain(dice: &mut Dice, table: &Table) -> f64 {
     let kp = dice.uniform(3.0, 10.0);
     table.oil.map_or(kp, |oil| kp.min(0.4 * oil.damping * oil.omega * 57.65 / 138.0))
 }
 
-fn settings(dice: &mut Dice, mode: Mode, kp: f64, table: &Table) -> Settings {
+pub(super) fn settings(dice: &mut Dice, mode: Mode, kp: f64, table: &Table) -> Settings {
     let tracks = mode == Mode::Controller && table.oil.is_none() && dice.chance(0.3);
     let modification = if mode == Mode::Guard { Modification::Off } else { Modification::Causal };
     Settings {
@@ -165,7 +172,7 @@ fn settings(dice: &mut Dice, mode: Mode, kp: f64, table: &Table) -> Settings {
 
 /// A stretch of a record, scaled so that it stays 35 mm inside the stroke and asks for no more than half as much again as the
 /// table's speed.
-fn slice(dice: &mut Dice, motions: &Motions) -> (usize, Vec<f64>) {
+pub(super) fn slice(dice: &mut Dice, motions: &Motions) -> (usize, Vec<f64>) {
     let motion = dice.below(motions.all.len());
     let all = &motions.all[motion].displacement;
     let room = all.len().saturating_sub(TICKS);

@@ -5,19 +5,30 @@ use rand_chacha::ChaCha8Rng;
 
 /// A stream of random numbers.
 #[derive(Debug, Clone)]
-pub struct Dice(ChaCha8Rng);
+pub struct Dice {
+    generator: ChaCha8Rng,
+    /// Numbers that come before the generator's own, last first.
+    script: Vec<f64>,
+}
 
 impl Dice {
     /// The stream `number` of `seed`.
     pub fn new(seed: u64, number: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(number);
-        Self(generator)
+        Self { generator, script: Vec::new() }
+    }
+
+    /// The same, with these numbers in [0, 1) before its own.
+    pub fn scripted(seed: u64, number: u64, mut script: Vec<f64>) -> Self {
+        script.reverse();
+        Self { script, ..Self::new(seed, number) }
     }
 
     /// Uniform in [0, 1), 53 bits.
     pub fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / 9_007_199_254_740_992.0
+        let own = |generator: &mut ChaCha8Rng| (generator.next_u64() >> 11) as f64 / 9_007_199_254_740_992.0;
+        self.script.pop().unwrap_or_else(|| own(&mut self.generator))
     }
 
     /// Uniform from `low` to `high`.
@@ -52,6 +63,6 @@ impl Dice {
 
     /// Any 64 bits.
     pub fn bits(&mut self) -> u64 {
-        self.0.next_u64()
+        self.generator.next_u64()
     }
 }

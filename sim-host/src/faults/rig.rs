@@ -241,7 +241,9 @@ impl<'a> Rig<'a> {
         let mut a = self.sensors.acceleration(self.time, truth[1]);
         let wanted = self.case.reference.get(tick).copied().unwrap_or(0.0);
         // The existing controller closes its loop over its own reading of the same LVDT.
-        let mut external = self.case.existing * (wanted - x);
+        let before = self.case.reference.get(tick.saturating_sub(1)).copied().unwrap_or(wanted);
+        let fed = self.case.feed_forward * (wanted - before) * RATE;
+        let mut external = self.case.existing * (wanted - x) + fed;
         let mut reference = if self.feed.is_some() { self.next_point(faulty) } else { wanted as f32 };
         if let (Some(spoiled), Fault::Signal(channel, _)) = (&mut self.spoiled, self.fault) {
             match channel {
@@ -253,7 +255,7 @@ impl<'a> Rig<'a> {
                 Channel::Command => reference = spoiled.pass(wanted, &mut self.dice) as f32,
             }
             if channel == Channel::Displacement {
-                external = self.case.existing * (wanted - x);
+                external = self.case.existing * (wanted - x) + fed;
             }
         }
         let sample = Sample { external: external as f32, ..Sample::new(reference, x as f32, a as f32) };

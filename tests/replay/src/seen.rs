@@ -47,6 +47,8 @@ pub struct Seen {
     pub dead_from: Option<usize>,
     /// Tick whose sample is lost.
     pub lost_at: Option<usize>,
+    /// The update in whose tick the core stands, and for how long, ns; none for never.
+    pub stands: Option<(usize, u64)>,
     /// What is on the pins of the crystal.
     pub oscillator: Oscillator,
     /// Frequency of the watchdog's clock, Hz.
@@ -73,6 +75,7 @@ impl Seen {
             limit,
             dead_from: None,
             lost_at: None,
+            stands: None,
             oscillator: Oscillator::Crystal,
             watchdog_clock: 32_000,
             resets: 0,
@@ -119,6 +122,10 @@ impl World for Seen {
 
     fn overruns(&self) -> bool {
         self.lost_at == Some(self.codes.len())
+    }
+
+    fn stands(&self) -> Option<u64> {
+        self.stands.filter(|&(update, _)| update == self.codes.len()).map(|(_, time)| time)
     }
 
     fn oscillator(&self) -> Oscillator {

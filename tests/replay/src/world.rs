@@ -67,6 +67,11 @@ pub trait World: Send + 'static {
         32_000
     }
 
+    /// How long the core stands where a tick puts its code out, ns; none where it does not.
+    fn stands(&self) -> Option<u64> {
+        None
+    }
+
     /// Whether the DMA is off when this update's conversion ends, so that the converter overruns.
     fn overruns(&self) -> bool {
         false

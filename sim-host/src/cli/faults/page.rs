@@ -114,9 +114,21 @@ fn failed(summary: &Summary) -> Table {
 pub(super) fn page(summary: &Summary, seed: u64, sections: Vec<Section>) -> Page {
     Page {
         title: "Fault campaign".into(),
-        lead: format!("{} runs, {} of them broke a promise of the hazard table.", summary.runs, summary.failed.len()),
+        lead: match summary.failed.len() {
+            0 => format!("Every promise of the hazard table held in {} runs.", summary.runs),
+            broken => format!("{broken} of {} runs broke a promise of the hazard table.", summary.runs),
+        },
+        advice: summary
+            .failed
+            .iter()
+            .take(5)
+            .map(|o| {
+                format!("Look at run {}: `shakedown faults --seed {seed} --run {} --report run.html`.", o.run, o.run)
+            })
+            .collect(),
         sections,
         provenance: vec![("seed".into(), seed.to_string())],
+        ..Page::default()
     }
 }
 
@@ -166,6 +178,7 @@ pub(super) fn run_page(case: &Case, pair: &Pair, table: Table) -> Page {
             series,
             bands: vec![Band { from: onset, to: end, label: "fault".into() }],
             group: Some("run".into()),
+            ..Plot::default()
         })
     };
     let twin = Series {

@@ -248,6 +248,11 @@ impl<W: World> Driver<Board> for Lockstep<W> {
             Settled::Access { access, value } => {
                 self.silicon.settled(session, host, self.world.oscillator(), access, value);
                 if access.kind == AccessKind::Write {
+                    if access.address == DAC_DHR12R1
+                        && let Some(time) = self.world.stands()
+                    {
+                        self.silicon.stand(session, host, access.virtual_time.0 + time);
+                    }
                     self.notice(session, access, value);
                 }
             }

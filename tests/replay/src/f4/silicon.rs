@@ -58,10 +58,8 @@ impl Silicon {
             }
             (AccessKind::Write, RCC_CR) => start(session, oscillator),
             (AccessKind::Write, FLASH_CR) if value & STRT != 0 && self.stands_until.is_none() => {
-                let until = access.virtual_time.0 + ERASE;
-                (self.stalls, self.stands_until) = (self.stalls + 1, Some(until));
-                host.hold(true);
-                session.pause_at(Some(VirtualNanos(until)));
+                self.stalls += 1;
+                self.stand(session, host, access.virtual_time.0 + ERASE);
             }
             (AccessKind::Write, address) if CONFIGURATION.contains(&address) => {
                 self.configuration.insert(address, value);
@@ -70,7 +68,14 @@ impl Silicon {
         }
     }
 
-    /// The core goes on when the erase is over.
+    /// The core stands until then.
+    pub(super) fn stand(&mut self, session: &mut Session<Board>, host: &mut dyn Host, until: u64) {
+        self.stands_until = Some(until);
+        host.hold(true);
+        session.pause_at(Some(VirtualNanos(until)));
+    }
+
+    /// The core goes on when it has stood long enough.
     pub(super) fn stopped(&mut self, session: &mut Session<Board>, host: &mut dyn Host, now: u64) {
         match self.stands_until {
             Some(until) if now >= until => {

@@ -1,0 +1,70 @@
+//! `shakedown faults --adversary RUNS`: the worst case of every class that a search finds.
+
+use super::super::{Failure, present, progress};
+use super::Args;
+use serde_json::json;
+use shakedown::faults::adversary::{Search, search};
+use shakedown::faults::{CLASSES, Class, Motions};
+use shakedown::report::{Item, Page, Section, Table};
+
+/// Searches and shows what was found.
+pub(super) fn adversary(args: &Args, runs: u64, motions: &Motions) -> Result<(), Failure> {
+    let only = args.class.as_deref().and_then(Class::named);
+    let classes: Vec<&'static Class> = CLASSES.iter().skip(1).filter(|c| only.is_none_or(|o| o.id == c.id)).collect();
+    if let Some(folder) = &args.out {
+        std::fs::create_dir_all(folder).map_err(|e| Failure::Input(format!("--out {}: {e}", folder.display())))?;
+    }
+    let bar = progress::bar(runs * classes.len() as u64, "runs");
+    let mut found = Vec::new();
+    for class in classes {
+        let begin = Search::new(class, args.seed, args.guard_alone);
+        let done = search(begin, class, runs, args.out.as_deref(), motions, &|n| bar.inc(n));
+        found.push((class, done.map_err(|e| Failure::Work(e.to_string()))?));
+    }
+    bar.finish_and_clear();
+    let sections = vec![section(&found, args.guard_alone)];
+    if !args.outputs.quiet() {
+        sections.iter().for_each(present::print_section);
+    }
+    let searches: Vec<&Search> = found.iter().map(|(_, search)| search).collect();
+    let json = json!({"schema": "shakedown.adversary/1", "seed": args.seed, "guard_alone": args.guard_alone,
+                      "searches": searches});
+    args.outputs.write_json(json, &motions.files)?;
+    let broken: u64 = searches.iter().map(|search| search.broken).sum();
+    let total: u64 = searches.iter().map(|search| search.runs).sum();
+    let lead = format!("{total} runs dealt by a search for the worst; {broken} broke a promise.");
+    let provenance = vec![("seed".into(), args.seed.to_string())];
+    let mut page = Page { title: "Adversarial search".into(), lead, sections, provenance, ..Page::default() };
+    args.outputs.write_report(&mut page, &motions.files)?;
+    if broken > 0 {
+        return Err(Failure::Work(format!("{broken} of {total} runs broke a promise")));
+    }
+    Ok(())
+}
+
+fn section(found: &[(&'static Class, Search)], guard_alone: bool) -> Section {
+    let row = |(class, search): &(&'static Class, Search)| {
+        let mut cells = vec![class.id.to_owned(), class.promise.to_string(), search.runs.to_string()];
+        cells.push(search.broken.to_string());
+        cells.extend(search.worst.as_ref().map_or_else(
+            || vec![String::new(); 4],
+            |worst| {
+                vec![
+                    format!("{:.2}", worst.used),
+                    worst.outcome.mode.clone(),
+                    format!("{:.1}", 1e3 * worst.outcome.farthest_m),
+                    worst.outcome.reported.clone().unwrap_or_else(|| "no".into()),
+                ]
+            },
+        ));
+        cells
+    };
+    let columns = ["class", "promised", "runs", "broken", "promise used", "mode", "farthest [mm]", "reported"];
+    let switches = if guard_alone { "without limit switches" } else { "with limit switches" };
+    let table = Table {
+        columns: columns.map(String::from).to_vec(),
+        rows: found.iter().map(row).collect(),
+        caption: format!("The worst case found of each class, {switches}; above 1 a promise is broken"),
+    };
+    Section { heading: "Adversarial search".into(), items: vec![Item::Table(table)] }
+}
