@@ -8,9 +8,9 @@
 )]
 
 use serde_json::{Value, json};
-use shakedown::prove::Examinee;
 use shakedown::prove::campaign::{CampaignError, Plan, join, run};
 use shakedown::prove::summary::summarise;
+use shakedown::prove::{Answer, Examinee, laboratory};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -30,7 +30,7 @@ impl Contented {
 }
 
 impl Examinee for Contented {
-    fn diagnose(&self, experiment: &Path) -> Result<Value, String> {
+    fn diagnose(&self, experiment: &Path) -> Result<Answer, String> {
         self.asked.fetch_add(1, Ordering::SeqCst);
         let folder = experiment.parent().ok_or("no folder")?;
         let names: Vec<String> = std::fs::read_dir(folder)
@@ -41,7 +41,8 @@ impl Examinee for Contented {
         assert!(names.iter().all(|n| n == "experiment.toml" || n.starts_with("run-")), "{names:?}");
         let case = folder.file_name().ok_or("no name")?;
         assert!(!self.records.join(case).with_extension("json").exists(), "opened before it was answered");
-        Ok(json!({"verdict": "consistent", "candidates": [{"ids": [], "probability": 1.0}]}))
+        let diagnosis = json!({"verdict": "consistent", "candidates": [{"ids": [], "probability": 1.0}]});
+        Ok(Answer { diagnosis, seconds: 0.0 })
     }
 
     fn identify(&self, _experiment: &Path) -> Option<Result<Value, String>> {
@@ -54,7 +55,17 @@ impl Examinee for Contented {
 }
 
 fn piece(shard: u64, shards: u64) -> Plan {
-    Plan { seed: SEED, cases: CASES, shard, shards, engine: "contented".into() }
+    Plan {
+        examiner: 1,
+        lock: 0,
+        strata: Vec::new(),
+        kinds: Vec::new(),
+        seed: SEED,
+        cases: CASES,
+        shard,
+        shards,
+        engine: "contented".into(),
+    }
 }
 
 #[test]
@@ -64,17 +75,14 @@ fn pieces_join_to_the_result_of_one_run_and_a_lost_one_is_named() {
     run(&piece(1, 1), &whole, &Contented::beside(&whole), &|_| ()).unwrap();
     let one = parts.join("a");
     run(&piece(1, 2), &one, &Contented::beside(&one), &|_| ()).unwrap();
-    let lost = join(&parts).unwrap_err().to_string();
+    let lost = join(&parts, false).unwrap_err().to_string();
     assert!(lost.contains("shard 2/2: 2 cases missing (1, 3)"), "{lost}");
+    assert_eq!(join(&parts, true).unwrap().1.len(), 3);
     let two = parts.join("b");
     run(&piece(2, 2), &two, &Contented::beside(&two), &|_| ()).unwrap();
 
     let result = |folder: &Path| {
-        let (plan, mut records) = join(folder).unwrap();
-        // Wall time is the one thing that differs.
-        for record in &mut records {
-            record.seconds = 0.0;
-        }
+        let (plan, records) = join(folder, false).unwrap();
         serde_json::to_string(&summarise(&plan, &records)).unwrap()
     };
     assert_eq!(result(&whole), result(&parts));
@@ -96,4 +104,25 @@ fn pieces_join_to_the_result_of_one_run_and_a_lost_one_is_named() {
     // Another engine's campaign is not mixed in.
     let other = Plan { engine: "another".into(), ..piece(1, 1) };
     assert!(matches!(run(&other, &whole, &again, &|_| ()), Err(CampaignError::Other { .. })));
+}
+
+#[test]
+fn a_part_of_examiner_2_is_dealt_and_what_is_always_content_misses_its_gates() {
+    let folder = tempfile::tempdir().unwrap();
+    let strata = vec!["null".into(), "single, gross".into()];
+    let plan = Plan { examiner: 2, strata, cases: 3, ..piece(1, 1) };
+    run(&plan, folder.path(), &Contented::beside(folder.path()), &|_| ()).unwrap();
+    let (plan, records) = join(folder.path(), false).unwrap();
+    assert_eq!(records.len(), 3);
+    for record in &records {
+        let truth = &record.truth;
+        let gross = truth.stratum == "single" && truth.effects.len() == 1;
+        assert!(truth.stratum == "null" || gross, "{truth:?}");
+    }
+    let summary = laboratory::summarise(&plan, &records);
+    let wrong = records.iter().filter(|r| r.truth.stratum == "single").count();
+    assert_eq!(summary.misses.len(), wrong);
+    // No case of these decides any gate about pairs.
+    let pairs = summary.gates.iter().find(|g| g.name.contains("any pair")).unwrap();
+    assert!(pairs.holds.is_none() && pairs.cases == 0);
 }

@@ -1,36 +1,37 @@
 //! Makes cases, has them answered, opens the answers, and keeps one file a case so that a campaign can stop and go on.
 
-use super::Examinee;
 use super::attainable::attainable;
-use super::record::{Record, Reply, SCHEMA, Truth};
+use super::examiner::{Dealt, wanted};
+pub use super::plan::Plan;
+use super::record::{Evidence, Record, Reply, SCHEMA, Truth};
 use super::rival;
+use super::{Answer, Examinee};
 use crate::files::json::{self, JsonError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use shakedown_truth::case;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// A campaign, or a piece of one.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Plan {
-    /// Seed of the cases.
-    pub seed: u64,
-    /// Cases of the whole campaign.
-    pub cases: u64,
-    /// This piece, from 1.
-    pub shard: u64,
-    /// Pieces of the whole.
-    pub shards: u64,
-    /// Version of the examinee.
-    pub engine: String,
-}
 
 impl Plan {
     /// The numbers of this piece's cases: dealt round, so that every piece has the same mix.
     pub fn numbers(&self) -> Vec<u64> {
-        (0..self.cases).filter(|number| number % self.shards == self.shard - 1).collect()
+        let all = self.all();
+        let mine = |i: &usize| *i as u64 % self.shards == self.shard - 1;
+        all.into_iter().enumerate().filter(|(i, _)| mine(i)).map(|(_, number)| number).collect()
+    }
+
+    /// The numbers of the whole campaign's cases: the first ones, or the first that are of the strata and kinds asked for.
+    fn all(&self) -> Vec<u64> {
+        if self.strata.is_empty() && self.kinds.is_empty() {
+            return (0..self.cases).collect();
+        }
+        // A kind comes at least once in some cycles; a name that is no kind ends the search here.
+        let far = 5000 + 400 * self.cases;
+        (0..far)
+            .filter(|number| wanted(self, *number))
+            .take(usize::try_from(self.cases).unwrap_or(usize::MAX))
+            .collect()
     }
 
     fn file(&self, folder: &Path) -> PathBuf {
@@ -45,10 +46,12 @@ pub enum CampaignError {
     #[error(transparent)]
     Json(#[from] JsonError),
     /// The folder holds another campaign.
-    #[error("{path}: begun as seed {seed}, {cases} cases, engine {engine}; give another --out")]
+    #[error("{path}: begun as examiner {examiner}, seed {seed}, {cases} cases, engine {engine}; give another --out")]
     Other {
         /// Its plan.
         path: PathBuf,
+        /// Its examiner.
+        examiner: u8,
         /// Its seed.
         seed: u64,
         /// Its cases.
@@ -82,8 +85,9 @@ fn missing_text(missing: &[(u64, Vec<u64>)], plan: &Plan) -> String {
         })
         .collect();
     format!(
-        "{}; run each again with `shakedown prove --seed {} --cases {} --shard I/{}`",
+        "{}; run each again with `shakedown prove --examiner {} --seed {} --cases {} --shard I/{}`",
         pieces.join("; "),
+        plan.examiner,
         plan.seed,
         plan.cases,
         plan.shards
@@ -114,8 +118,8 @@ pub fn run(
     let open: Vec<u64> = plan.numbers().into_iter().filter(|n| !record_path(folder, *n).exists()).collect();
     done((plan.numbers().len() - open.len()) as u64);
     open.par_iter().try_for_each(|number| {
-        let record = examine(plan, folder, examinee, *number)?;
-        write(&record_path(folder, *number), &record)?;
+        let evidence = examine(plan, folder, examinee, *number)?;
+        write(&record_path(folder, *number), &evidence)?;
         done(1);
         Ok(())
     })
@@ -124,13 +128,16 @@ pub fn run(
 /// Writes the plan, or finds the same one there.
 fn begin(plan: &Plan, folder: &Path) -> Result<(), CampaignError> {
     for other in plans(folder)? {
-        let same = (other.seed, other.cases, &other.engine) == (plan.seed, plan.cases, &plan.engine);
-        if !same || other.shards != plan.shards {
-            let path = other.file(folder);
-            return Err(CampaignError::Other { path, seed: other.seed, cases: other.cases, engine: other.engine });
+        if (Plan { shard: plan.shard, ..other.clone() }) != *plan {
+            return Err(other_campaign(other.file(folder), other));
         }
     }
     Ok(write(&plan.file(folder), plan)?)
+}
+
+fn other_campaign(path: PathBuf, other: Plan) -> CampaignError {
+    let Plan { examiner, seed, cases, engine, .. } = other;
+    CampaignError::Other { path, examiner, seed, cases, engine }
 }
 
 fn record_path(folder: &Path, number: u64) -> PathBuf {
@@ -143,37 +150,38 @@ fn write(path: &Path, value: &impl Serialize) -> Result<(), JsonError> {
 }
 
 /// One case: dealt, answered, the answer stored, and only then opened.
-fn examine(plan: &Plan, folder: &Path, examinee: &impl Examinee, number: u64) -> Result<Record, CampaignError> {
-    let dealt = case(plan.seed, number);
-    let seal = dealt.sealed.seal.clone();
+fn examine(plan: &Plan, folder: &Path, examinee: &impl Examinee, number: u64) -> Result<Evidence, CampaignError> {
+    let dealt = Dealt::deal(plan, number);
+    let seal = dealt.seal().to_string();
     let scratch = tempfile::tempdir().map_err(JsonError::file(folder))?;
-    let stored = folder.join("answers").join(format!("{}.json", dealt.name));
+    let stored = folder.join("answers").join(format!("{}.json", dealt.name()));
     // An answer that a stopped campaign left is kept: it was given before its seal was broken.
     let answered = match json::read::<Answered>(&stored) {
         Ok(earlier) if earlier.engine == plan.engine && earlier.seal == seal => earlier,
         _ => {
-            let desk = scratch.path().join(&dealt.name);
+            let desk = scratch.path().join(dealt.name());
             dealt.write(&desk).map_err(JsonError::file(&desk))?;
             let answered = answer(examinee, &desk, plan, &seal);
             write(&stored, &answered)?;
             answered
         }
     };
-    let rivals = rival::replies(&dealt.experiment).map(Vec::from).unwrap_or_default();
-    let opened = dealt.sealed.open_after(&stored)?;
-    let reply = reply(&answered.diagnosis);
-    let truth: Truth = serde_json::from_value(opened.answer.to_json()).map_err(JsonError::content(&stored))?;
-    let attainable = attainable(examinee, &opened, &reply, &truth, scratch.path());
-    Ok(Record {
+    let rivals = dealt.first().and_then(rival::replies).map(Vec::from).unwrap_or_default();
+    let opened = dealt.open_after(&stored)?;
+    let truth: Truth = serde_json::from_value(opened.answer.clone()).map_err(JsonError::content(&stored))?;
+    let attainable = attainable(examinee, &opened.clean, &Reply::of(&answered.diagnosis), &truth, scratch.path());
+    Ok(Evidence {
         schema: SCHEMA.into(),
+        examiner: plan.examiner,
+        lock: plan.lock,
         seed: plan.seed,
         case: number,
         engine: answered.engine,
         seal,
         salt: opened.salt,
-        reply,
         seconds: answered.seconds,
-        truth,
+        diagnosis: answered.diagnosis,
+        answer: opened.answer,
         attainable,
         rivals,
     })
@@ -181,20 +189,16 @@ fn examine(plan: &Plan, folder: &Path, examinee: &impl Examinee, number: u64) ->
 
 fn answer(examinee: &impl Examinee, desk: &Path, plan: &Plan, seal: &str) -> Answered {
     let start = Instant::now();
-    let diagnosis = examinee
-        .diagnose(&desk.join("experiment.toml"))
-        .unwrap_or_else(|failure| serde_json::json!({"verdict": "failed", "failure": failure}));
-    let seconds = start.elapsed().as_secs_f64();
-    Answered { engine: plan.engine.clone(), seal: seal.to_string(), seconds, diagnosis }
-}
-
-/// The scored part of a diagnosis; what does not have its shape is a failure of the examinee.
-fn reply(diagnosis: &Value) -> Reply {
-    Reply::deserialize(diagnosis).unwrap_or_else(|e| Reply {
-        verdict: "failed".into(),
-        failure: Some(format!("not the shape of diagnose --json: {e}")),
-        ..Reply::default()
-    })
+    let answer = examinee.diagnose(&desk.join("experiment.toml")).unwrap_or_else(|failure| Answer {
+        diagnosis: serde_json::json!({"verdict": "failed", "failure": failure}),
+        seconds: start.elapsed().as_secs_f64(),
+    });
+    Answered {
+        engine: plan.engine.clone(),
+        seal: seal.to_string(),
+        seconds: answer.seconds,
+        diagnosis: answer.diagnosis,
+    }
 }
 
 fn plans(folder: &Path) -> Result<Vec<Plan>, CampaignError> {
@@ -210,8 +214,13 @@ fn plans(folder: &Path) -> Result<Vec<Plan>, CampaignError> {
     Ok(found)
 }
 
-/// Joins the pieces in `folder` or in the folders one below it: the plan and every record, in order.
-pub fn join(folder: &Path) -> Result<(Plan, Vec<Record>), CampaignError> {
+fn read(path: &Path) -> Result<Record, CampaignError> {
+    Ok(json::read::<Evidence>(path)?.record().map_err(JsonError::content(path))?)
+}
+
+/// Joins the pieces in `folder` or in the folders one below it: the plan and every record, in order; what is missing is an
+/// error, unless a `part` will do.
+pub fn join(folder: &Path, part: bool) -> Result<(Plan, Vec<Record>), CampaignError> {
     let below = std::fs::read_dir(folder).map_err(|_| CampaignError::Nothing(folder.to_path_buf()))?;
     let mut folders = vec![folder.to_path_buf()];
     folders.extend(below.flatten().map(|e| e.path()).filter(|p| p.is_dir()));
@@ -224,8 +233,7 @@ pub fn join(folder: &Path) -> Result<(Plan, Vec<Record>), CampaignError> {
         return Err(CampaignError::Nothing(folder.to_path_buf()));
     };
     if let Some((place, odd)) = pieces.iter().find(|(_, p)| Plan { shard: first.shard, ..p.clone() } != first) {
-        let path = odd.file(place);
-        return Err(CampaignError::Other { path, seed: odd.seed, cases: odd.cases, engine: odd.engine.clone() });
+        return Err(other_campaign(odd.file(place), odd.clone()));
     }
     let (mut records, mut missing) = (Vec::new(), Vec::new());
     for shard in 1..=first.shards {
@@ -234,7 +242,7 @@ pub fn join(folder: &Path) -> Result<(Plan, Vec<Record>), CampaignError> {
         let mut lost = Vec::new();
         for number in plan.numbers() {
             match places.iter().map(|place| record_path(place, number)).find(|path| path.exists()) {
-                Some(path) => records.push(json::read::<Record>(&path)?),
+                Some(path) => records.push(read(&path)?),
                 None => lost.push(number),
             }
         }
@@ -242,7 +250,7 @@ pub fn join(folder: &Path) -> Result<(Plan, Vec<Record>), CampaignError> {
             missing.push((shard, lost));
         }
     }
-    if !missing.is_empty() {
+    if !missing.is_empty() && !part {
         return Err(CampaignError::Missing { missing, plan: Box::new(first) });
     }
     records.sort_by_key(|record| record.case);

@@ -1,5 +1,5 @@
-//! The gates: what is claimed, with the bound that decides. A gate fails only where the one-sided 95 % bound of its
-//! estimate excludes the limit.
+//! The gates: what is claimed, with the bound that decides. The burden of proof is on the claim: a gate holds where the
+//! one-sided 95 % bound on the far side meets its limit, fails where the near side excludes it, and between says nothing.
 
 use super::bounds::{lower, upper};
 use super::record::Record;
@@ -22,13 +22,14 @@ pub enum Limit {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gate {
     /// What is claimed.
-    pub name: &'static str,
+    pub name: String,
     /// The estimate.
     pub value: f64,
     /// The limit, or the one of two that the estimate is nearer to.
     pub bound: f64,
-    /// Not excluded by the estimate's bound.
-    pub holds: bool,
+    /// True where the far bound meets the limit, false where the near one excludes it, none where the cases are too few to
+    /// decide.
+    pub holds: Option<bool>,
     /// Cases, or intervals, that it rests on.
     pub cases: usize,
     /// Cases counted.
@@ -41,25 +42,49 @@ pub struct Gate {
     pub limit: Limit,
 }
 
-impl Gate {
-    /// A gate on a share: `count` of `cases`.
-    pub fn share(name: &'static str, count: usize, cases: usize, limit: Limit) -> Self {
-        let (low, high) = if cases == 0 { (0.0, 1.0) } else { (lower(count, cases), upper(count, cases)) };
-        let value = if cases == 0 { f64::NAN } else { count as f64 / cases as f64 };
-        let (bound, holds) = match limit {
-            Limit::AtMost(most) => (most, low <= most),
-            Limit::AtLeast(least) => (least, high >= least),
-            Limit::Within(least, most) => {
-                (if value > 0.5 * (least + most) { most } else { least }, low <= most && high >= least)
-            }
+impl Limit {
+    /// What bounds on a value decide.
+    fn decides(self, low: f64, high: f64) -> Option<bool> {
+        let (met, missed) = match self {
+            Self::AtMost(most) => (high <= most, low > most),
+            Self::AtLeast(least) => (low >= least, high < least),
+            Self::Within(least, most) => (low >= least && high <= most, low > most || high < least),
         };
-        Self { name, value, bound, holds, cases, count, low, high, limit }
+        if met { Some(true) } else { missed.then_some(false) }
     }
 
-    /// A gate on a mean, without a bound of its own.
-    pub fn mean(name: &'static str, value: f64, most: f64, cases: usize) -> Self {
-        let limit = Limit::AtMost(most);
-        Self { name, value, bound: most, holds: value <= most, cases, count: cases, low: value, high: value, limit }
+    /// The limit, or the one of two that `value` is nearer to.
+    fn nearest(self, value: f64) -> f64 {
+        match self {
+            Self::AtMost(bound) | Self::AtLeast(bound) => bound,
+            Self::Within(least, most) => {
+                if value > 0.5 * (least + most) {
+                    most
+                } else {
+                    least
+                }
+            }
+        }
+    }
+}
+
+impl Gate {
+    /// A gate on a share: `count` of `cases`.
+    pub fn share(name: impl Into<String>, count: usize, cases: usize, limit: Limit) -> Self {
+        let (low, high) = if cases == 0 { (0.0, 1.0) } else { (lower(count, cases), upper(count, cases)) };
+        let value = if cases == 0 { f64::NAN } else { count as f64 / cases as f64 };
+        Self { count, ..Self::bounded(name, value, (low, high), cases, limit) }
+    }
+
+    /// A gate on a mean without bounds of its own: its value decides.
+    pub fn mean(name: impl Into<String>, value: f64, most: f64, cases: usize) -> Self {
+        Self::bounded(name, value, (value, value), cases, Limit::AtMost(most))
+    }
+
+    /// A gate on a value between bounds.
+    pub fn bounded(name: impl Into<String>, value: f64, (low, high): (f64, f64), cases: usize, limit: Limit) -> Self {
+        let holds = if cases == 0 { None } else { limit.decides(low, high) };
+        Self { name: name.into(), value, bound: limit.nearest(value), holds, cases, count: cases, low, high, limit }
     }
 }
 
@@ -121,20 +146,25 @@ mod tests {
     use super::{Gate, Limit};
 
     #[test]
-    fn a_gate_fails_only_where_its_bound_excludes_the_limit() {
+    fn the_far_bound_must_meet_the_limit_and_the_near_one_must_not_exclude_it() {
         // 6 of 300 is 2 %, yet a true 1 % gives as many in more than one campaign of twenty.
-        assert!(Gate::share("", 6, 300, Limit::AtMost(0.01)).holds);
-        assert!(!Gate::share("", 8, 300, Limit::AtMost(0.01)).holds);
-        assert!(Gate::share("", 82, 100, Limit::AtLeast(0.85)).holds);
-        assert!(!Gate::share("", 75, 100, Limit::AtLeast(0.85)).holds);
-        assert!(!Gate::share("", 990, 1000, Limit::Within(0.85, 0.95)).holds);
-        assert!(!Gate::share("", 700, 1000, Limit::Within(0.85, 0.95)).holds);
-        assert!(Gate::share("", 900, 1000, Limit::Within(0.85, 0.95)).holds);
+        assert_eq!(Gate::share("", 6, 300, Limit::AtMost(0.01)).holds, None);
+        assert_eq!(Gate::share("", 8, 300, Limit::AtMost(0.01)).holds, Some(false));
+        // The rule of three: none of 298 leaves 1.0 %.
+        assert_eq!(Gate::share("", 0, 297, Limit::AtMost(0.01)).holds, None);
+        assert_eq!(Gate::share("", 0, 299, Limit::AtMost(0.01)).holds, Some(true));
+        assert_eq!(Gate::share("", 82, 100, Limit::AtLeast(0.85)).holds, None);
+        assert_eq!(Gate::share("", 75, 100, Limit::AtLeast(0.85)).holds, Some(false));
+        assert_eq!(Gate::share("", 95, 100, Limit::AtLeast(0.85)).holds, Some(true));
+        assert_eq!(Gate::share("", 990, 1000, Limit::Within(0.85, 0.95)).holds, Some(false));
+        assert_eq!(Gate::share("", 700, 1000, Limit::Within(0.85, 0.95)).holds, Some(false));
+        assert_eq!(Gate::share("", 900, 1000, Limit::Within(0.85, 0.95)).holds, Some(true));
     }
 
     #[test]
-    fn no_case_excludes_nothing() {
+    fn no_case_decides_nothing() {
         let gate = Gate::share("", 0, 0, Limit::AtLeast(0.95));
-        assert!(gate.holds && gate.value.is_nan());
+        assert!(gate.holds.is_none() && gate.value.is_nan());
+        assert!(Gate::mean("", f64::NAN, 4.0, 0).holds.is_none());
     }
 }

@@ -1,12 +1,12 @@
 //! The campaign as a page: failures as plain as successes.
 
 use super::gates::{Gate, Limit, SECONDS};
-use super::summary::{Beside, Row, Summary};
+use super::summary::{Beside, Confusion, Coverage, Row, Summary};
 use crate::report::{Axis, Item, Matrix, Page, Plot, Section, Series, Style, Table};
 
 /// The page of a campaign.
 pub fn page(summary: &Summary) -> Page {
-    let lead = lead(summary);
+    let lead = lead(summary.plan.cases, &summary.gates, summary.failed.len());
     let section = |heading: &str, items: Vec<Item>| Section { heading: heading.into(), items };
     Page {
         title: "Proof on concealed data".into(),
@@ -18,9 +18,9 @@ pub fn page(summary: &Summary) -> Page {
                 vec![Item::Table(beside_table(&summary.beside)), Item::Text(BESIDE.into())],
             ),
             section("By stratum", vec![Item::Table(row_table(&summary.strata, "Stratum", "Cases by what they hold."))]),
-            section("Who was taken for whom", vec![Item::Matrix(matrix(summary))]),
+            section("Who was taken for whom", vec![Item::Matrix(matrix(&summary.confusion))]),
             section("Probabilities", vec![Item::Plot(reliability(summary)), Item::Text(brier(summary))]),
-            section("Intervals", vec![Item::Table(coverage(summary))]),
+            section("Intervals", vec![Item::Table(coverage(&summary.coverage))]),
             section(
                 "Fit on the run held out",
                 vec![Item::Table(row_table(&summary.effects, "Effect", "Single effects."))],
@@ -32,30 +32,35 @@ pub fn page(summary: &Summary) -> Page {
             ("cases".into(), summary.plan.cases.to_string()),
             ("engine".into(), summary.plan.engine.clone()),
         ],
+        ..Page::default()
     }
 }
 
 /// What came out, misses first.
-fn lead(summary: &Summary) -> String {
-    let cases = summary.plan.cases;
-    let missed: Vec<&str> = summary.gates.iter().filter(|g| !g.holds).map(|g| g.name).collect();
-    let empty = summary.gates.iter().filter(|g| g.cases == 0).count();
-    let mut text = if missed.is_empty() {
-        format!("{cases} concealed cases: no gate's 95 % bound excludes its limit.")
-    } else {
-        format!("{cases} concealed cases; gates missed: {}.", missed.join("; "))
-    };
+pub(super) fn lead(cases: u64, gates: &[Gate], failed: usize) -> String {
+    let of = |holds| gates.iter().filter(|g| g.holds == holds).map(|g| g.name.as_str()).collect::<Vec<_>>();
+    let missed = of(Some(false));
+    let mut text =
+        format!("{cases} concealed cases: {} of {} gates hold by the far bound", of(Some(true)).len(), gates.len());
+    text +=
+        &if missed.is_empty() { "; none is missed.".to_string() } else { format!("; missed: {}.", missed.join("; ")) };
+    let empty = gates.iter().filter(|g| g.cases == 0).count();
+    let few = of(None).len() - empty;
+    if few > 0 {
+        text += &format!(" For {few} the cases are too few to decide.");
+    }
     if empty > 0 {
         text += &format!(" {empty} gates had no cases.");
     }
-    if !summary.failed.is_empty() {
-        text += &format!(" {} cases were not answered.", summary.failed.len());
+    if failed > 0 {
+        text += &format!(" {failed} cases were not answered.");
     }
     text
 }
 
-const GATE_NOTE: &str = "A gate fails only where the one-sided 95 % bound (Clopper and Pearson) of its estimate excludes \
-                         the limit. A gate without cases says nothing.";
+pub(super) const GATE_NOTE: &str = "A gate holds where the one-sided 95 % bound (Clopper and Pearson) on the far side of its \
+                                    estimate meets the limit, is missed where the near side excludes it, and is undecided \
+                                    where the cases are too few for either.";
 
 const BESIDE: &str = "Linear refit: the baseline's parameters re-estimated, a mismatch where the held-out chi2 exceeds \
                       1.08, no name ever. White-noise BIC: forward selection of 13 terms along the predicted motion. \
@@ -67,7 +72,7 @@ pub fn beside_table(beside: &[Beside]) -> Table {
     columns.extend(beside.iter().map(|b| b.name.clone()));
     let gates = beside.first().map_or(0, |b| b.gates.len());
     let row = |i: usize| {
-        let mut cells = vec![beside[0].gates[i].name.to_string()];
+        let mut cells = vec![beside[0].gates[i].name.clone()];
         cells.extend(beside.iter().map(|b| percent(b.gates[i].value)));
         cells
     };
@@ -94,14 +99,13 @@ pub fn gate_table(gates: &[Gate]) -> Table {
         };
         let bounds =
             if is_share { format!("{} to {}", percent(gate.low), percent(gate.high)) } else { "\u{2013}".into() };
-        let outcome = if gate.cases == 0 {
-            "no cases"
-        } else if gate.holds {
-            "holds"
-        } else {
-            "MISSED"
+        let outcome = match gate.holds {
+            Some(true) => "holds",
+            Some(false) => "MISSED",
+            None if gate.cases == 0 => "no cases",
+            None => "undecided",
         };
-        vec![gate.name.into(), show(gate.value), limit, bounds, gate.cases.to_string(), outcome.into()]
+        vec![gate.name.clone(), show(gate.value), limit, bounds, gate.cases.to_string(), outcome.into()]
     });
     Table {
         columns: ["Gate", "Value", "Limit", "95 % bounds [%]", "Cases", "Outcome"].map(String::from).to_vec(),
@@ -151,14 +155,13 @@ pub fn row_table(rows: &[Row], what: &str, caption: &str) -> Table {
     }
 }
 
-fn matrix(summary: &Summary) -> Matrix {
+pub(super) fn matrix(confusion: &Confusion) -> Matrix {
     Matrix {
         caption: "Nulls, single effects and unlisted flaws: how often each was given which name.".into(),
         rows_are: "truth".into(),
         columns_are: "answer".into(),
-        columns: summary.confusion.answers.clone(),
-        rows: summary
-            .confusion
+        columns: confusion.answers.clone(),
+        rows: confusion
             .rows
             .iter()
             .map(|(truth, cells)| (truth.clone(), cells.iter().map(|n| *n as f64).collect()))
@@ -191,8 +194,8 @@ fn brier(summary: &Summary) -> String {
     if bins.is_empty() { format!("{score}.") } else { format!("{score}. {}.", bins.join("; ")) }
 }
 
-fn coverage(summary: &Summary) -> Table {
-    let rows = summary.coverage.iter().map(|c| {
+pub(super) fn coverage(coverage: &[Coverage]) -> Table {
+    let rows = coverage.iter().map(|c| {
         let share = percent(c.covering as f64 / c.intervals as f64);
         vec![c.parameter.clone(), c.intervals.to_string(), share]
     });

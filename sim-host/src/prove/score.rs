@@ -164,7 +164,7 @@ fn covered(record: &Record, present: &BTreeSet<&str>) -> Vec<(String, bool)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::{Candidate, Named, Present, Record, Reply, SCHEMA, Truth};
+    use super::super::record::{Candidate, Named, Present, Record, Reply, Truth};
     use super::{Score, score};
 
     fn graded(stratum: &str, there: &[&str], verdict: &str, names: &[&str], change: impl Fn(&mut Record)) -> Score {
@@ -178,19 +178,7 @@ mod tests {
             effects: there.iter().map(|id| Present { id: (*id).into(), ..Present::default() }).collect(),
             ..Truth::default()
         };
-        let mut record = Record {
-            schema: SCHEMA.into(),
-            seed: 0,
-            case: 0,
-            engine: String::new(),
-            seal: String::new(),
-            salt: String::new(),
-            reply,
-            seconds: 0.0,
-            truth,
-            attainable: None,
-            rivals: Vec::new(),
-        };
+        let mut record = Record { reply, truth, ..Record::default() };
         change(&mut record);
         score(&record)
     }

@@ -207,7 +207,7 @@ fn row(name: String, group: &[&Scored<'_>]) -> Row {
     }
 }
 
-fn confusion(all: &[Scored<'_>]) -> Confusion {
+pub(super) fn confusion(all: &[Scored<'_>]) -> Confusion {
     let mut counts: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for (record, _) in all {
         let truth = match record.truth.stratum.as_str() {
@@ -257,7 +257,7 @@ fn reliability(all: &[Scored<'_>]) -> Vec<Bin> {
         .collect()
 }
 
-fn coverage(all: &[Scored<'_>]) -> Vec<Coverage> {
+pub(super) fn coverage(all: &[Scored<'_>]) -> Vec<Coverage> {
     let mut counts: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for (parameter, covers) in all.iter().flat_map(|(_, score)| &score.covered) {
         let entry = counts.entry(parameter.clone()).or_default();

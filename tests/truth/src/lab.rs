@@ -6,18 +6,21 @@ pub mod answer;
 mod case;
 pub mod choose;
 pub mod closure;
+pub mod corrupt;
 pub mod engine;
 pub mod forms;
 pub mod law;
 pub mod measure;
 pub mod plan;
 pub mod plant;
+mod region;
 pub mod scene;
 pub mod setup;
 pub mod sheet;
 pub mod stated;
 #[cfg(test)]
 mod testing;
+mod tied;
 pub mod unlisted;
 
 pub use case::{Case, DEVELOPMENT, case, cases, locked};

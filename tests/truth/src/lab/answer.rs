@@ -1,8 +1,9 @@
 //! The answer to a case of examiner 2, and the seal on it. Its JSON holds all keys of examiner 1's, and more.
 
+use super::choose::one_family;
 use super::law::Gate;
 use super::setup::Misstated;
-use crate::answer::SealError;
+use crate::answer::{Fault, SealError};
 use crate::plan::Strength;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -49,6 +50,8 @@ pub struct Answer {
     pub effects: Vec<Present>,
     /// Flaws that no library holds.
     pub unlisted: Vec<Present>,
+    /// What was done to bad data.
+    pub fault: Option<Fault>,
     /// Effects that these data cannot tell apart.
     pub groups: Vec<Vec<String>>,
     /// Effects whose naming is no wrong name.
@@ -61,6 +64,8 @@ pub struct Answer {
     pub noise: (f64, Option<f64>),
     /// Largest cosine between what two of the flaws leave, each beside the other (1); none with fewer than two.
     pub alike: Option<f64>,
+    /// Values of the variable that the located flaw depends on, of the motion without flaws, at even shares of all rows.
+    pub quantiles: Vec<f64>,
     /// Chi2 of the refitted stated model on the rows held out.
     pub baseline_chi2: f64,
 }
@@ -81,22 +86,25 @@ impl Answer {
         let mut blocks: Vec<&str> = all.iter().map(|p| p.block).collect();
         blocks.sort_unstable();
         blocks.dedup();
+        let ids: Vec<&str> = self.effects.iter().map(|p| p.id.as_str()).collect();
+        let one_family = (1..ids.len()).any(|i| ids[..i].iter().any(|other| one_family(ids[i], other)));
+        let fault = self.fault.as_ref().map(|f| json!({"problem": f.problem, "channel": f.channel, "run": f.run}));
         json!({
             "examiner": 2, "lock": self.lock, "seed": self.case.0, "case": self.case.1, "stratum": self.stratum, "machine": self.machine,
             "model": map(&self.model), "strength": self.strength().map(Strength::name),
             "effects": self.effects.iter().map(|p| present(p, map(&p.parameters))).collect::<Vec<_>>(),
             "unlisted": (!kinds.is_empty()).then(|| kinds.join(" + ")),
             "unlisted_kinds": self.unlisted.iter().map(|p| present(p, map(&p.parameters))).collect::<Vec<_>>(),
-            "groups": self.groups, "tolerated": self.tolerated, "fault": Value::Null, "bad_data_accepted": false,
+            "groups": self.groups, "tolerated": self.tolerated, "fault": fault, "bad_data_accepted": false,
             "perfect_set_up": self.perfect,
             "set_up": self.misstated.iter().map(misstated).collect::<Vec<_>>(),
             "noise": {"displacement": self.noise.0, "acceleration": self.noise.1},
             "location": {
                 "blocks": blocks,
                 "time": all.iter().filter_map(|p| time(p)).collect::<Vec<_>>(),
-                "state": all.iter().filter_map(|p| state(p)).collect::<Vec<_>>(),
+                "state": all.iter().filter_map(|p| state(p, &self.quantiles)).collect::<Vec<_>>(),
             },
-            "alike": self.alike, "baseline_chi2": self.baseline_chi2,
+            "alike": self.alike, "one_family": one_family, "baseline_chi2": self.baseline_chi2,
         })
     }
 }
@@ -121,10 +129,11 @@ fn time(p: &Present) -> Option<Value> {
     Some(json!({"id": p.id, "run": run.map(file), "from_s": from, "to_s": to}))
 }
 
-fn state(p: &Present) -> Option<Value> {
+fn state(p: &Present, quantiles: &[f64]) -> Option<Value> {
     let Gate::State { variable, low, high, .. } = p.gate? else { return None };
     let magnitude = variable == super::law::Variable::Speed;
-    Some(json!({"id": p.id, "variable": variable.name(), "magnitude": magnitude, "low": low, "high": high}))
+    Some(json!({"id": p.id, "variable": variable.name(), "magnitude": magnitude, "low": low, "high": high,
+        "quantiles": quantiles}))
 }
 
 /// An answer behind a salted hash.

@@ -2,15 +2,19 @@
 
 use super::answer::{Answer, Present, Sealed};
 use super::choose::{Chosen, Ingredient};
+use super::corrupt::Corruption;
 use super::engine::simulate;
 use super::forms::Dial;
 use super::law::Gate;
 use super::measure::{Frame, Visible, cosine, seek};
-use super::plan::{Stratum, stratum};
+use super::plan::{Stratum, stratum, turn};
 use super::plant::Plant;
+use super::region::quantiles;
 use super::scene::{Kind, Scene, Wish};
 use super::sheet::{Pressures, Rows, Sheets};
+use super::tied;
 use super::unlisted::block;
+use crate::answer::Fault;
 use crate::closed_loop::Traces;
 use crate::effect::Draw;
 use crate::rng::Stream;
@@ -48,11 +52,12 @@ struct Flawed {
     unlisted: Vec<Present>,
     alike: Option<f64>,
     excess: f64,
+    groups: Vec<Vec<String>>,
 }
 
 impl Flawed {
     fn none(plant: Plant) -> Self {
-        Self { plant, effects: Vec::new(), unlisted: Vec::new(), alike: None, excess: 0.0 }
+        Self { plant, effects: Vec::new(), unlisted: Vec::new(), alike: None, excess: 0.0, groups: Vec::new() }
     }
 }
 
@@ -77,7 +82,7 @@ pub fn locked(seed: u64, number: u64, lock: u64) -> Case {
         let frame = Frame::new(&scene);
         if let Some(flawed) = flaw(&scene, &frame, &chosen, &mut rng) {
             let each: Vec<f64> = flawed.effects.iter().chain(&flawed.unlisted).map(|p| p.excess).collect();
-            let met = chosen.suits(flawed.excess, &each);
+            let met = chosen.suits(flawed.excess, &each) && (what != Stratum::Confounded || !flawed.groups.is_empty());
             nearest = Some((scene, flawed));
             if met {
                 break;
@@ -123,14 +128,15 @@ fn flaw(scene: &Scene, frame: &Frame, chosen: &Chosen, rng: &mut Stream) -> Opti
             Set { dial: Dial { s, ..set.dial }, ..set }.add(&mut plant);
             plant
         };
-        (set.dial.s, _) = seek(frame, *target, &build)?;
+        let target = if chosen.what == Stratum::Confounded { frame.excess_of(*target) } else { *target };
+        (set.dial.s, _) = seek(frame, target, &build)?;
         sets.push(set);
     }
-    if sets.is_empty() { Some(Flawed::none(baseline)) } else { together(frame, &baseline, &sets) }
+    if sets.is_empty() { Some(Flawed::none(baseline)) } else { together(scene, frame, &baseline, &sets) }
 }
 
 /// All flaws at once, each measured as what it adds to the others.
-fn together(frame: &Frame, baseline: &Plant, sets: &[Set]) -> Option<Flawed> {
+fn together(scene: &Scene, frame: &Frame, baseline: &Plant, sets: &[Set]) -> Option<Flawed> {
     let with = |left_out: Option<usize>| {
         let mut plant = baseline.clone();
         for (_, set) in sets.iter().enumerate().filter(|(i, _)| Some(*i) != left_out) {
@@ -151,6 +157,11 @@ fn together(frame: &Frame, baseline: &Plant, sets: &[Set]) -> Option<Flawed> {
         let there = present(set, baseline, frame.visible(&own));
         if set.ingredient.listed() { &mut flawed.effects } else { &mut flawed.unlisted }.push(there);
         left.push(frame.left(&own));
+    }
+    if let ([effect], [set]) = (&flawed.effects[..], sets)
+        && set.gate.is_none()
+    {
+        flawed.groups.extend(tied::group(scene, frame, &effect.id, &all, effect.sigma));
     }
     for i in 0..left.len() {
         for j in 0..i {
@@ -216,14 +227,21 @@ fn finish((seed, number, lock): (u64, u64, u64), what: Stratum, scene: &Scene, f
             columns,
         }
     };
-    let experiment = sheets(false);
+    let mut experiment = sheets(false);
     let clean = sheets(true);
+    let fault = if what == Stratum::BadData { spoil(&mut experiment, turn(seed, number), &mut rng) } else { None };
     let mut salt = [0; 32];
     for chunk in salt.chunks_mut(8) {
         chunk.copy_from_slice(&rng.bits().to_le_bytes());
     }
-    let answer = answer((seed, number, lock), what, scene, flawed);
+    let answer = Answer { fault, ..answer((seed, number, lock), what, scene, flawed) };
     Case { number, name, experiment, sealed: Sealed::new(answer, clean, salt) }
+}
+
+/// Spoils a sound experiment in the way whose turn it is, or in the next that it has the channels for.
+fn spoil(experiment: &mut Sheets, turn: usize, rng: &mut Stream) -> Option<Fault> {
+    let n = Corruption::ALL.len();
+    (turn..turn + n).find_map(|i| Corruption::ALL[i % n].spoil(experiment, rng))
 }
 
 fn pressures(scene: &Scene, plant: &Plant, rng: &mut Stream) -> Pressures {
@@ -242,9 +260,16 @@ fn answer((seed, number, lock): (u64, u64, u64), what: Stratum, scene: &Scene, f
     tolerated.sort_unstable();
     tolerated.dedup();
     Answer {
+        quantiles: quantiles(scene, flawed.effects.iter().find_map(|p| p.gate)),
         case: (seed, number),
         lock,
-        stratum: if empty { "null" } else { what.name() },
+        stratum: match what {
+            Stratum::BadData => what.name(),
+            _ if empty => "null",
+            Stratum::Confounded if flawed.groups.is_empty() => "single",
+            _ => what.name(),
+        },
+        fault: None,
         machine: match scene.kind {
             Kind::Servo => "servo",
             Kind::Rigid => "rigid",
@@ -253,7 +278,7 @@ fn answer((seed, number, lock): (u64, u64, u64), what: Stratum, scene: &Scene, f
         model: scene.truth.parameters(),
         effects: flawed.effects,
         unlisted: flawed.unlisted,
-        groups: Vec::new(),
+        groups: flawed.groups,
         tolerated,
         perfect: scene.misstated.iter().all(|m| m.kind == "noise estimated"),
         misstated: scene.misstated.clone(),

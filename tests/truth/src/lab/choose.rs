@@ -75,6 +75,32 @@ impl Ingredient {
     }
 }
 
+/// Flaws of case `number` of `seed` that every attempt at it holds: all but those of pairs and triples, and the listed one
+/// beside an unlisted one.
+pub fn kinds(seed: u64, number: u64, lock: u64) -> Vec<String> {
+    let what = stratum(seed, number);
+    if matches!(what, Stratum::Pair | Stratum::Triple) {
+        return Vec::new();
+    }
+    let chosen = Chosen::draw((seed, number), lock, &mut Stream::new(seed, number, 0));
+    let fixed = |i: &Ingredient| what != Stratum::Mixed || !i.listed();
+    chosen.list.iter().filter(|(i, _)| fixed(i)).map(|(i, _)| i.id()).collect()
+}
+
+/// Whether two listed effects act at one place or look alike.
+pub fn one_family(a: &str, b: &str) -> bool {
+    FAMILIES.iter().any(|family| family.contains(&a) && family.contains(&b))
+}
+
+/// The effects that act at one place with `effect` or look like it.
+pub fn mates(effect: &str) -> Vec<&'static str> {
+    let families = FAMILIES.iter().filter(|family| family.contains(&effect));
+    let mut out: Vec<&str> = families.flat_map(|family| family.iter().copied()).filter(|id| *id != effect).collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
 /// What a case is to hold.
 #[derive(Debug, Clone)]
 pub struct Chosen {
@@ -93,6 +119,18 @@ const FAMILIES: [&[&str]; 7] = [
     &["spring", "end_stop", "payload_resonance", "leakage", "oil_compliance"],
     &["base_compliance", "payload_resonance", "oil_compliance", "backlash", "acceleration_lag"],
     &["acceleration_bias", "tilt_coupling", "mains_hum", "acceleration_gain", "acceleration_lag"],
+];
+
+/// Listed effects that have rivals.
+const ALIKE: [&str; 8] = [
+    "command_delay",
+    "coulomb_friction",
+    "valve_lag",
+    "valve_deadband",
+    "displacement_lag",
+    "leakage",
+    "stribeck_friction",
+    "viscous_friction",
 ];
 
 /// Listed effects that make sense in a part of a run or in a region of state.
@@ -122,7 +160,9 @@ impl Chosen {
         let turn = turn(seed, number);
         let visible = |rng: &mut Stream| rng.log_uniform(4.0, 300.0);
         let list = match what {
-            Stratum::Null { .. } => Vec::new(),
+            Stratum::Null { .. } | Stratum::BadData => Vec::new(),
+            // By how much it leaves on all rows: enough to be seen, and too little to be told apart.
+            Stratum::Confounded => vec![(form(ALIKE[turn % ALIKE.len()], rng), rng.log_uniform(6.0, 30.0))],
             Stratum::Single(effect, strength) => vec![(form(ids[effect % ids.len()], rng), target(strength, rng))],
             Stratum::Located => vec![(form(LOCATED[turn % LOCATED.len()], rng), visible(rng))],
             Stratum::Pair => pair(&ids, rng),
@@ -155,16 +195,22 @@ impl Chosen {
         Wish {
             kind,
             saturating: any(|n| n.saturation),
-            accelerometer: any(|n| n.accelerometer),
+            accelerometer: any(|n| n.accelerometer) || self.what == Stratum::BadData,
             damping_known: any(|n| n.damping_known),
-            perfect: if let Stratum::Null { perfect } = self.what { perfect } else { rng.chance(0.1) },
+            perfect: match self.what {
+                Stratum::Null { perfect } => perfect,
+                // What is to be found there is one fault.
+                Stratum::BadData => true,
+                _ => rng.chance(0.1),
+            },
         }
     }
 
     /// Whether the flaws came out as visible as was asked for: chi2 added in all, and by each beside the others.
     pub fn suits(&self, excess: f64, each: &[f64]) -> bool {
         match self.what {
-            Stratum::Null { .. } => true,
+            Stratum::Null { .. } | Stratum::BadData => true,
+            Stratum::Confounded => each.iter().all(|e| *e > 0.0),
             Stratum::Single(_, strength) => Strength::of(1.0 + excess) == strength && excess > 5e-3,
             _ => excess > 1.0 && each.iter().all(|e| *e > 0.05),
         }

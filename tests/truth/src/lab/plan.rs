@@ -26,6 +26,10 @@ pub enum Stratum {
     TwoUnlisted,
     /// A listed effect beside a flaw in no library.
     Mixed,
+    /// A listed effect that the data do not tell from another.
+    Confounded,
+    /// Recordings that no model should be judged by.
+    BadData,
 }
 
 use Stratum as S;
@@ -42,12 +46,14 @@ impl Stratum {
             S::Unlisted => "unlisted",
             S::TwoUnlisted => "two unlisted",
             S::Mixed => "listed with unlisted",
+            S::Confounded => "confounded",
+            S::BadData => "bad data",
         }
     }
 }
 
 /// Cases in a cycle beside the singles.
-const COUNTS: [(Stratum, usize); 8] = [
+const COUNTS: [(Stratum, usize); 10] = [
     (S::Null { perfect: true }, 16),
     (S::Null { perfect: false }, 24),
     (S::Located, 12),
@@ -56,6 +62,8 @@ const COUNTS: [(Stratum, usize); 8] = [
     (S::Unlisted, 16),
     (S::TwoUnlisted, 6),
     (S::Mixed, 10),
+    (S::Confounded, 8),
+    (S::BadData, 8),
 ];
 
 fn deck() -> Vec<Stratum> {

@@ -2,6 +2,7 @@
 
 pub mod draw;
 pub mod sensing;
+pub mod visible;
 
 /// Something in the set-up that is not as stated, or is not stated.
 #[derive(Debug, Clone, PartialEq)]

@@ -83,6 +83,10 @@ impl Rows<'_> {
     /// Columns of every run.
     pub fn columns(&self) -> Vec<Column> {
         let says = &self.scene.says;
+        // Without noise the recording is still weighed by the noise that there truly was.
+        let sigma = &self.scene.sigma;
+        let noise =
+            if self.clean { (Some(sigma.displacement), sigma.acceleration) } else { (says.noise.0, says.noise.1) };
         let lab = says.laboratory_units;
         let column = |channel, short, unit, factor, decimals, noise| Column {
             channel,
@@ -96,11 +100,11 @@ impl Rows<'_> {
         let mut out =
             vec![column("time", "t", "s", 1.0, 8, None), column("reference", "xr", length, per_m, digits, None)];
         if says.channels[0] {
-            out.push(column("displacement", "lvdt", length, per_m, digits, says.noise.0));
+            out.push(column("displacement", "lvdt", length, per_m, digits, noise.0));
         }
         if says.channels[1] {
             let (unit, factor) = if lab { ("g", 1.0 / GRAVITY) } else { ("m/s2", 1.0) };
-            out.push(column("acceleration", "acc", unit, factor, 7, says.noise.1));
+            out.push(column("acceleration", "acc", unit, factor, 7, noise.1));
         }
         if says.channels[2] {
             let unit = match self.scene.kind {

@@ -73,6 +73,7 @@ impl Scene {
         };
         setup(&mut scene, wish, rng);
         stated_noise(&mut scene, wish, rng);
+        crate::lab::setup::visible::measure(&mut scene);
         Some(scene)
     }
 }
