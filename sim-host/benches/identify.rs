@@ -42,7 +42,7 @@ fn model(values: [f64; 6]) -> Model {
         free: true,
         prior: None,
     });
-    let model = Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new() };
+    let model = Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), library: Vec::new() };
     let placed = |id: &str, value: f64| {
         let mut placed = Placed::start(entry(id).expect("listed"), 0, &Yardsticks::TYPICAL).expect("a start");
         placed.values[0].value = value;

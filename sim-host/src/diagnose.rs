@@ -1,13 +1,17 @@
 //! Where a model and recordings part, and what physics was left out.
 //!
-//! What flows: an experiment comes in; [`search`] fits the stated model and grows it by effects of the library;
-//! [`crate::identify::judge`] scores every survivor on the runs held back; [`decide`] names what stands, says what it is mistaken for and
-//! what no effect explains; [`locate`] looks at the residual without the library; [`change`] says what it means for who
-//! runs the table. Out comes a [`Diagnosis`].
+//! Evidence goes forward only. An experiment comes in and its stated set-up is doubted first
+//! ([`crate::recording::doubt()`]); [`mod@split`] cuts it into training, validation and test; [`mod@search`] fits the stated model to
+//! the training and grows it by effects of the library; [`decide`] weighs every survivor on the validation, names what
+//! stands, says what it is mistaken for and what no effect explains; [`mod@verdict`] fits what was selected to all that may be
+//! fitted, consumes the test and judges. [`mod@locate`] looks at the residual without the library; [`mod@change`] says what it means
+//! for who runs the table. Out comes a [`Diagnosis`].
 
+mod calibration;
 pub mod change;
 pub mod decide;
 mod finish;
+pub mod judged;
 mod leftover;
 pub mod locate;
 mod next_test;
@@ -16,11 +20,14 @@ mod outdone;
 mod ranking;
 mod rejected;
 pub mod remainder;
+mod residual;
 pub mod result;
 mod rivals;
 pub mod search;
-mod shared;
+mod split;
+mod standing;
 mod structure;
+pub mod verdict;
 
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
@@ -30,12 +37,20 @@ use crate::identify::stated::expect_near_stated;
 use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
-use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt};
+use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
+use remainder::Modelled;
 pub use result::Diagnosis;
+use split::{Split, reopened, split};
 use std::path::Path;
+use verdict::Conclusion;
 
 /// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
 const FAR: f64 = 0.4;
+/// Samples that a search fits at most, and the last fit: of longer recordings the stretches with the most motion.
+const SEARCHED: usize = 120_000;
+const FITTED: usize = 400_000;
+/// Share of what was left below which a second look at the data is the better one.
+const FAR_LESS: f64 = 0.3;
 
 /// Is told what is being done, with a share of the whole between 0 and 1.
 pub type Progress<'a> = &'a (dyn Fn(&str, f64) + Sync);
@@ -82,24 +97,24 @@ pub struct Examined {
     pub diagnosis: Diagnosis,
     /// Runs and stated model as they were fitted.
     pub prepared: Prepared,
-    /// What was judged and decided.
-    pub decision: decide::Decision,
+    /// What was selected and judged.
+    pub conclusion: Conclusion,
 }
 
 impl Examined {
-    /// The runs that judged: those held back, or those fitted where none was.
+    /// The runs that judged: those held out, or those fitted where none was.
     pub fn judging_runs(&self) -> &[Run] {
-        self.prepared.judging()
+        &self.conclusion.judging
     }
 
     /// True where the model that came out is not the stated one refitted.
     pub fn changed(&self) -> bool {
-        self.decision.after.fit.model.ids() != self.decision.before.fit.model.ids()
+        self.conclusion.after.fit.model.ids() != self.conclusion.before.fit.model.ids()
     }
 
     /// The stated model with its refitted values and the effects that were found.
     pub fn augmented(&self, stated: &recording::Model) -> recording::Model {
-        stated_with(stated, &self.decision.after.fit)
+        stated_with(stated, &self.conclusion.after.fit)
     }
 }
 
@@ -115,52 +130,34 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     options.say("checking the recordings", 0.0);
     let mut set_up = doubt(experiment);
     let findings = check(&set_up.experiment);
-    let mut prepared = prepare(&set_up.experiment)?;
-    expect_near_stated(&mut prepared.model);
+    let shortened = excerpt(&set_up.experiment, FITTED);
+    let mut whole = prepare(shortened.as_ref().unwrap_or(&set_up.experiment))?;
+    expect_near_stated(&mut whole.model);
     if is_bad_data(&findings) {
-        return unfit(prepared, &findings, begun);
+        return unfit(whole, &findings, begun);
     }
-    set_up.findings.extend(noise::rescale(&mut prepared)?);
-    let Answer { prepared, search, mut decision, held_out_shared } = answer(prepared, options)?;
-    let curve = outdone::outdone(&prepared, &mut decision)?;
-    let location = locate::locate(&prepared, &search.baseline, &decision)?;
-    let modelled = if curve.is_some() {
-        curve
-    } else if decision.unlisted {
-        options.say("modelling what the library does not hold", 0.93);
-        remainder::remainder(&prepared, &decision.before, decision.partial.as_ref().unwrap_or(&decision.before))?
-    } else {
-        None
-    };
-    if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed) {
-        decision.name_beside_more(&modelled.remainder.beside);
-    }
+    let searched = excerpt(&set_up.experiment, SEARCHED).as_ref().map(prepare).transpose()?;
+    let mut seen = searched.map_or_else(|| whole.clone(), |seen| Prepared { model: whole.model.clone(), ..seen });
+    set_up.findings.extend(noise::rescale(&mut seen, &mut whole)?);
+    let Concluded { whole, conclusion, modelled, held_out_shared } = conclude(whole, seen, options)?;
     options.say("looking for the test that would settle what is open", 0.96);
-    let next_test = next_test::next_test(&prepared, &decision, modelled.as_ref())?;
-    let remainder = modelled.map(|modelled| {
-        decision.after = modelled.judged;
-        modelled.remainder
-    });
-    // Without a curve the nearest that the library has foresees better than the stated model, whatever its name is worth.
-    if remainder.is_none()
-        && let Some(partial) = decision.partial.clone().filter(|p| p.hold.chi2 < decision.before.hold.chi2)
-    {
-        decision.after = partial;
-    }
-    let change = change::change(&prepared, &decision)?;
+    let next_test = next_test::next_test(&whole, &conclusion, modelled.as_ref())?;
+    let location = locate::locate(&whole, &conclusion)?;
+    let change = change::change(&whole, &conclusion)?;
+    let remainder = modelled.filter(|_| conclusion.unlisted || conclusion.more_missing).map(|m| m.remainder);
     let seconds = begun.elapsed().as_secs_f64();
     let open = result::Open { remainder, next_test, change, held_out_shared, seconds };
-    let mut diagnosis = result::assemble(&prepared, &decision, location, open, &findings);
+    let mut diagnosis = result::assemble(&whole, &conclusion, location, open, &findings);
     diagnosis.set_up = set_up.findings;
-    diagnosis.set_up.extend(far_from_stated(experiment, &decision));
-    diagnosis.set_up.extend(decision.noise.clone());
-    Ok(Examined { diagnosis, prepared, decision })
+    diagnosis.set_up.extend(far_from_stated(experiment, &conclusion.after.fit));
+    diagnosis.set_up.extend(conclusion.decision.noise.clone());
+    Ok(Examined { diagnosis, prepared: whole, conclusion })
 }
 
 /// Stated values of the model that the data place far away, by name.
-fn far_from_stated(experiment: &Experiment, decision: &decide::Decision) -> Vec<SetUpFinding> {
-    let fitted = quantities(&decision.after.fit);
-    let kind = decision.after.fit.model.kind;
+fn far_from_stated(experiment: &Experiment, fit: &Fit) -> Vec<SetUpFinding> {
+    let fitted = quantities(fit);
+    let kind = fit.model.kind;
     // Masses and dashpots may be stated in any way: residuals depend on them almost linearly.
     if kind != Kind::Servo {
         return Vec::new();
@@ -175,44 +172,63 @@ fn far_from_stated(experiment: &Experiment, decision: &decide::Decision) -> Vec<
     experiment.model.baseline.parameters().into_iter().filter_map(far).collect()
 }
 
-/// What was found, and on which runs.
-struct Answer {
-    prepared: Prepared,
-    search: search::Search,
-    decision: decide::Decision,
+/// What came out, and of which cut of the data.
+struct Concluded {
+    whole: Prepared,
+    conclusion: Conclusion,
+    modelled: Option<Modelled>,
     held_out_shared: bool,
 }
 
-/// Searches and decides; once more with half of the runs held back where they alone show it.
-fn answer(prepared: Prepared, options: &Options) -> Result<Answer, SimulateError> {
-    let search = search::search(&prepared, options)?;
-    options.say("judging on the runs held back", 0.9);
-    let decision = decide::decide(&prepared, &search)?;
-    if !prepared.holdout.is_empty() && shared::unseen(&decision) {
-        options.say("the runs fitted do not show it: trying with half of those held back", 0.9);
-        let prepared = shared::shared(&prepared);
-        let search = search::search(&prepared, options)?;
-        let other = decide::decide(&prepared, &search)?;
-        if shared::better(&other, &decision) {
-            let decision = other;
-            return Ok(Answer { prepared, search, decision, held_out_shared: true });
-        }
+/// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
+fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
+    let all: usize = whole.fit.iter().chain(&whole.holdout).map(Run::len).sum();
+    let first = pass(split(whole, Some(seen)), options)?;
+    if !first.conclusion.unforeseen() || all > 2 * SEARCHED {
+        return Ok(first);
     }
-    Ok(Answer { prepared, search, decision, held_out_shared: false })
+    options.say("the runs fitted do not show it: opening half of those held out", 0.9);
+    let second = pass(reopened(&first.whole, &first.conclusion.judging), options)?;
+    let names = !second.conclusion.unlisted && !second.conclusion.consistent();
+    let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
+    if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {
+        return Ok(Concluded { held_out_shared: true, ..second });
+    }
+    Ok(first)
+}
+
+/// Forward through the data once: fitted on training, selected on validation, judged on the test.
+fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
+    let Split { weighing, whole, test } = split;
+    let search = search::search(&weighing, options)?;
+    options.say("weighing what was found", 0.9);
+    let mut decision = decide::decide(&weighing, &search)?;
+    let mut modelled = outdone::outdone(&weighing, &mut decision)?;
+    if modelled.is_none() && decision.unlisted {
+        options.say("modelling what the library does not hold", 0.93);
+        let beside = decision.partial.as_ref().unwrap_or(&decision.before);
+        modelled = remainder::remainder(&weighing, &decision.before, beside)?;
+    }
+    if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed) {
+        decision.name_beside_more(&modelled.remainder.beside);
+    }
+    let conclusion = verdict::verdict(&whole, weighing.fitted(), decision, modelled.as_ref(), test)?;
+    Ok(Concluded { whole, conclusion, modelled, held_out_shared: false })
 }
 
 /// What is said of recordings that cannot be believed: the stated model's standing and nothing more.
 fn unfit(prepared: Prepared, findings: &[Finding], begun: std::time::Instant) -> Result<Examined, DiagnoseError> {
-    let stated = Fit::begin(prepared.model.clone(), &prepared.fit)?;
-    let decision = decide::decide(
-        &prepared,
-        &search::Search { baseline: stated, grown: Vec::new(), yardsticks: prepared.yardsticks },
-    )?;
+    let Split { weighing, whole, test } = split(prepared, None);
+    let baseline = Fit::begin(weighing.model().clone(), weighing.fitted())?;
+    let yardsticks = weighing.yardsticks();
+    let stated = search::Search { baseline, grown: Vec::new(), yardsticks };
+    let decision = decide::decide(&weighing, &stated)?;
+    let conclusion = verdict::as_stated(&whole, decision, test)?;
     let location = locate::Location::default();
     let open = result::Open { seconds: begun.elapsed().as_secs_f64(), ..result::Open::default() };
-    let mut diagnosis = result::assemble(&prepared, &decision, location, open, findings);
+    let mut diagnosis = result::assemble(&whole, &conclusion, location, open, findings);
     diagnosis.verdict = result::Verdict::BadData;
     diagnosis.effects.clear();
     diagnosis.candidates.clear();
-    Ok(Examined { diagnosis, prepared, decision })
+    Ok(Examined { diagnosis, prepared: whole, conclusion })
 }

@@ -6,6 +6,8 @@
 //! compares both sides by frequency; [`frequency`] estimates frequency responses and fits transfer functions to them; [`transfer`]
 //! does so from command to motion, its order chosen by what was held back.
 
+pub mod answer;
+pub mod change;
 mod covariance;
 pub mod data;
 pub mod evaluate;
@@ -24,3 +26,4 @@ pub mod spectra;
 pub mod starts;
 pub mod stated;
 pub mod transfer;
+pub mod yardsticks;

@@ -1,7 +1,7 @@
 //! What the physics that was found changes for who runs the table: how well it tracks, how fast it goes, whether its gains
 //! still stand.
 
-use super::decide::Decision;
+use super::verdict::Conclusion;
 use crate::identify::data::{Channel, Measured, Run};
 use crate::identify::evaluate::{Local, predict};
 use crate::identify::fit::Fit;
@@ -71,8 +71,8 @@ pub struct Gains {
 }
 
 /// What the accepted model changes against the stated one; none where nothing was accepted or measured motion drives.
-pub(super) fn change(prepared: &Prepared, decision: &Decision) -> Result<Option<Change>, SimulateError> {
-    let (stated, found) = (&decision.before.fit, &decision.after.fit);
+pub(super) fn change(prepared: &Prepared, conclusion: &Conclusion) -> Result<Option<Change>, SimulateError> {
+    let (stated, found) = (&conclusion.before.fit, &conclusion.after.fit);
     let Some(pattern) = prepared.fit.first().filter(|run| run.motion.is_none()) else { return Ok(None) };
     if stated.model.ids() == found.model.ids() {
         return Ok(None);
@@ -84,22 +84,22 @@ pub(super) fn change(prepared: &Prepared, decision: &Decision) -> Result<Option<
     } else {
         None
     };
-    Ok(Some(Change { tracking: tracking(prepared, decision), reach: reach(prepared, stated, found)?, gains }))
+    Ok(Some(Change { tracking: tracking(conclusion), reach: reach(prepared, stated, found)?, gains }))
 }
 
-fn tracking(prepared: &Prepared, decision: &Decision) -> Vec<Tracking> {
+fn tracking(conclusion: &Conclusion) -> Vec<Tracking> {
     let of = |(i, run): (usize, &Run)| {
         let place = run.measured.iter().position(|m| m.channel == Channel::Displacement)?;
         let error = |shown: &[f64]| rms(run.input.iter().zip(shown).map(|(reference, x)| reference - x));
         Some(Tracking {
             run: run.name.clone(),
             measured: error(&run.measured[place].values),
-            stated: error(&decision.before.hold.predicted[i].channels[place]),
-            found: error(&decision.after.hold.predicted[i].channels[place]),
+            stated: error(&conclusion.before.hold.predicted[i].channels[place]),
+            found: error(&conclusion.after.hold.predicted[i].channels[place]),
         })
     };
     let driven = |(_, run): &(usize, &Run)| run.law.simulates_reference();
-    prepared.judging().iter().enumerate().filter(driven).filter_map(of).collect()
+    conclusion.judging.iter().enumerate().filter(driven).filter_map(of).collect()
 }
 
 /// The largest command that the found model needs for the runs fitted, held to either side.

@@ -1,33 +1,34 @@
 //! Brings what was accepted to its end: fitted thoroughly, with the details of its forms, held against what it is mistaken for,
 //! less what it does without.
 
-use super::decide::{Judged, SURE, sound, stands, strained};
+use super::judged::Judged;
 use super::ranking::Ranking;
 use super::search::CHANCE;
+use super::split::Weighing;
+use super::standing::{SURE, sound, stands, strained};
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 
 /// The accepted model fitted to the end: corners leave a search in hollows that a fresh start of the fit climbs out of.
-pub(super) fn polished(after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> {
+pub(super) fn polished(after: Judged, weighing: &Weighing) -> Result<Judged, SimulateError> {
     if after.added.is_empty() {
         return Ok(after);
     }
-    let mut fit = Fit::resume(after.fit.model.clone(), after.fit.locals.clone(), &prepared.fit)?;
-    fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
-    let polished = Judged::of(fit, prepared)?;
-    refined(if polished.total() < after.total() { polished } else { after }, prepared)
+    let mut fit = Fit::resume(after.fit.model.clone(), after.fit.locals.clone(), weighing.fitted())?;
+    fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })?;
+    let polished = Judged::of(fit, weighing)?;
+    refined(if polished.total() < after.total() { polished } else { after }, weighing)
 }
 
 /// The accepted model with the details of its effects' forms fitted too, where both kinds of runs bear them out.
-pub(super) fn refined(after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> {
+pub(super) fn refined(after: Judged, weighing: &Weighing) -> Result<Judged, SimulateError> {
     let model = after.fit.model.refined();
     if model.values().filter(|v| v.free).count() == after.fit.model.values().filter(|v| v.free).count() {
         return Ok(after);
     }
-    let mut fit = Fit::resume(model, after.fit.locals.clone(), &prepared.fit)?;
-    fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-6 })?;
-    let refined = Judged::of(fit, prepared)?;
+    let mut fit = Fit::resume(model, after.fit.locals.clone(), weighing.fitted())?;
+    fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })?;
+    let refined = Judged::of(fit, weighing)?;
     let better =
         after.fit.squares - refined.fit.squares > CHANCE && after.hold.squares() - refined.hold.squares() > SURE;
     Ok(if better { refined } else { after })
@@ -35,14 +36,9 @@ pub(super) fn refined(after: Judged, prepared: &Prepared) -> Result<Judged, Simu
 
 /// The accepted model, or a rival that does better with no more parameters' worth; and the rest. One whose values make sense
 /// goes before those whose do not.
-pub(super) fn best_of(
-    prepared: &Prepared,
-    before: &Judged,
-    accepted: Judged,
-    rivals: Vec<Judged>,
-) -> (Judged, Vec<Judged>) {
+pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
     let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
-    let ranking = Ranking::new(prepared, before, &all);
+    let ranking = Ranking::new(before, &all);
     all.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
     let strange = all.first().is_some_and(strained);
     let first = all.iter().position(|judged| !strange || sound(before, judged)).unwrap_or(0);
@@ -52,14 +48,14 @@ pub(super) fn best_of(
 
 /// The accepted model less what it does without: a companion may have led an effect to where it belongs and stands no more
 /// against that effect alone.
-pub(super) fn needed(before: &Judged, after: Judged, prepared: &Prepared) -> Result<Judged, SimulateError> {
+pub(super) fn needed(before: &Judged, after: Judged, weighing: &Weighing) -> Result<Judged, SimulateError> {
     if after.added.len() < 2 {
         return Ok(after);
     }
     let without = |id: &&'static str| -> Result<Judged, SimulateError> {
-        let mut fit = Fit::resume(after.fit.model.without(id), after.fit.locals.clone(), &prepared.fit)?;
-        fit.improve(&prepared.fit, Effort { steps: 10, tolerance: 1e-5 })?;
-        Judged::of(fit, prepared)
+        let mut fit = Fit::resume(after.fit.model.without(id), after.fit.locals.clone(), weighing.fitted())?;
+        fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-5 })?;
+        Judged::of(fit, weighing)
     };
     let smaller = after.added.iter().map(without).collect::<Result<Vec<_>, _>>()?;
     let enough = smaller.into_iter().filter(|less| !stands(before, less, &after));

@@ -1,13 +1,12 @@
 //! Where in time, frequency and state a residual lies, found without the library.
 
-use super::decide::Decision;
-use crate::identify::data::{Channel, Run};
-use crate::identify::evaluate::{Predicted, predict};
-use crate::identify::fit::Fit;
+use super::residual::{judged_channels, residual, spectrum};
+use super::verdict::Conclusion;
+use crate::identify::data::Run;
+use crate::identify::evaluate::Predicted;
 use crate::identify::judge::score;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
-use realfft::RealFftPlanner;
 use serde::Serialize;
 
 mod state;
@@ -68,15 +67,15 @@ pub struct StateShare {
 const STRETCHES: usize = 5;
 
 /// Locates the mismatch of the stated model on the runs it was fitted to.
-pub fn locate(prepared: &Prepared, baseline: &Fit, decision: &Decision) -> Result<Location, SimulateError> {
-    if decision.consistent() {
+pub fn locate(prepared: &Prepared, conclusion: &Conclusion) -> Result<Location, SimulateError> {
+    if conclusion.consistent() {
         return Ok(Location::default());
     }
-    let predicted = score(&baseline.model, &prepared.fit)?.predicted;
-    let block = if decision.unlisted {
+    let predicted = score(&conclusion.before.fit.model, &prepared.fit)?.predicted;
+    let block = if conclusion.unlisted {
         Some("unlisted")
     } else {
-        let last = decision.after.added.first().and_then(|id| crate::plant::effects::entry(id));
+        let last = conclusion.after.added.first().and_then(|id| crate::plant::effects::entry(id));
         last.map(|entry| entry.stage.name())
     };
     Ok(Location {
@@ -95,18 +94,6 @@ pub fn leftover(runs: &[Run], predicted: &[Predicted]) -> Location {
         frequency: bands(runs, predicted),
         state: state::shares(runs, predicted),
     }
-}
-
-/// Residual of a channel in units of its noise.
-pub(super) fn residual(run: &Run, predicted: &Predicted, channel: Channel) -> Option<Vec<f64>> {
-    let place = run.measured.iter().position(|m| m.channel == channel)?;
-    let measured = &run.measured[place];
-    Some(measured.values.iter().zip(&predicted.channels[place]).map(|(y, m)| (y - m) / measured.noise).collect())
-}
-
-/// The channels a location looks at, the most telling first.
-pub(super) fn judged_channels(run: &Run) -> Vec<Channel> {
-    run.measured.iter().filter(|m| m.judged).map(|m| m.channel).collect()
 }
 
 fn stretches(runs: &[Run], predicted: &[Predicted]) -> Vec<Stretch> {
@@ -157,33 +144,6 @@ fn join(all: Vec<Stretch>, stands_out: f64) -> Vec<Stretch> {
     joined
 }
 
-/// Power spectrum of a series, one-sided, over its mean segments of `size` with a Hann window; white noise of unit
-/// variance gives 1 everywhere.
-fn spectrum(series: &[f64], size: usize) -> Vec<f64> {
-    let mut planner = RealFftPlanner::<f64>::new();
-    let transform = planner.plan_fft_forward(size);
-    let window: Vec<f64> =
-        (0..size).map(|i| (std::f64::consts::PI * (i as f64 + 0.5) / size as f64).sin().powi(2)).collect();
-    let weight: f64 = window.iter().map(|w| w * w).sum();
-    let mut power = vec![0.0; size / 2 + 1];
-    let mut segments = 0.0;
-    let mut start = 0;
-    while start + size <= series.len() {
-        let clean = |x: f64| if x.is_finite() { x } else { 0.0 };
-        let mut input: Vec<f64> = series[start..start + size].iter().zip(&window).map(|(&x, w)| clean(x) * w).collect();
-        let mut output = transform.make_output_vec();
-        if transform.process(&mut input, &mut output).is_ok() {
-            power.iter_mut().zip(&output).for_each(|(p, c)| *p += c.norm_sqr() / weight);
-            segments += 1.0;
-        }
-        start += size / 2;
-    }
-    for p in &mut power {
-        *p /= f64::max(segments, 1.0);
-    }
-    power
-}
-
 fn bands(runs: &[Run], predicted: &[Predicted]) -> Vec<Band> {
     let Some(dt) = runs.first().map(|r| r.dt) else { return Vec::new() };
     let size = ((4.0 / dt) as usize).next_power_of_two().max(64);
@@ -212,27 +172,4 @@ fn bands(runs: &[Run], predicted: &[Predicted]) -> Vec<Band> {
     bands.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
     bands.truncate(STRETCHES);
     bands
-}
-
-/// The strongest line in the accelerometer's residual, Hz: where a hum would start from.
-pub(super) fn strongest_line(runs: &[Run], baseline: &Fit) -> Result<f64, SimulateError> {
-    let Some((run, local)) = runs.iter().zip(&baseline.locals).max_by_key(|(r, _)| r.len()) else { return Ok(50.0) };
-    let predicted = predict(&baseline.model, run, local)?;
-    let Some(series) = residual(run, &predicted, Channel::Acceleration) else { return Ok(50.0) };
-    let size = run.len().next_power_of_two().max(16);
-    let mut padded = series;
-    padded.resize(size, 0.0);
-    let power = spectrum(&padded, size);
-    let hz = 1.0 / (size as f64 * run.dt);
-    let lowest = (5.0 / hz) as usize;
-    // A line stands above its own neighbourhood, a resonance does not.
-    let neighbourhood = ((1.0 / hz) as usize).max(4);
-    let prominence = |i: usize| {
-        let around = &power[i.saturating_sub(neighbourhood)..(i + neighbourhood).min(power.len())];
-        let mut sorted = around.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        power[i] / sorted[sorted.len() / 2].max(1e-300)
-    };
-    let line = (lowest.min(power.len())..power.len()).max_by(|&a, &b| prominence(a).total_cmp(&prominence(b)));
-    Ok(line.map_or(50.0, |i| i as f64 * hz))
 }

@@ -3,9 +3,9 @@
 
 mod catalogue;
 
-use super::decide::Decision;
 use super::remainder::Modelled;
 use super::result::NextTest;
+use super::verdict::Conclusion;
 use crate::identify::data::Run;
 use crate::identify::evaluate::{Local, predict};
 use crate::identify::fit::Fit;
@@ -35,10 +35,10 @@ struct Foreseen {
 /// Proposes a test; none where nothing is open.
 pub(super) fn next_test(
     prepared: &Prepared,
-    decision: &Decision,
+    conclusion: &Conclusion,
     modelled: Option<&Modelled>,
 ) -> Result<Option<NextTest>, SimulateError> {
-    let Some(rivals) = rivals(decision, modelled) else { return Ok(None) };
+    let Some(rivals) = rivals(conclusion, modelled) else { return Ok(None) };
     let Some(pattern) = prepared.fit.first() else { return Ok(None) };
     if pattern.motion.is_some() || !pattern.law.simulates_reference() {
         return Ok(by_the_book(&rivals));
@@ -63,17 +63,18 @@ pub(super) fn next_test(
 }
 
 /// The accepted model and the one that comes closest to it with as many effects; curves, where the library holds neither.
-fn rivals<'a>(decision: &'a Decision, modelled: Option<&'a Modelled>) -> Option<Rivals<'a>> {
-    if decision.consistent() {
+fn rivals<'a>(conclusion: &'a Conclusion, modelled: Option<&'a Modelled>) -> Option<Rivals<'a>> {
+    if conclusion.consistent() {
         return None;
     }
-    if decision.unlisted {
+    if conclusion.unlisted {
         let modelled = modelled?;
         return Some(Rivals { accepted: &modelled.judged.fit, rival: modelled.rival.as_ref()? });
     }
-    let accepted = &decision.after;
-    let other = |c: &&super::decide::Judged| c.added.len() == accepted.added.len() && c.added != accepted.added;
-    let rival = decision.candidates.iter().find(other)?;
+    // Both as fitted to the training, so that their squares compare.
+    let accepted = &conclusion.decision.after;
+    let other = |c: &&super::judged::Judged| c.added.len() == accepted.added.len() && c.added != accepted.added;
+    let rival = conclusion.decision.candidates.iter().find(other)?;
     Some(Rivals { accepted: &accepted.fit, rival: &rival.fit })
 }
 

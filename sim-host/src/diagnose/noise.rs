@@ -29,15 +29,15 @@ struct Scale {
     stated: f64,
 }
 
-/// Scales the noise of every judged channel to what the residual of the stated model shows, in all runs alike.
-pub(super) fn rescale(prepared: &mut Prepared) -> Result<Vec<SetUpFinding>, SimulateError> {
+/// Scales the noise of every judged channel to what the residual of the stated model shows, in all runs alike; what else was
+/// prepared of the same experiment is scaled with it.
+pub(super) fn rescale(prepared: &mut Prepared, whole: &mut Prepared) -> Result<Vec<SetUpFinding>, SimulateError> {
     let fit = fit_stated(prepared)?;
     let mut findings = Vec::new();
     for scale in scales(prepared, &fit)? {
-        for run in prepared.fit.iter_mut().chain(&mut prepared.holdout) {
-            for measured in run.measured.iter_mut().filter(|m| m.channel == scale.channel) {
-                measured.noise *= scale.factor;
-            }
+        for of in [&mut *prepared, &mut *whole] {
+            let measured = of.fit.iter_mut().chain(&mut of.holdout).flat_map(|run| &mut run.measured);
+            measured.filter(|m| m.channel == scale.channel).for_each(|m| m.noise *= scale.factor);
         }
         let away = scale.factor.ln().abs();
         if away > WORTH.ln().max(4.0 * scale.std) {

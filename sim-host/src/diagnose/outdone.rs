@@ -1,9 +1,9 @@
 //! Whether a curve that knows no physics outdoes the effects that were named: what they leave is then not the difference
 //! between two forms of the same physics, and the names are not what it is.
 
-use super::decide::Decision;
+use super::judged::Decision;
 use super::remainder::{Modelled, remainder};
-use crate::identify::prepare::Prepared;
+use super::split::Weighing;
 use crate::plant::simulate::SimulateError;
 
 /// chi2 on the runs held back from which what the named effects leave is worth another look.
@@ -17,20 +17,18 @@ const OUTDONE: f64 = 0.3;
 const BELIEF: f64 = 0.9;
 
 /// Calls the mismatch unlisted, and gives the curve, where one outdoes the effects named.
-pub(super) fn outdone(prepared: &Prepared, decision: &mut Decision) -> Result<Option<Modelled>, SimulateError> {
+pub(super) fn outdone(weighing: &Weighing, decision: &mut Decision) -> Result<Option<Modelled>, SimulateError> {
     let doubtful = !decision.unlisted && !decision.after.added.is_empty() && decision.after.hold.chi2 > DOUBTFUL;
     if !doubtful || decision.left() < SHARE {
         return Ok(None);
     }
-    let Some(curve) = remainder(prepared, &decision.before, &decision.before)? else { return Ok(None) };
+    let Some(curve) = remainder(weighing, &decision.before, &decision.before)? else { return Ok(None) };
     let leaves = |chi2: f64, named: f64| chi2 - 1.0 < OUTDONE * (named - 1.0);
     let (judged, named) = (&curve.judged, &decision.after);
     if !leaves(judged.hold.chi2, named.hold.chi2) || !leaves(judged.fit.chi2(), named.fit.chi2()) {
         return Ok(None);
     }
-    let share = (1.0 - BELIEF) / (1.0 - decision.unlisted_probability).max(1e-9);
-    decision.candidates.iter_mut().for_each(|c| c.probability *= share.min(1.0));
-    decision.unlisted_probability = decision.unlisted_probability.max(BELIEF);
+    decision.take_back(BELIEF);
     decision.unlisted = true;
     decision.partial = Some(std::mem::replace(&mut decision.after, decision.before.clone()));
     decision.ties.clear();

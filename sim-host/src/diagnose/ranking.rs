@@ -1,56 +1,51 @@
 //! What speaks for one model against another.
 
-use super::decide::Judged;
-use crate::identify::model::Value;
-use crate::identify::prepare::Prepared;
-use crate::plant::model::Kind;
+use super::calibration::CALIBRATION;
+use super::judged::{Judged, parameters};
 
-/// What a parameter has to earn, as twice a log likelihood, and beside it the share of the misfit that the best model leaves.
-const PRICE: f64 = 10.0;
-const PARAMETER: f64 = 0.12;
-/// Samples over which a misfit's error is alike.
-const ALIKE: f64 = 20.0;
-/// Share of the stated model's excess that the right equation in its simple form may leave: less is no evidence.
-const FORM: f64 = 2e-4;
-/// Standard deviation of a stated value that may be fitted, as a share of it.
-const STATED: f64 = 0.2;
-
-/// What speaks for a model: its likelihood, the noise's size unknown, on the runs fitted and on those held back, less what its
-/// parameters cost. A misfit is no white noise: samples count once for every stretch over which what even the best model
-/// leaves is alike, or the kind of runs that all models miss most would drown the kind that tells them apart. And no equation is
-/// the table's own: what a simple form may leave counts as noise.
-pub(super) struct Ranking<'a> {
-    parameter: f64,
-    alike: [f64; 2],
-    form: [f64; 2],
-    stated: &'a [Value],
+/// What speaks for a model: its likelihood on training and on validation where the size of what its equations leave is
+/// unknown, less what its parameters cost.
+///
+/// No equation is the table's own. A true effect in a simple form leaves a share of what it explains, and of how large a share
+/// nothing is known but that it may be of any order. So what a model leaves beyond the noise has a variance that is unknown
+/// with so many degrees of freedom ([`super::calibration::Calibration::form_freedom`]), and the likelihood is Student's: within the
+/// noise squares count as they do for normal residuals; beyond it ratios of what is left count, and the thousands of samples
+/// that show a ratio well make it no more telling. Each channel of the validation has a share of the say, whatever its noise was
+/// said to be: what explains a displacement and spoils the pressure is not what is there.
+///
+/// Source: K. L. Lange, R. J. A. Little, J. M. G. Taylor, "Robust statistical modeling using the t distribution", Journal of
+/// the American Statistical Association 84 (1989) 881-896; for the term of the model's own error: M. C. Kennedy, A. O'Hagan,
+/// "Bayesian calibration of computer models", Journal of the Royal Statistical Society B 63 (2001) 425-464.
+pub(super) struct Ranking {
+    /// What is compared, in the order of [`looks`]: the least that any model leaves, what counts as nothing, and its say.
+    floors: Vec<f64>,
+    forms: Vec<f64>,
 }
 
-impl<'a> Ranking<'a> {
-    /// Among these models of what was prepared, of which the stated one, refitted, leaves what it leaves.
-    pub(super) fn new<'b>(
-        prepared: &'a Prepared,
-        before: &Judged,
-        models: impl IntoIterator<Item = &'b Judged>,
-    ) -> Self {
-        let form = before.kinds().map(|(chi2, _)| FORM * (chi2 - 1.0).max(0.0));
-        let mut least = [(f64::INFINITY, 0.0); 2];
+/// One comparison: mean square, residuals behind it, and its share of the say.
+fn looks(judged: &Judged) -> impl Iterator<Item = (f64, f64, f64)> {
+    let [training, _] = judged.kinds();
+    let say = 1.0 / judged.hold.channels.len().max(1) as f64;
+    let channels = judged.hold.channels.iter().map(move |&(_, chi2, rows)| (chi2, rows as f64, say));
+    std::iter::once((training.0, training.1, 1.0)).chain(channels)
+}
+
+impl Ranking {
+    /// Among these models of an experiment, of which the stated one, refitted, leaves what it leaves.
+    pub(super) fn new<'a>(before: &Judged, models: impl IntoIterator<Item = &'a Judged>) -> Self {
+        let forms = looks(before).map(|(chi2, ..)| CALIBRATION.form_least * (chi2 - 1.0).max(0.0)).collect();
+        let mut floors: Vec<f64> = looks(before).map(|(chi2, ..)| chi2.min(1.0)).collect();
         for judged in models {
-            for (least, ((chi2, rows), form)) in least.iter_mut().zip(judged.kinds().into_iter().zip(form)) {
-                *least = (least.0.min(chi2 + form), rows);
+            for (floor, (chi2, ..)) in floors.iter_mut().zip(looks(judged)) {
+                *floor = floor.min(chi2);
             }
         }
-        let misfit = least.map(|(chi2, _)| if chi2.is_finite() { (1.0 - 1.0 / chi2).max(0.0) } else { 0.0 });
-        let alike = misfit.map(|misfit| 1.0 + misfit * ALIKE);
-        let lost = |i: usize| PARAMETER * misfit[i] * least[i].1 / alike[i];
-        // Masses and dashpots may be stated in any way: residuals depend on them almost linearly.
-        let stated = if prepared.model.kind == Kind::Servo { prepared.model.own.as_slice() } else { &[] };
-        Self { parameter: PRICE + lost(0) + lost(1), alike, form, stated }
+        Self { floors, forms }
     }
 
     /// Twice the logarithm of what speaks against it.
     pub(super) fn cost(&self, judged: &Judged) -> f64 {
-        self.misfit(judged) + self.parameter * parameters(judged)
+        self.misfit(judged) + CALIBRATION.parameter_price * parameters(judged)
     }
 
     /// The same with no more of a price than what a parameter gains by chance.
@@ -59,19 +54,15 @@ impl<'a> Ranking<'a> {
     }
 
     fn misfit(&self, judged: &Judged) -> f64 {
-        let each = judged.kinds().into_iter().zip(self.alike).zip(self.form);
-        let misfit: f64 = each.map(|(((chi2, rows), alike), form)| rows / alike * (chi2 + form).ln()).sum();
-        misfit + self.disbelief(&judged.fit.model.own)
+        let freedom = CALIBRATION.form_freedom;
+        let each = looks(judged).zip(&self.floors).zip(&self.forms);
+        let misfit: f64 = each
+            .map(|(((chi2, rows, say), floor), form)| {
+                // Excess that the noise of so many samples makes as likely as not.
+                let chance = freedom * judged.hold.colour.max(1.0) * floor / rows.max(1.0);
+                say * freedom * ((chi2 - floor).max(0.0) / (chance + form).max(f64::MIN_POSITIVE)).ln_1p()
+            })
+            .sum();
+        misfit + judged.disbelief
     }
-
-    /// How far the stated values had to go.
-    fn disbelief(&self, fitted: &[Value]) -> f64 {
-        let known = self.stated.iter().zip(fitted).filter(|(stated, _)| stated.free && stated.value != 0.0);
-        known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / STATED).powi(2)).sum()
-    }
-}
-
-/// Parameters that were fitted.
-pub(super) fn parameters(judged: &Judged) -> f64 {
-    judged.fit.model.values().filter(|v| v.free).count() as f64
 }

@@ -1,6 +1,8 @@
 //! Why each hypothesis that was weighed was not accepted, as a type with its numbers.
 
-use super::decide::{Decision, Judged, strained};
+use super::judged::{Decision, Judged};
+use super::standing::strained;
+use super::verdict::{Conclusion, Refusal};
 use serde::Serialize;
 
 /// Why a hypothesis was rejected.
@@ -34,6 +36,12 @@ pub enum Reason {
         /// Its probability.
         probability: f64,
     },
+    /// It was selected and failed on the runs held out.
+    FailsOnTest {
+        /// What it failed.
+        #[serde(flatten)]
+        check: Refusal,
+    },
     /// It leaves too much for its names to be believed.
     TooMuchLeft {
         /// Share of the stated model's misfit that it leaves.
@@ -52,10 +60,15 @@ pub struct Rejected {
 }
 
 /// Every hypothesis that was weighed but the accepted one.
-pub(super) fn rejected(decision: &Decision) -> Vec<Rejected> {
-    let accepted = &decision.after;
+pub(super) fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
+    let decision = &conclusion.decision;
+    let accepted = &conclusion.after;
     let others = decision.candidates.iter().filter(|c| c.added != accepted.added);
-    others.map(|c| Rejected { ids: c.added.clone(), why: why(decision, c) }).collect()
+    let why = |c: &Judged| match conclusion.refusal {
+        Some(check) if c.added == decision.after.added => Reason::FailsOnTest { check },
+        _ => why(decision, c),
+    };
+    others.map(|c| Rejected { ids: c.added.clone(), why: why(c) }).collect()
 }
 
 fn why(decision: &Decision, candidate: &Judged) -> Reason {

@@ -1,10 +1,10 @@
 //! What the library does not hold, modelled: the curve that foresees best, in the coordinate it follows.
 
-use super::decide::Judged;
+use super::judged::{Judged, disbelief};
+use super::split::Weighing;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::{gains, score};
 use crate::identify::model::{Placed, Prior, Yardsticks};
-use crate::identify::prepare::Prepared;
 use crate::plant::effects::{Entry, Role, remainder};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -57,7 +57,7 @@ pub struct Modelled {
 }
 
 /// Fits every curve beside the best model the library has and keeps the one that foresees best; none where no curve helps.
-pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<Option<Modelled>, SimulateError> {
+pub fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<Option<Modelled>, SimulateError> {
     let kind = best.fit.model.kind;
     let curves: Vec<&'static Entry> = remainder::entries().filter(|e| e.kinds.contains(&kind)).collect();
     // An effect that explains a part by chance stands in the curve's way: each is tried without it too.
@@ -65,9 +65,9 @@ pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<
     let starts: Vec<(&Judged, &'static Entry)> = parents.flat_map(|p| curves.iter().map(move |&e| (p, e))).collect();
     let looked =
         |&(parent, entry): &(&Judged, &'static Entry)| -> Result<Option<(Fit, Vec<&'static str>)>, SimulateError> {
-            let Some(placed) = placed(entry, &prepared.yardsticks) else { return Ok(None) };
-            let mut fit = Fit::resume(parent.fit.model.with(placed), parent.fit.locals.clone(), &prepared.fit)?;
-            fit.improve(&prepared.fit, LOOK)?;
+            let Some(placed) = placed(entry, &weighing.yardsticks()) else { return Ok(None) };
+            let mut fit = Fit::resume(parent.fit.model.with(placed), parent.fit.locals.clone(), weighing.fitted())?;
+            fit.improve(weighing.fitted(), LOOK)?;
             Ok(Some((fit, parent.added.clone())))
         };
     let looks = starts.par_iter().map(looked).collect::<Result<Vec<_>, _>>()?;
@@ -79,9 +79,10 @@ pub fn remainder(prepared: &Prepared, before: &Judged, best: &Judged) -> Result<
     looks.truncate(FINALISTS);
     looks.extend(alone);
     let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<Judged, SimulateError> {
-        fit.improve(&prepared.fit, FULL)?;
-        let hold = score(&fit.model, prepared.judging())?;
-        Ok(Judged { fit, hold, added, probability: 0.0 })
+        fit.improve(weighing.fitted(), FULL)?;
+        let hold = score(&fit.model, weighing.weighed())?;
+        let disbelief = disbelief(weighing.model(), &fit.model);
+        Ok(Judged { fit, hold, added, probability: 0.0, disbelief })
     };
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));

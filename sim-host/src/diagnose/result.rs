@@ -1,10 +1,11 @@
 //! The diagnosis as other tools read it: schema `shakedown.diagnosis/1`.
 
 use super::change::Change;
-use super::decide::{Decision, Judged};
+use super::judged::Judged;
 use super::locate::Location;
 use super::rejected::{Rejected, rejected};
 use super::remainder::Remainder;
+use super::verdict::{Conclusion, Refusal};
 use crate::identify::data::Channel;
 use crate::identify::judge::Score;
 use crate::identify::prepare::Prepared;
@@ -39,6 +40,8 @@ pub struct Diagnosis {
     /// The same on the runs that judged: the hold-out set, or the runs fitted where none is held out.
     #[serde(skip)]
     pub judged: BeforeAfter,
+    /// Why names that were selected are not given: what they failed on the runs held out.
+    pub refusal: Option<Refusal>,
     /// True where effects are named and leave more than noise and the simplicity of their equations.
     pub more_missing: bool,
     /// Every hypothesis that was weighed and not accepted, with the reason.
@@ -94,7 +97,9 @@ pub struct Candidate {
     pub ids: Vec<&'static str>,
     /// Share of belief.
     pub probability: f64,
-    /// chi2 on the runs held back.
+    /// chi2 on the stretches of the runs fitted that weighed it.
+    pub validation_chi2: Option<f64>,
+    /// chi2 on the runs held out, of which the stated model and the selected one alone are asked.
     pub holdout_chi2: Option<f64>,
 }
 
@@ -141,8 +146,8 @@ pub struct Part {
 }
 
 impl BeforeAfter {
-    fn of(decision: &Decision) -> Self {
-        Self { before: Standing::of(&decision.before.hold), after: Standing::of(&decision.after.hold) }
+    fn of(conclusion: &Conclusion) -> Self {
+        Self { before: Standing::of(&conclusion.before.hold), after: Standing::of(&conclusion.after.hold) }
     }
 }
 
@@ -172,32 +177,33 @@ pub(super) struct Open {
 /// Puts a diagnosis together.
 pub(super) fn assemble(
     prepared: &Prepared,
-    decision: &Decision,
+    conclusion: &Conclusion,
     location: Location,
     open: Open,
     findings: &[Finding],
 ) -> Diagnosis {
-    let verdict = if decision.consistent() { Verdict::Consistent } else { Verdict::Mismatch };
-    let quantities = quantities(&decision.after.fit);
+    let verdict = if conclusion.consistent() { Verdict::Consistent } else { Verdict::Mismatch };
+    let quantities = quantities(&conclusion.after.fit);
     let own = prepared.model.kind.parameters();
     let model = own.iter().filter_map(|p| Some((p.key.to_owned(), quantities.get(p.key)?.clone()))).collect();
-    let share = |part: &Judged| 1.0 - (part.hold.chi2 - 1.0) / (decision.before.hold.chi2 - 1.0).max(1e-9);
+    let share = |part: &Judged| 1.0 - (part.hold.chi2 - 1.0) / (conclusion.before.hold.chi2 - 1.0).max(1e-9);
     Diagnosis {
         schema: "shakedown.diagnosis/1",
         verdict,
         location,
-        effects: named(decision, &quantities, open.remainder.as_ref()),
-        candidates: candidates(decision),
-        indistinguishable: decision.ties.clone(),
+        effects: named(conclusion, &quantities, open.remainder.as_ref()),
+        candidates: candidates(conclusion),
+        indistinguishable: if conclusion.unlisted { Vec::new() } else { conclusion.decision.ties.clone() },
         next_test: open.next_test,
         change: open.change,
-        holdout: (!prepared.holdout.is_empty()).then(|| BeforeAfter::of(decision)),
-        judged: BeforeAfter::of(decision),
-        more_missing: decision.more_missing,
-        rejected: rejected(decision),
+        holdout: conclusion.held_out.then(|| BeforeAfter::of(conclusion)),
+        judged: BeforeAfter::of(conclusion),
+        refusal: conclusion.refusal,
+        more_missing: conclusion.more_missing,
+        rejected: rejected(conclusion),
         model,
-        share_left: decision.left(),
-        part_explained: decision.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
+        share_left: conclusion.left(),
+        part_explained: conclusion.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
         remainder: open.remainder,
         held_out_shared: open.held_out_shared,
         set_up: Vec::new(),
@@ -207,11 +213,12 @@ pub(super) fn assemble(
 }
 
 fn named(
-    decision: &Decision,
+    conclusion: &Conclusion,
     quantities: &BTreeMap<String, Quantity>,
     remainder: Option<&Remainder>,
 ) -> Vec<NamedEffect> {
-    if decision.unlisted {
+    let decision = &conclusion.decision;
+    if conclusion.unlisted {
         let probability = decision.unlisted_probability;
         let equation = remainder.map_or_else(|| "not in the library".to_owned(), |r| r.equation.clone());
         let of = |r: &Remainder| {
@@ -222,7 +229,7 @@ fn named(
         let parameters = remainder.map(of).unwrap_or_default();
         return vec![NamedEffect { id: "unlisted", probability, equation, parameters }];
     }
-    let placed = decision.after.fit.model.effects.iter().filter(|p| decision.after.added.contains(&p.entry.id));
+    let placed = conclusion.after.fit.model.effects.iter().filter(|p| conclusion.after.added.contains(&p.entry.id));
     placed
         .map(|placed| {
             let id = placed.entry.id;
@@ -240,13 +247,23 @@ fn named(
         .collect()
 }
 
-fn candidates(decision: &Decision) -> Vec<Candidate> {
-    let mut all: Vec<Candidate> = decision
-        .candidates
-        .iter()
-        .map(|c| Candidate { ids: c.added.clone(), probability: c.probability, holdout_chi2: Some(c.hold.chi2) })
-        .collect();
-    all.push(Candidate { ids: vec!["unlisted"], probability: decision.unlisted_probability, holdout_chi2: None });
+fn candidates(conclusion: &Conclusion) -> Vec<Candidate> {
+    let decision = &conclusion.decision;
+    // The runs held out were asked of the stated model and the selected one alone.
+    let judged = [Some(&conclusion.before), Some(&conclusion.after), conclusion.partial.as_ref()];
+    let held_out = |ids: &[&str]| {
+        let same = |judged: &&Judged| judged.added == ids;
+        judged.into_iter().flatten().find(same).filter(|_| conclusion.held_out).map(|judged| judged.hold.chi2)
+    };
+    let candidate = |c: &Judged| Candidate {
+        ids: c.added.clone(),
+        probability: c.probability,
+        validation_chi2: Some(c.hold.chi2),
+        holdout_chi2: held_out(&c.added),
+    };
+    let mut all: Vec<Candidate> = decision.candidates.iter().map(candidate).collect();
+    let probability = decision.unlisted_probability;
+    all.push(Candidate { ids: vec!["unlisted"], probability, validation_chi2: None, holdout_chi2: None });
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     all
 }

@@ -1,21 +1,22 @@
 //! What the accepted model is mistaken for, fitted as thoroughly as it: a double that a short look left half way must not lose
 //! for that.
 
-use super::search::Search;
+use super::search::{Search, detailed};
+use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::{Model, Placed};
-use crate::identify::prepare::Prepared;
 use crate::plant::effects::Entry;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
-/// How far a double is taken.
+/// A look at a start of a double, and how far the best is taken.
+const LOOK: Effort = Effort { steps: 6, tolerance: 1e-3 };
 const FULL: Effort = Effort { steps: 12, tolerance: 1e-4 };
 /// The accepted model with each of its added effects in turn put out for one that it is mistaken for, by the library's own
 /// word.
-pub(super) fn rivals(prepared: &Prepared, accepted: &Fit, search: &Search) -> Result<Vec<Fit>, SimulateError> {
-    let added = accepted.model.ids_beside(&prepared.model.ids());
+pub(super) fn rivals(weighing: &Weighing, accepted: &Fit, search: &Search) -> Result<Vec<Fit>, SimulateError> {
+    let added = accepted.model.ids_beside(&weighing.model().ids());
     let ours = accepted.model.effects.iter().filter(|p| added.contains(&p.entry.id));
     let mut tasks = Vec::new();
     for placed in ours {
@@ -24,7 +25,7 @@ pub(super) fn rivals(prepared: &Prepared, accepted: &Fit, search: &Search) -> Re
             tasks.push((rest.clone(), double));
         }
     }
-    let fitted = |(rest, double): (Model, &'static Entry)| thorough(&prepared.fit, accepted, &rest, double, search);
+    let fitted = |(rest, double): (Model, &'static Entry)| thorough(weighing.fitted(), accepted, &rest, double, search);
     let fits = tasks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     Ok(fits.into_iter().flatten().collect())
 }
@@ -46,12 +47,14 @@ fn thorough(
     for placed in (0..).map_while(|i| Placed::start(double, i, &search.yardsticks)) {
         starts.push(Fit::resume(rest.with(placed), accepted.locals.clone(), runs)?);
     }
-    let fresh = starts.into_iter().min_by(|a, b| a.promised().total_cmp(&b.promised()));
-    let Some(mut fresh) = fresh else { return Ok(None) };
+    // What a linear step promises from far away is little: every start is taken some way.
+    starts.iter_mut().try_for_each(|start| start.improve(runs, LOOK))?;
+    let Some(mut fresh) = starts.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares)) else { return Ok(None) };
     let set = fresh.model.ids();
     let seen = search.grown.iter().flatten().find(|fit| fit.model.ids() == set);
     fresh.improve(runs, FULL)?;
     let mut best = fresh;
+    best = detailed(&best, runs, FULL)?.unwrap_or(best);
     if let Some(seen) = seen {
         let mut seen = seen.clone();
         seen.improve(runs, FULL)?;

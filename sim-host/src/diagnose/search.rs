@@ -4,11 +4,11 @@
 mod seedlings;
 
 use super::Options;
+use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::score;
 use crate::identify::model::{Model, Placed, Yardsticks};
-use crate::identify::prepare::Prepared;
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -42,24 +42,28 @@ const BENT: f64 = 4.0;
 /// What is left of the baseline's excess when growing stops.
 const SETTLED: f64 = 0.008;
 
-/// The same on the runs held back.
+/// Share of the squares that a form with its details fitted must leave at most to be worth them.
+const DETAILED: f64 = 0.8;
+
+/// The same on the stretches that weigh.
 const FORESEEN: f64 = 0.03;
 
 /// Searches for what the stated model lacks.
-pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, SimulateError> {
-    let runs = &prepared.fit;
+pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, SimulateError> {
+    let (prepared, runs) = (weighing.training.prepared(), weighing.fitted());
     options.say("fitting the stated model", 0.02);
     let baseline = fit_stated(prepared)?;
-    let yardsticks = Yardsticks { line: super::locate::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
+    let yardsticks = Yardsticks { line: super::residual::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
     let stated = prepared.model.ids();
     let mut search = Search { baseline, grown: Vec::new(), yardsticks };
     let mut parents = vec![search.baseline.clone()];
-    let held_back = Foresight::of(prepared, &search.baseline)?;
-    // A refit bends a model far from the truth to hide what is missing: then values near those stated are a second start.
-    if !explains(&search.baseline) {
-        parents.extend(fit_from_near(prepared, &search.baseline)?);
-    } else if !held_back.reaches(&search.baseline)? {
+    let held_back = Foresight::of(weighing, &search.baseline)?;
+    // A refit bends a model far from the truth to hide what is missing, and may hide it whole: values near those stated are a
+    // second start.
+    if explains(&search.baseline) && !held_back.reaches(&search.baseline)? {
         parents = fit_near(prepared, &search.baseline)?.map_or(parents, |near| vec![near]);
+    } else {
+        parents.extend(fit_from_near(prepared, &search.baseline)?);
     }
     if parents.len() == 1 && search.baseline.chi2() > BENT {
         parents.push(Fit::begin(prepared.model.clone(), runs)?);
@@ -67,7 +71,12 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
     for size in 0..MOST {
         options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
         let singles = search.grown.first().cloned().unwrap_or_default();
-        search.grown.push(grow(&parents, &singles, runs, &search.yardsticks)?);
+        search.grown.push(if size == 0 {
+            grow_each(&parents, runs, &search.yardsticks)?
+        } else {
+            grow(&parents, &singles, runs, &search.yardsticks)?
+        });
+        detail(&mut search.grown, runs)?;
         eliminate(&mut search.grown, &stated, runs)?;
         swap(&mut search.grown, &stated, runs)?;
         let Some(grown) = search.grown.last() else { break };
@@ -86,6 +95,30 @@ pub fn search(prepared: &Prepared, options: &Options) -> Result<Search, Simulate
         }
     }
     Ok(search)
+}
+
+/// Frees the details of the forms of the best models of the last size: a right effect in its simplest form may leave more than
+/// a stranger does.
+fn detail(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), SimulateError> {
+    let Some(last) = grown.last_mut() else { return Ok(()) };
+    let effort = Effort { steps: 8, tolerance: 1e-4 };
+    let finer = |fit: &Fit| if explains(fit) { Ok(None) } else { detailed(fit, runs, effort) };
+    let finer = last.par_iter().take(FINALISTS).map(finer).collect::<Result<Vec<_>, _>>()?;
+    last.extend(finer.into_iter().flatten());
+    best_of_each_set(last);
+    Ok(())
+}
+
+/// A model with the details of its effects' forms fitted too; none where it has none or they are not worth it.
+pub(super) fn detailed(fit: &Fit, runs: &[Run], effort: Effort) -> Result<Option<Fit>, SimulateError> {
+    let model = fit.model.refined();
+    let free = |model: &Model| model.values().filter(|v| v.free).count();
+    if free(&model) == free(&fit.model) {
+        return Ok(None);
+    }
+    let mut finer = Fit::resume(model, fit.locals.clone(), runs)?;
+    finer.improve(runs, effort)?;
+    Ok(Some(finer).filter(|finer| finer.squares < DETAILED * fit.squares - CHANCE))
 }
 
 /// Takes effects out of the best models of the last size, one at a time: a companion may have led the other to where it
@@ -158,8 +191,8 @@ struct Foresight<'a> {
 }
 
 impl<'a> Foresight<'a> {
-    fn of(prepared: &'a Prepared, baseline: &Fit) -> Result<Self, SimulateError> {
-        let foresight = Self { runs: &prepared.holdout, little: 0.02 };
+    fn of(weighing: &'a Weighing, baseline: &Fit) -> Result<Self, SimulateError> {
+        let foresight = Self { runs: weighing.weighed(), little: 0.02 };
         Ok(Self { little: (FORESEEN * foresight.excess(baseline)?).max(foresight.little), ..foresight })
     }
 
@@ -170,6 +203,17 @@ impl<'a> Foresight<'a> {
     fn reaches(&self, fit: &Fit) -> Result<bool, SimulateError> {
         Ok(self.runs.is_empty() || self.excess(fit)? < self.little)
     }
+}
+
+/// Single effects on every fit of the stated model, each grown to its end: a fit that hides what is missing leaves so little that
+/// an honest one would never be seen beside it half way.
+fn grow_each(parents: &[Fit], runs: &[Run], yardsticks: &Yardsticks) -> Result<Vec<Fit>, SimulateError> {
+    let mut all = Vec::new();
+    for parent in parents {
+        all.extend(grow(std::slice::from_ref(parent), &[], runs, yardsticks)?);
+    }
+    best_of_each_set(&mut all);
+    Ok(all)
 }
 
 /// Models with one effect more than their parents, best first; each set of effects once.

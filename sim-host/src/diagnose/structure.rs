@@ -43,7 +43,7 @@ const LEAST: f64 = 0.01;
 
 /// The largest structure of any judged channel.
 pub(super) fn structure(runs: &[Run], predicted: &[Predicted]) -> Structure {
-    let mut channels: Vec<Channel> = runs.iter().flat_map(super::locate::judged_channels).collect();
+    let mut channels: Vec<Channel> = runs.iter().flat_map(super::residual::judged_channels).collect();
     channels.sort_unstable();
     channels.dedup();
     let each = channels.into_iter().filter_map(|channel| of_channel(runs, predicted, channel));
@@ -60,7 +60,7 @@ struct Row {
 fn of_channel(runs: &[Run], predicted: &[Predicted], channel: Channel) -> Option<Structure> {
     let mut rows = Vec::new();
     for (run, predicted) in runs.iter().zip(predicted) {
-        let Some(residual) = super::locate::residual(run, predicted, channel) else { continue };
+        let Some(residual) = super::residual::residual(run, predicted, channel) else { continue };
         let first = rows.last().map_or(0, |row: &Row| row.stretch + 1);
         rows.extend(rows_of(run, predicted, &residual, first));
     }

@@ -10,10 +10,11 @@
 //! Source: R. M. Bell, D. F. McCaffrey, "Bias reduction in standard errors for linear regression with multi-stage samples",
 //! Survey Methodology 28 (2002) 169-181.
 
-use super::interval::NINETY;
 use super::normal::{Block, Normal};
 use nalgebra::{DMatrix, DVector};
 
+/// Half width of a 90 % interval in standard deviations.
+pub const NINETY: f64 = 1.645;
 /// Most of what is known of a parameter that one stretch counts for when its score is corrected.
 const MOST: f64 = 0.9;
 /// Fewest stretches that a spread counts as being told from.

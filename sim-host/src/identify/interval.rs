@@ -8,14 +8,12 @@
 //! Source: D. J. Venzon, S. H. Moolgavkar, "A method for computing profile-likelihood-based confidence intervals",
 //! Applied Statistics 37 (1988) 87-94.
 
+pub use super::covariance::NINETY;
 use super::data::Run;
 use super::fit::{Effort, Fit};
 use super::model::Value;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
-
-/// Half width of a 90 % interval in standard deviations.
-pub const NINETY: f64 = 1.645;
 
 /// How an end is fitted: near the end of a profile the others hardly move.
 const REFIT: Effort = Effort { steps: 5, tolerance: 1e-4 };

@@ -21,6 +21,8 @@ pub struct Score {
     pub blocks: Vec<f64>,
     /// By how much neighbouring residuals of a judged channel being alike overstates their number, 1 for white ones.
     pub colour: f64,
+    /// Mean of (residual / noise)^2 and number of residuals of each judged channel.
+    pub channels: Vec<(Channel, f64, usize)>,
     /// Normalised RMS residual by channel: RMS of the residual over RMS of the measurement about its mean.
     pub nrmse: Vec<(Channel, f64)>,
     /// The prediction of each run.
@@ -28,6 +30,14 @@ pub struct Score {
 }
 
 impl Score {
+    /// Adds one residual's square to its channel's.
+    fn count(&mut self, channel: Channel, square: f64) {
+        match self.channels.iter_mut().find(|(c, ..)| *c == channel) {
+            Some((_, sum, count)) => (*sum, *count) = (*sum + square, *count + 1),
+            None => self.channels.push((channel, square, 1)),
+        }
+    }
+
     /// Sum of squares of all judged channels.
     pub fn squares(&self) -> f64 {
         self.blocks.iter().sum()
@@ -53,6 +63,7 @@ pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
         rows: 0,
         blocks: Vec::new(),
         colour: 1.0,
+        channels: Vec::new(),
         nrmse: Vec::new(),
         predicted: Vec::new(),
     };
@@ -84,11 +95,13 @@ pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
                 if measured.judged {
                     score.blocks[first + k / block] += square;
                     score.rows += 1;
+                    score.count(measured.channel, square);
                 }
             }
         }
     }
     score.chi2 /= score.samples.max(1) as f64;
+    score.channels.iter_mut().for_each(|(_, mean, count)| *mean /= (*count).max(1) as f64);
     score.nrmse =
         sums.into_iter().filter(|(_, sums)| sums.count > 0.0).map(|(channel, sums)| (channel, sums.nrmse())).collect();
     score.predicted = predicted;

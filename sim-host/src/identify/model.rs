@@ -1,7 +1,7 @@
 //! A model with the effects it has, and which of its parameters a fit may move.
 
-use super::data::{Channel, Run};
-use crate::plant::effects::{Ends, Entry, Role, Yardstick};
+pub use super::yardsticks::Yardsticks;
+use crate::plant::effects::{ENTRIES, Ends, Entry, Role};
 use crate::plant::model::Kind;
 
 /// By what share of its stated value a positive parameter may well change that means something else beside an effect.
@@ -76,93 +76,8 @@ pub struct Model {
     pub scale: Option<Value>,
     /// The effects, in the order of the registry.
     pub effects: Vec<Placed>,
-}
-
-/// Sizes of the signals, in whose multiples effects state their bounds and starting values.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Yardsticks {
-    /// RMS of the command.
-    pub command: f64,
-    /// Largest rate of change of the command, per second.
-    pub command_rate: f64,
-    /// Largest speed, m/s.
-    pub speed: f64,
-    /// Largest displacement from the start, m.
-    pub displacement: f64,
-    /// 1, or the mass of a rigid mass, kg.
-    pub force: f64,
-    /// Longest run, s.
-    pub duration: f64,
-    /// Strongest line of the accelerometer's residual, Hz.
-    pub line: f64,
-}
-
-impl Yardsticks {
-    /// Of a table of the paper's kind that plays an earthquake: for models that are written down, not measured.
-    pub const TYPICAL: Self = Self {
-        command: 0.05,
-        command_rate: 2.0,
-        speed: 0.2,
-        displacement: 0.1,
-        force: 1.0,
-        duration: 30.0,
-        line: 50.0,
-    };
-
-    /// The size that one yardstick stands for.
-    pub fn size(&self, yardstick: Yardstick) -> f64 {
-        match yardstick {
-            Yardstick::One => 1.0,
-            Yardstick::Command => self.command,
-            Yardstick::CommandRate => self.command_rate,
-            Yardstick::Speed => self.speed,
-            Yardstick::Displacement => self.displacement,
-            Yardstick::Force => self.force,
-            Yardstick::Curvature => self.displacement.powi(-2),
-            Yardstick::Duration => self.duration,
-            Yardstick::Line => self.line,
-        }
-    }
-
-    /// Measured on the runs a fit uses.
-    pub fn of(runs: &[Run], mass: f64) -> Self {
-        let duration = runs.iter().map(|run| run.len() as f64 * run.dt).fold(0.0, f64::max);
-        let mut it =
-            Self { command: 0.0, command_rate: 0.0, speed: 0.0, displacement: 0.0, force: mass, duration, line: 50.0 };
-        let (mut squares, mut count) = (0.0, 0.0);
-        for run in runs {
-            if let Some(command) = run.channel(Channel::Command) {
-                squares += command.values.iter().filter(|u| u.is_finite()).map(|u| u * u).sum::<f64>();
-                let rates = command.values.windows(2).map(|w| ((w[1] - w[0]) / run.dt).abs());
-                it.command_rate = rates.filter(|r| r.is_finite()).fold(it.command_rate, f64::max);
-                count += run.len() as f64;
-            }
-            if let Some(x) = run.channel(Channel::Displacement) {
-                let span = (0.02 / run.dt).round().max(1.0) as usize;
-                let start = x.values.first().copied().unwrap_or(0.0);
-                for (i, value) in x.values.iter().enumerate() {
-                    it.displacement = it.displacement.max((value - start).abs());
-                    if let Some(later) = x.values.get(i + span) {
-                        it.speed = it.speed.max((later - value).abs() / (span as f64 * run.dt));
-                    }
-                }
-            } else if let Some(v) = run.channel(Channel::Velocity) {
-                let mut travelled = 0.0_f64;
-                for value in v.values.iter().filter(|v| v.is_finite()) {
-                    travelled += value * run.dt;
-                    it.displacement = it.displacement.max(travelled.abs());
-                    it.speed = it.speed.max(value.abs());
-                }
-            }
-        }
-        if count > 0.0 {
-            it.command = (squares / count).sqrt();
-        }
-        for size in [&mut it.command, &mut it.command_rate, &mut it.speed, &mut it.displacement, &mut it.duration] {
-            *size = size.max(1e-9);
-        }
-        it
-    }
+    /// Effects of the user's own that it may be missing, beside the library's.
+    pub library: Vec<&'static Entry>,
 }
 
 impl Placed {
@@ -198,7 +113,8 @@ impl Model {
             }
         }
         model.effects.push(effect);
-        let place = |p: &Placed| crate::plant::effects::ENTRIES.iter().position(|e| e.id == p.entry.id);
+        // A user's own come last, in the order in which they were added.
+        let place = |p: &Placed| ENTRIES.iter().position(|e| e.id == p.entry.id).unwrap_or(ENTRIES.len());
         model.effects.sort_by_key(place);
         model
     }
@@ -255,11 +171,11 @@ impl Model {
         self.ids().into_iter().filter(|id| !stated.contains(id)).collect()
     }
 
-    /// The library's effects that a model of this kind may be missing.
+    /// The effects that a model of this kind may be missing: the library's and the user's own.
     pub fn candidates(&self) -> Vec<&'static Entry> {
         let present = self.ids();
         let fits = |e: &&Entry| e.kinds.contains(&self.kind) && !present.contains(&e.id);
-        crate::plant::effects::ENTRIES.iter().copied().filter(fits).collect()
+        ENTRIES.iter().chain(&self.library).copied().filter(fits).collect()
     }
 
     /// Every shared value, in a fixed order: own, scale, effects.
@@ -292,7 +208,7 @@ mod tests {
     fn what_an_effect_freed_is_known_again_without_it() {
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
         let own = own.map(|v| Value { low: 0.1 * v.value, high: 10.0 * v.value, positive: true, ..v }).to_vec();
-        let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new() };
+        let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new() };
         let placed = |id: &str| Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
         let mut soft = stated.with(placed("flow_softening")).with(placed("null_bias"));
         let limit = soft.own_mut("velocity_limit").unwrap();

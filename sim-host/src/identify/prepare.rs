@@ -134,7 +134,8 @@ fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks
         Some(placed)
     });
     let scale = (has_pressure && kind != Kind::ForceBalance).then(|| pressure_scale(stated));
-    let model = Model { kind, own: own.collect(), scale, effects: Vec::new() };
+    let library = stated.own.iter().filter_map(|id| entry(id)).collect();
+    let model = Model { kind, own: own.collect(), scale, effects: Vec::new(), library };
     effects.fold(model, |model, effect| model.with(effect))
 }
 

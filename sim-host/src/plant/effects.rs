@@ -14,6 +14,7 @@
 //! ```
 
 mod bristle;
+pub mod own;
 pub mod remainder;
 mod shaken;
 mod stiff_oil;
@@ -331,9 +332,10 @@ pub trait Effect<S: Scalar>: Debug + Send {
     }
 }
 
-/// The effect with this identifier, or the curve that stands for what the library does not hold.
+/// The effect with this identifier: of the library, a curve that stands for what it does not hold, or a user's own.
 pub fn entry(id: &str) -> Option<&'static Entry> {
-    ENTRIES.iter().copied().chain(remainder::entries()).find(|entry| entry.id == id)
+    let library = ENTRIES.iter().copied().chain(remainder::entries()).find(|entry| entry.id == id);
+    library.or_else(|| own::found(id).map(|(_, entry)| entry))
 }
 
 /// Every identifier, in signal-path order.
@@ -352,7 +354,7 @@ macro_rules! registry {
         pub fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
             match id {
                 $(id if id == $module::ENTRY.id => Some(Box::new($module::$kind::<S>::new(parameters)?)),)+
-                _ => remainder::build(id, parameters),
+                _ => remainder::build(id, parameters).or_else(|| own::build(id, parameters)),
             }
         }
     };
@@ -364,6 +366,7 @@ registry! {
     valve_rate_limit::ValveRateLimit,
     valve_lag::ValveLag,
     valve_deadband::ValveDeadband,
+    asymmetric_gain::AsymmetricGain,
     flow_softening::FlowSoftening,
     asymmetric_limit::AsymmetricLimit,
     supply_droop::SupplyDroop,
@@ -374,6 +377,7 @@ registry! {
     viscous_friction::ViscousFriction,
     coulomb_friction::CoulombFriction,
     stribeck_friction::StribeckFriction,
+    spring::Spring,
     end_stop::EndStop,
     payload_resonance::PayloadResonance,
     backlash::Backlash,

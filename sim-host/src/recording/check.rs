@@ -16,7 +16,9 @@ mod hum;
 mod missing;
 mod quantisation;
 mod replay;
+mod short;
 mod skew;
+mod still;
 mod stuck;
 mod ticks;
 mod timing;
@@ -24,7 +26,7 @@ mod timing;
 pub(crate) use clipped::stretches as clipped_stretches;
 pub(crate) use consistency::relation;
 pub(crate) use hum::mains_line;
-pub(crate) use missing::longest as longest_stretch;
+pub(crate) use missing::{BRIDGED, longest as longest_stretch, stretches};
 pub(crate) use replay::fitted_gains;
 pub use skew::Skew;
 pub(crate) use ticks::Ticks;
@@ -52,6 +54,10 @@ pub enum Fault {
     Swapped,
     /// Channels that must belong together do not.
     Unrelated,
+    /// Too few samples to fit anything to.
+    TooShort,
+    /// Nothing moves in any channel.
+    Still,
     /// One value is repeated while the table moves.
     Stuck,
     /// The signal is cut at the end of a range.
@@ -121,6 +127,7 @@ impl Finding {
 pub fn check(experiment: &Experiment) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
         experiment.runs.iter().flat_map(|run| check_run(run, &experiment.sources)).collect();
+    findings.extend(short::check(&experiment.runs));
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     findings
 }
@@ -132,13 +139,19 @@ pub fn is_bad_data(findings: &[Finding]) -> bool {
 
 fn check_run(run: &Run, sources: &PerChannel<ChannelSource>) -> Vec<Finding> {
     let mut findings = timing::check(run);
-    findings.extend(missing::check(run));
+    let missing = missing::check(run);
+    let gaps = missing.iter().any(|f| f.severity == Severity::BadData);
+    findings.extend(missing);
+    if let Some(still) = still::check(run) {
+        findings.push(still);
+        return findings;
+    }
     let clipped = clipped::check(run);
     let mut stuck = stuck::check(run);
     // A signal cut off repeats its extreme, which is the same fault seen twice.
     stuck.retain(|s| clipped.iter().all(|c| c.channel != s.channel));
-    // A dead or cut channel agrees with nothing; what it disagrees with says no more.
-    if !stuck.iter().chain(&clipped).any(|f| f.severity == Severity::BadData) {
+    // A dead or cut channel agrees with nothing; what it disagrees with says no more. Nor does one with holes.
+    if !gaps && !stuck.iter().chain(&clipped).any(|f| f.severity == Severity::BadData) {
         let consistency = consistency::check(run, sources);
         if consistency.is_empty() {
             findings.extend(replay::check(run));

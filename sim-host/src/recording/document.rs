@@ -1,10 +1,16 @@
 //! A TOML document read key by key, so that every message can name the line, and a key that nobody asked for is refused.
 
 use super::error::{Place, Problem, RecordingError, nearest};
+use crate::files::bounded;
 use std::cell::RefCell;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+/// Reads a small text file.
+pub(crate) fn read_text(path: &Path) -> Result<String, RecordingError> {
+    bounded::text(path, bounded::BY_HAND).map_err(|e| Place::file(path).refuse(Problem::Unreadable(e)))
+}
 
 /// One table of the document, and the keys that were asked for so far.
 pub(crate) struct Section<'a> {

@@ -15,6 +15,7 @@ mod clipped;
 mod clock;
 mod controller;
 mod displacement;
+mod gaps;
 mod hum;
 mod outliers;
 mod replay;
@@ -177,6 +178,7 @@ pub struct SetUp {
 pub fn doubt(experiment: &Experiment) -> SetUp {
     let mut experiment = experiment.clone();
     let mut findings = clock::doubt(&mut experiment);
+    findings.extend(gaps::doubt(&mut experiment));
     findings.extend(clipped::doubt(&mut experiment));
     findings.extend(outliers::doubt(&mut experiment));
     findings.extend(controller::doubt(&mut experiment));
@@ -187,4 +189,4 @@ pub fn doubt(experiment: &Experiment) -> SetUp {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

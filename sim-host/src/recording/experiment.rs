@@ -1,11 +1,12 @@
 //! An experiment: the model, the channels and the runs of one TOML file, read, checked and brought to SI.
 
 use super::channel::{Channel, PerChannel};
+use super::document::read_text;
 use super::document::{Section, Source, parse};
 use super::error::{Place, Problem, RecordingError};
 use super::holdout::{HeldBack, assign};
 use super::law::{Law, Shaping};
-use super::model::{Baseline, Model, read_text};
+use super::model::{Baseline, Model};
 use super::run::{Run, Use};
 use crate::files::layout::Stated;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! The controller that ran while a recording was made.
 
+use super::document::read_text;
 use super::document::{Entry, Section};
 use super::error::{Place, Problem, RecordingError, nearest};
-use super::model::read_text;
 use crate::plant::simulate::Notch;
 use shakedown_core::Settings;
 use std::path::{Path, PathBuf};

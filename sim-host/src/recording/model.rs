@@ -1,16 +1,19 @@
 //! The model a user believes in, as `[model]` and `[effects.ID]` state it, in an experiment or in a `table.toml`.
 
-use super::document::{Entry, Section, Source, parse, unknown_key};
+use super::document::{Entry, Section, Source, parse, read_text, unknown_key};
 use super::error::{Place, Problem, RecordingError, nearest};
-use crate::files::bounded;
+use super::own_effect;
 use crate::plant::effects;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 mod baseline;
+mod signs;
+mod text;
 
 pub use baseline::{Baseline, ForceBalance, RigidMass, Servo};
+use text::{line, list};
 
 /// A baseline, the effects it already has, and what of it may be fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +28,8 @@ pub struct Model {
     pub bandwidth_hz: Option<f64>,
     /// What an identification said of each parameter's accuracy, by the parameter's name (`b0`, `coulomb_friction.force`).
     pub accuracy: BTreeMap<String, Accuracy>,
+    /// Identifiers of the effects of the user's own that came with it, beside the library's.
+    pub own: Vec<&'static str>,
 }
 
 /// How well a parameter is known.
@@ -60,8 +65,10 @@ impl Model {
         let source = Source::new(path, text);
         let document = parse(&source, text)?;
         let root = Section::root(&source, &document);
-        let model = Self::stated(&root, &model_section(&root)?)?;
-        root.string("name")?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let own = own_effect::read(&root, folder, &mut Vec::new())?;
+        let model = Self { own, ..Self::stated(&root, &model_section(&root)?)? };
+        let _ = (root.string("name")?, super::Described::read(&root)?);
         root.finish()?;
         Ok(model)
     }
@@ -70,10 +77,14 @@ impl Model {
     /// joins `inputs`.
     pub(crate) fn read(root: &Section<'_>, folder: &Path, inputs: &mut Vec<PathBuf>) -> Result<Self, RecordingError> {
         let section = model_section(root)?;
-        match section.get("file") {
+        let mut own = own_effect::read(root, folder, inputs)?;
+        let mut model = match section.get("file") {
             Some(file) => Self::from_file(&section, &file, folder, inputs),
             None => Self::stated(root, &section),
-        }
+        }?;
+        own.retain(|id| !model.own.contains(id));
+        model.own.append(&mut own);
+        Ok(model)
     }
 
     fn stated(root: &Section<'_>, section: &Section<'_>) -> Result<Self, RecordingError> {
@@ -86,7 +97,7 @@ impl Model {
         let bandwidth_hz = section.get("bandwidth_hz").map(|e| e.positive()).transpose()?;
         let fit = section.get("fit").map(|e| fitted(&e, &baseline, &effects)).transpose()?.unwrap_or_default();
         section.finish()?;
-        let model = Self { baseline, effects, fit, bandwidth_hz, accuracy };
+        let model = Self { baseline, effects, fit, bandwidth_hz, accuracy, own: Vec::new() };
         model.check_library()?;
         Ok(model)
     }
@@ -112,7 +123,8 @@ impl Model {
 
     /// Refuses an effect, or a key of one, that the library does not hold.
     fn check_library(&self) -> Result<(), RecordingError> {
-        self.check_effects(&effects::identifiers())?;
+        let own = self.effects.iter().filter_map(|e| effects::own::found(&e.id)).map(|(_, entry)| entry.id);
+        self.check_effects(&effects::identifiers().into_iter().chain(own).collect::<Vec<_>>())?;
         for effect in &self.effects {
             let parameters = effects::entry(&effect.id).map_or(&[][..], |entry| entry.parameters);
             let keys: Vec<&str> = parameters.iter().map(|parameter| parameter.key).collect();
@@ -173,41 +185,8 @@ impl Model {
                 line(&mut text, key, value, self.accuracy.get(&format!("{}.{key}", effect.id)));
             }
         }
-        text
+        text + &own_effect::to_toml(self.effects.iter().map(|e| e.id.as_str()))
     }
-}
-
-/// By how much a stated parameter may pass the library's range, which fits keep to.
-const FAR: f64 = 100.0;
-
-impl StatedEffect {
-    /// Refuses a negative value of what is a size, a time or a rate, a frequency of zero, and what lies a thousandfold beyond
-    /// the library's range.
-    fn check_signs(&self, parameters: &[effects::Parameter]) -> Result<(), RecordingError> {
-        for parameter in parameters {
-            let Some(&value) = self.parameters.get(parameter.key) else { continue };
-            let refuse = |expected| {
-                let place = self.place.clone().column(&format!("effects.{}.{}", self.id, parameter.key));
-                Err(place.refuse(Problem::OutOfRange { value, expected }))
-            };
-            let absolute = parameter.yardstick == effects::Yardstick::One;
-            if parameter.positive && value < 0.0 {
-                return refuse("it cannot be negative");
-            }
-            if parameter.positive && value == 0.0 && parameter.key == "frequency" {
-                return refuse("it must be above zero");
-            }
-            if value.abs() > 1e9 || absolute && value.abs() > FAR * parameter.high.abs().max(parameter.low.abs()) {
-                return refuse("it is far beyond what a table has; see `shakedown effects` for its unit");
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Reads a small text file.
-pub(crate) fn read_text(path: &Path) -> Result<String, RecordingError> {
-    bounded::text(path, bounded::BY_HAND).map_err(|e| Place::file(path).refuse(Problem::Unreadable(e)))
 }
 
 fn model_section<'a>(root: &Section<'a>) -> Result<Section<'a>, RecordingError> {
@@ -279,22 +258,4 @@ fn fitted(entry: &Entry<'_>, baseline: &Baseline, effects: &[StatedEffect]) -> R
             }))
         })
         .collect()
-}
-
-fn line(text: &mut String, key: &str, value: f64, accuracy: Option<&Accuracy>) {
-    let _ = match accuracy {
-        None => writeln!(text, "{key} = {value:?}"),
-        Some(a) => {
-            let known = [("std", a.std), ("low", a.low), ("high", a.high)];
-            let more = known.iter().filter_map(|(k, v)| v.map(|v| format!(", {k} = {v:?}")));
-            writeln!(text, "{key} = {{ value = {value:?}{} }}", more.collect::<String>())
-        }
-    };
-}
-
-fn list<'a>(text: &mut String, key: &str, items: impl Iterator<Item = &'a str>) {
-    let quoted: Vec<String> = items.map(|i| format!("{i:?}")).collect();
-    if !quoted.is_empty() {
-        let _ = writeln!(text, "{key} = [{}]", quoted.join(", "));
-    }
 }

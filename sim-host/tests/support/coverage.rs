@@ -67,7 +67,7 @@ fn truth() -> Model {
     });
     let mut bias = Placed::start(entry("null_bias").expect("listed"), 0, &Yardsticks::TYPICAL).expect("a start");
     bias.values[0].value = BIAS;
-    Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new() }.with(bias)
+    Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), library: Vec::new() }.with(bias)
 }
 
 /// A run without noise.

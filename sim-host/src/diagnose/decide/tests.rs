@@ -1,7 +1,9 @@
+use super::super::standing::{sound, strained};
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::Effort;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
+use crate::identify::judge::score;
 use crate::identify::model::{Model, Placed, Yardsticks};
 use crate::plant::effects::entry;
 
@@ -20,7 +22,7 @@ pub(crate) fn judged(model: Model, runs: &[Run]) -> Judged {
     let mut fit = Fit::begin(model, fitted).unwrap();
     fit.improve(fitted, Effort::FULL).unwrap();
     let added = fit.model.ids_beside(&[]);
-    Judged { hold: score(&fit.model, held_back).unwrap(), fit, added, probability: 0.0 }
+    Judged { hold: score(&fit.model, held_back).unwrap(), fit, added, probability: 0.0, disbelief: 0.0 }
 }
 
 /// A drag that grows faster than speed bends an equation of friction to the end of what makes sense. That explains most of
@@ -33,7 +35,7 @@ fn what_fits_only_at_an_end_that_means_nothing_is_outside_the_library() {
     let bounded = judged(model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))), &runs);
     let explained = 1.0 - (bounded.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0);
     assert!(
-        explained > EXPLAINED && bounded.hold.chi2 > 1.2,
+        explained > CALIBRATION.explained && bounded.hold.chi2 > 1.2,
         "{explained}, {} of {}",
         bounded.hold.chi2,
         before.hold.chi2

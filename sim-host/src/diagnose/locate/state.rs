@@ -1,6 +1,7 @@
 //! Which quantity explains a residual: binned means fitted on every other block, judged on the blocks between.
 
-use super::{StateShare, judged_channels, residual};
+use super::StateShare;
+use crate::diagnose::residual::{judged_channels, residual};
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::{BLOCK, Predicted};
 

@@ -1,13 +1,14 @@
-use super::super::decide::Judged;
 use super::super::decide::tests::{judged, viscous};
+use super::super::judged::Judged;
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::identify::prepare::Prepared;
 use crate::plant::effects::entry;
 
 /// Runs of a truth, the stated model and one that names viscous friction on them, decided for the name.
-fn named(truth: &Model) -> (Prepared, Decision) {
+fn named(truth: &Model) -> (Weighing, Decision) {
     let runs: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
     let (before, after) =
         (judged(model(TRUTH), &runs), judged(model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))), &runs));
@@ -25,16 +26,17 @@ fn named(truth: &Model) -> (Prepared, Decision) {
         more_missing: false,
         noise: Vec::new(),
     };
-    (Prepared { model: model(TRUTH), fit, holdout, yardsticks }, decision)
+    let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), yardsticks };
+    (Weighing::of(training, holdout), decision)
 }
 
 /// A drag that grows with the square of speed is bent to by an equation of friction, up to a point. A curve has no such point.
 #[test]
 fn a_name_that_a_curve_outdoes_is_taken_back() {
-    let (prepared, mut decision) = named(&model(TRUTH).with(viscous(120.0, -0.6, (-2.0, 2.0))));
+    let (weighing, mut decision) = named(&model(TRUTH).with(viscous(120.0, -0.6, (-2.0, 2.0))));
     let left = decision.after.hold.chi2;
     assert!(left > DOUBTFUL, "the equation of friction leaves chi2 {left}");
-    let curve = outdone(&prepared, &mut decision).unwrap().expect("a curve along velocity");
+    let curve = outdone(&weighing, &mut decision).unwrap().expect("a curve along velocity");
     assert!(curve.remainder.id.ends_with("by_velocity"), "{}", curve.remainder.id);
     assert!(curve.judged.hold.chi2 - 1.0 < OUTDONE * (left - 1.0), "{} of {left}", curve.judged.hold.chi2);
     assert!(decision.unlisted && decision.after.added.is_empty());
@@ -47,7 +49,7 @@ fn a_name_that_a_curve_outdoes_is_taken_back() {
 fn a_name_beside_which_something_else_is_left_stands() {
     let mut hum = Placed::start(entry("mains_hum").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
     hum.values.iter_mut().zip([50.0, 0.0, 0.2, 0.0]).for_each(|(slot, value)| slot.value = value);
-    let (prepared, mut decision) = named(&model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))).with(hum));
+    let (weighing, mut decision) = named(&model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))).with(hum));
     assert!(decision.after.hold.chi2 > DOUBTFUL, "hum is left: chi2 {}", decision.after.hold.chi2);
-    assert!(outdone(&prepared, &mut decision).unwrap().is_none() && !decision.unlisted);
+    assert!(outdone(&weighing, &mut decision).unwrap().is_none() && !decision.unlisted);
 }

@@ -3,7 +3,7 @@
 //! The noise of the displacement sensor reaches the spool through the controller and shakes it over the edges, as a
 //! dither does; what passes on average is the deadband's mean over that noise, which is normal. Lands have clearance and
 //! worn edges, which let a little through before they part and less than all of it after: that rounds the corner as noise
-//! of a share `r` of the half width does.
+//! of a share `r` of the half width does. Within the overlap the clearance may leave a share `l` of the gain.
 
 use super::shaken::positive_part;
 use super::{Dither, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "valve_deadband",
-    equation: "dz(u, d) = u - clamp(u, -d, d), corners rounded over r d",
+    equation: "dz(u, d) + l clamp(u, -d, d), dz = u - clamp(u, -d, d), corners rounded over r d",
     stage: Stage::Valve,
     parameters: &[Parameter {
         key: "half_width",
@@ -40,6 +40,19 @@ pub const ENTRY: Entry = Entry {
         positive: true,
         simple: Ends::Low,
         role: Role::Shared,
+    },
+    Parameter {
+        key: "leak",
+        unit: "1",
+        rigid_unit: "1",
+        meaning: "share of the gain that the clearance leaves within the overlap: l",
+        yardstick: Yardstick::One,
+        low: 0.0,
+        high: 0.95,
+        starts: &[0.0],
+        positive: false,
+        simple: Ends::Low,
+        role: Role::Refined,
     }],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
@@ -53,6 +66,7 @@ pub const ENTRY: Entry = Entry {
 pub struct ValveDeadband<S> {
     half_width: S,
     rounding: S,
+    leak: S,
     /// Standard deviation of the noise that rounds a corner, unit of u.
     blur: S,
 }
@@ -65,8 +79,8 @@ fn blur<S: Scalar>(edge: S, noise: f64) -> S {
 impl<S: Scalar> ValveDeadband<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[half_width, rounding] = parameters else { return None };
-        Some(Self { half_width, rounding, blur: blur(rounding * half_width, 0.0) })
+        let &[half_width, rounding, leak] = parameters else { return None };
+        Some(Self { half_width, rounding, leak, blur: blur(rounding * half_width, 0.0) })
     }
 
     /// What of `above`, the command beyond an edge, passes on average.
@@ -83,6 +97,7 @@ impl<S: Scalar> Effect<S> for ValveDeadband<S> {
         self.blur = blur(self.rounding * self.half_width, dither.command);
     }
     fn valve(&self, u: S, _y: &[S], _dy: &mut [S]) -> S {
-        self.passed(u - self.half_width) - self.passed(-u - self.half_width)
+        let beyond = self.passed(u - self.half_width) - self.passed(-u - self.half_width);
+        beyond + self.leak * (u - beyond)
     }
 }

@@ -33,7 +33,7 @@ pub const ENTRY: Entry = Entry {
             meaning: "what speed takes of the coefficient: k",
             yardstick: Yardstick::One,
             low: -0.2,
-            high: 2.0,
+            high: 30.0,
             starts: &[0.0],
             positive: false,
             simple: Ends::Neither,

@@ -557,7 +557,8 @@ fn soften<S: Scalar>(w: S, limit: S, n: S) -> S {
     }
 }
 
-/// An effect's parameters per table mass and in units of the command, as its equations take them.
+/// An effect's parameters per table mass and in units of the command, as its equations take them; behind those of a user's
+/// own, whose expression is in newtons, the mass.
 fn per_mass<S: Scalar>(baseline: &Baseline<S>, placed: &Placed<S>) -> Vec<S> {
     let (Baseline::RigidMass { mass, gain, .. }, Some(entry)) = (*baseline, entry(placed.id)) else {
         return placed.parameters.clone();
@@ -568,5 +569,6 @@ fn per_mass<S: Scalar>(baseline: &Baseline<S>, placed: &Placed<S>) -> Vec<S> {
         Yardstick::Command if parameter.rigid_unit != parameter.unit => value / gain,
         _ => value,
     };
-    placed.parameters.iter().zip(entry.parameters).map(convert).collect()
+    let own = crate::plant::effects::own::is_force(placed.id).then_some(mass);
+    placed.parameters.iter().zip(entry.parameters).map(convert).chain(own).collect()
 }

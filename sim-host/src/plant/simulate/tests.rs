@@ -210,8 +210,8 @@ fn effects_on_a_rigid_mass_have_their_units() {
     };
     // Half a metre per m/s2 after a second.
     let cases: [(&str, &[f64], f64, f64); 3] = [
-        ("valve_deadband", &[0.2, 0.01], 0.5, 20.0 * 0.3),
-        ("valve_deadband", &[0.2, 0.01], -0.1, 0.0),
+        ("valve_deadband", &[0.2, 0.01, 0.0], 0.5, 20.0 * 0.3),
+        ("valve_deadband", &[0.2, 0.01, 0.0], -0.1, 0.0),
         ("null_bias", &[3.0], 0.5, 10.0 + 3.0),
     ];
     for (id, parameters, command, force) in cases {

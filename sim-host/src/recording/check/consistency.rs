@@ -33,6 +33,9 @@ const TILTING: f64 = 2.5;
 /// The same for reference and displacement, between which the whole loop stands.
 const SOUND_TRACKING: std::ops::Range<f64> = 0.25..4.0;
 
+/// Highest frequency at which any loop may be expected to follow its reference, Hz.
+const FOLLOWS: f64 = 1.0;
+
 /// Largest travel of a table, m, and largest acceleration, m/s2, that can be believed.
 const LARGEST: [(Channel, f64); 3] =
     [(Channel::Displacement, 4.0), (Channel::Reference, 4.0), (Channel::Acceleration, 500.0)];
@@ -209,7 +212,8 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
 
 /// Between reference and displacement stands the loop: only its lowest frequencies say anything, and only roughly.
 fn tracking(found: Option<Agreement>) -> State {
-    let Some(a) = found.filter(|a| !a.unrelated) else { return State::Unknown };
+    // A loop follows at frequencies below its own; above them its phase says nothing of signs, and its gain of units.
+    let Some(a) = found.filter(|a| !a.unrelated && a.from_hz < FOLLOWS) else { return State::Unknown };
     if a.low_turned {
         return State::Broken(format!("displacement runs against the reference ({:.1} Hz)", a.from_hz));
     }

@@ -5,7 +5,7 @@ use crate::recording::channel::Channel;
 use crate::recording::run::Run;
 
 /// A gap is bridged, its samples not being judged, up to this length, s: longer than that the reference in between is a guess.
-const BRIDGED: f64 = 0.15;
+pub(crate) const BRIDGED: f64 = 0.15;
 /// A gap of fewer samples is a dropped sample, which a recording may have.
 const STRETCH: usize = 10;
 
@@ -41,11 +41,20 @@ fn finding(run: &Run, channel: Channel, missing: &[bool]) -> Option<Finding> {
     let severity = if bad { Severity::BadData } else { Severity::Remark };
     let finding = Finding::whole(run, channel, Fault::MissingStretch, severity).between(run, from, from + length);
     let problem = format!(
-        "{total} of {} samples are missing, the longest stretch {length} samples ({:.3} s)",
+        "{total} of {} samples are missing, the longest stretch {length} samples ({:.3} s); stretches up to {BRIDGED} s and \
+         {:.0} % of the samples are bridged",
         run.len(),
-        length as f64 * run.dt
+        length as f64 * run.dt,
+        100.0 * many,
     );
-    Some(finding.saying(problem, "record again, or use only the part before or after with `from_s` and `to_s`"))
+    let remedy = if !bad {
+        "nothing to do: they are bridged, and not judged"
+    } else if total == run.len() {
+        "name the column that holds this channel, or leave the channel out of the experiment"
+    } else {
+        "record again, or use only the part before or after with `from_s` and `to_s`"
+    };
+    Some(finding.saying(problem, remedy))
 }
 
 /// Start and length of the longest stretch that is true; no length where none is.
@@ -54,7 +63,7 @@ pub(crate) fn longest(flags: &[bool]) -> (usize, usize) {
 }
 
 /// Start and length of every stretch that is true.
-pub(super) fn stretches(flags: &[bool]) -> Vec<(usize, usize)> {
+pub(crate) fn stretches(flags: &[bool]) -> Vec<(usize, usize)> {
     let (mut stretches, mut start) = (Vec::new(), None);
     for (k, &flag) in flags.iter().chain([&false]).enumerate() {
         match (flag, start) {

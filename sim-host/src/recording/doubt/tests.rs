@@ -15,7 +15,7 @@ const N: usize = 8000;
 const NOISE: f64 = 1e-5;
 
 /// A table of one lag behind a PI law, its displacement recorded as the controller saw it.
-fn experiment(ran: &Law, shaping: Shaping, seed: u64) -> Experiment {
+pub(in crate::recording) fn experiment(ran: &Law, shaping: Shaping, seed: u64) -> Experiment {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
     let Law::ProportionalIntegral { kp, ki } = *ran else { panic!("a PI law") };
@@ -70,6 +70,7 @@ fn experiment(ran: &Law, shaping: Shaping, seed: u64) -> Experiment {
             effects: Vec::new(),
             bandwidth_hz: None,
             accuracy: BTreeMap::<String, Accuracy>::new(),
+            own: Vec::new(),
         },
         sources: PerChannel::default(),
         runs: vec![run],
@@ -142,4 +143,32 @@ fn hum_of_the_displacement_is_taken_off() {
     let cleaned = found.experiment.runs[0].channel(Channel::Displacement).unwrap();
     let left = cleaned.iter().zip(&clean).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / N as f64;
     assert!(left.sqrt() < 2e-6, "{}", left.sqrt());
+}
+
+/// A gap that no interpolation can stand for cuts a run in two; a short one does not.
+#[test]
+fn a_long_gap_cuts_the_run() {
+    let law = Law::ProportionalIntegral { kp: 2.0, ki: 0.5 };
+    let with_gap = |seconds: f64| {
+        let mut experiment = experiment(&law, Shaping::default(), 3);
+        let run = &mut experiment.runs[0];
+        let missing = 3000..3000 + (seconds / DT) as usize;
+        let channels: Vec<Channel> = run.channels.iter().map(|(channel, _)| channel).collect();
+        for channel in channels {
+            let mut samples = run.channel(channel).unwrap().to_vec();
+            samples[missing.clone()].fill(f64::NAN);
+            run.channels.set(channel, samples);
+        }
+        doubt(&experiment)
+    };
+    assert_eq!(with_gap(0.1).experiment.runs.len(), 1);
+    let cut = with_gap(0.4);
+    assert_eq!(cut.experiment.runs.len(), 2);
+    assert!(!cut.experiment.runs[0].cut && cut.experiment.runs[1].cut);
+    assert!(cut.findings.iter().any(|f| f.what == Doubt::LostRows && (f.found - 0.4).abs() < 1e-9));
+    assert!(
+        crate::recording::check::check(&cut.experiment)
+            .iter()
+            .all(|f| f.fault != crate::recording::check::Fault::MissingStretch)
+    );
 }

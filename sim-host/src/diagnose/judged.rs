@@ -1,0 +1,98 @@
+//! A model with its standing, and what was decided of many.
+
+use super::calibration::CALIBRATION;
+use super::split::Weighing;
+use crate::identify::fit::Fit;
+use crate::identify::judge::{Score, score};
+use crate::identify::model::Model;
+use crate::plant::model::Kind;
+use crate::plant::simulate::SimulateError;
+use crate::recording::SetUpFinding;
+
+/// A model and how it predicts what it was not fitted to.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The fitted model.
+    pub fit: Fit,
+    /// Its standing on what judges it: the stretches that weigh, and after the verdict the runs held out.
+    pub hold: Score,
+    /// Effects it adds to the stated model.
+    pub added: Vec<&'static str>,
+    /// Its share of belief among the candidates.
+    pub probability: f64,
+    /// How far the stated values had to go: the sum of squares of what they are away, in what stated values are wrong by.
+    pub disbelief: f64,
+}
+
+impl Judged {
+    /// Scores a fitted model on the stretches that weigh.
+    pub(super) fn of(fit: Fit, weighing: &Weighing) -> Result<Self, SimulateError> {
+        let added = fit.model.ids_beside(&weighing.model().ids());
+        let disbelief = disbelief(weighing.model(), &fit.model);
+        Ok(Self { hold: score(&fit.model, weighing.weighed())?, fit, added, probability: 0.0, disbelief })
+    }
+
+    /// Squares on what fitted it and on what judges it.
+    pub(super) fn total(&self) -> f64 {
+        self.fit.squares + self.hold.squares()
+    }
+
+    /// Mean square and number of residuals on what fitted it and on what judges it.
+    pub(super) fn kinds(&self) -> [(f64, f64); 2] {
+        let kind = |squares: f64, rows: usize| ((squares / (rows as f64).max(1.0)).max(f64::MIN_POSITIVE), rows as f64);
+        [kind(self.fit.squares, self.fit.rows), kind(self.hold.squares(), self.hold.rows)]
+    }
+}
+
+/// What was decided.
+#[derive(Debug, Clone)]
+pub struct Decision {
+    /// The stated model.
+    pub before: Judged,
+    /// The model that is handed on: the accepted one, the stated one where nothing was added, the one that foresees best where
+    /// the mismatch is unlisted.
+    pub after: Judged,
+    /// Every model judged, best first.
+    pub candidates: Vec<Judged>,
+    /// Sets of effects that the data cannot tell apart.
+    pub ties: Vec<Vec<&'static str>>,
+    /// True where no combination of the library explains the mismatch.
+    pub unlisted: bool,
+    /// The best the library can do, where that is not enough.
+    pub partial: Option<Judged>,
+    /// Probability that the mismatch is outside the library.
+    pub unlisted_probability: f64,
+    /// True where effects are named and leave more than noise and the simplicity of their equations.
+    pub more_missing: bool,
+    /// Noise that was found larger than stated: what is left of it follows nothing.
+    pub noise: Vec<SetUpFinding>,
+}
+
+impl Decision {
+    /// Moves belief to what the library does not hold, at least as much as this.
+    pub(super) fn take_back(&mut self, belief: f64) {
+        let share = (1.0 - belief) / (1.0 - self.unlisted_probability).max(1e-9);
+        self.candidates.iter_mut().for_each(|c| c.probability *= share.min(1.0));
+        self.unlisted_probability = self.unlisted_probability.max(belief);
+    }
+
+    /// Share of the stated model's excess on the validation that the model handed on leaves.
+    pub(super) fn left(&self) -> f64 {
+        (self.after.hold.chi2 - 1.0).max(0.0) / (self.before.hold.chi2 - 1.0).max(1e-9)
+    }
+}
+
+/// How far the stated values had to go: a sum of squares in standard deviations of what stated values are wrong by. Masses and
+/// dashpots may be stated in any way: residuals depend on them almost linearly.
+pub(super) fn disbelief(stated: &Model, fitted: &Model) -> f64 {
+    if stated.kind != Kind::Servo {
+        return 0.0;
+    }
+    let known = stated.own.iter().zip(&fitted.own).filter(|(stated, _)| stated.free && stated.value != 0.0);
+    known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / CALIBRATION.stated_share).powi(2)).sum()
+}
+
+/// Parameters that were fitted.
+pub(super) fn parameters(judged: &Judged) -> f64 {
+    judged.fit.model.values().filter(|v| v.free).count() as f64
+}

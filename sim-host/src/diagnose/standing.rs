@@ -1,0 +1,82 @@
+//! When a larger model stands against a smaller one, and when what a model leaves lies outside the library.
+
+use super::calibration::CALIBRATION;
+use super::judged::{Judged, parameters};
+use super::search::CHANCE;
+use crate::identify::judge::gains;
+
+/// Gain of squares on the runs held back that chance does not give a model fitted elsewhere.
+pub(super) const SURE: f64 = 16.0;
+/// Gain there that needs no other on the runs fitted.
+const OVERWHELMING: f64 = 600.0;
+/// Most of that gain that blocks may lose elsewhere.
+const LOST: f64 = 0.5;
+/// Excess of chi2 on the runs fitted that speaks for itself where those held back are silent.
+const SHOWN: f64 = 1.0;
+/// Least gain of chi2 for a further effect: less than this is not told from noise that is not quite white.
+const LEAST_GAIN: f64 = 0.015;
+
+/// Whether a larger model stands against the present one.
+pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
+    let added = parameters(larger) - parameters(present);
+    let gained = present.fit.squares - larger.fit.squares;
+    let held_gain = present.hold.chi2 - larger.hold.chi2;
+    let left = (present.hold.chi2 - 1.0).max(0.0);
+    let excess = (before.hold.chi2 - 1.0).max(0.0);
+    let (better, worse) = gains(&present.hold.blocks, &larger.hold.blocks);
+    // Where little is left its colour is the noise's own; a misfit's colour is no noise.
+    let colour = if larger.hold.chi2 < 1.3 { larger.hold.colour } else { 1.0 };
+    // What values far from those stated hide on the runs fitted shows on those held back.
+    let shown_there = gained > -CHANCE && better - worse > OVERWHELMING * colour;
+    // One that explains as much with values near those stated stands against one that bends them.
+    let beliefs = present.disbelief - larger.disbelief - CALIBRATION.parameter_price * added;
+    if beliefs > CHANCE && worse - better < SURE * colour {
+        return true;
+    }
+    if silent(present, larger) {
+        return gained > OVERWHELMING && worse - better < SURE * colour;
+    }
+    (gained > (CHANCE + 4.0 * added) * colour || shown_there)
+        && better - worse > SURE * colour
+        && worse < LOST * better
+        && (present.added.is_empty() || held_gain > (CALIBRATION.worth * left).max(LEAST_GAIN))
+        && held_gain > CALIBRATION.noticeable * excess
+        && held_gain > CALIBRATION.credible * (larger.hold.chi2 - 1.0)
+}
+
+/// True where the runs held back cannot say: they lack nothing without an effect that explains nearly all that the runs
+/// fitted lack.
+fn silent(present: &Judged, larger: &Judged) -> bool {
+    let lacks = |judged: &Judged| (judged.fit.chi2() - 1.0).max(0.0);
+    present.hold.chi2 < 1.0 + CALIBRATION.negligible
+        && lacks(present) > SHOWN
+        && lacks(larger) < (1.0 - CALIBRATION.explained) * lacks(present)
+}
+
+/// True where an added effect fits only at an end of what makes sense, one that stands for no simpler form of it.
+pub(super) fn strained(judged: &Judged) -> bool {
+    let names = judged.fit.model.effects.iter().flat_map(|p| p.entry.parameters.iter().map(|q| (p.entry.id, q)));
+    let own = judged.fit.model.values().count() - names.clone().count();
+    let pushed = judged.fit.pushed().into_iter().skip(own);
+    let values = judged.fit.model.values().skip(own);
+    names.zip(values).zip(pushed).any(|(((id, parameter), value), cost)| {
+        let at_low = value.value - value.low < value.high - value.value;
+        judged.added.contains(&id) && cost > CHANCE && parameter.simple.strained(at_low)
+    })
+}
+
+/// Whether what is left lies outside the library, and how probable that is.
+pub(super) fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
+    let excess = before.hold.chi2 - 1.0;
+    let left = after.hold.chi2 - 1.0;
+    let blur = 3.0 * (2.0 / after.hold.samples.max(1) as f64).sqrt();
+    let noise = CALIBRATION.negligible + blur;
+    let allowed = if strained(after) { noise } else { noise.max((1.0 - CALIBRATION.explained) * excess) };
+    let ratio = (left / allowed).max(1e-3);
+    (left > allowed, 1.0 / (1.0 + (-3.0 * ratio.ln()).exp()) * if ratio < 0.3 { 0.5 } else { 1.0 })
+}
+
+/// True where a model explains the mismatch with values that make sense.
+pub(super) fn sound(before: &Judged, judged: &Judged) -> bool {
+    !strained(judged) && !outside(before, judged).0
+}

@@ -1,0 +1,239 @@
+//! The last fit and the only look at the runs held out: what was selected is fitted to every sample that may be fitted and
+//! judged on data that nothing was chosen by. Names that do not hold there are taken back; nothing is chosen anew.
+
+use super::calibration::CALIBRATION;
+use super::judged::{Decision, Judged};
+use super::leftover::more_is_missing;
+use super::remainder::Modelled;
+use super::split::Test;
+use super::standing::outside;
+use super::structure::structure;
+use crate::identify::data::{Channel, Run};
+use crate::identify::evaluate::Local;
+use crate::identify::fit::{Effort, Fit};
+use crate::identify::judge::{Score, score};
+use crate::identify::prepare::Prepared;
+use crate::identify::quantity::quantities;
+use crate::plant::effects::remainder as curves;
+use crate::plant::simulate::SimulateError;
+use serde::Serialize;
+
+/// How far the last fit goes: it starts from the values found on two thirds of its samples.
+const LAST: Effort = Effort { steps: 12, tolerance: 1e-6 };
+/// Standard errors by which a channel may be worse by chance.
+const CHANCE: f64 = 4.0;
+/// Deviations that an effect's size must be away from none.
+const SIZE: f64 = 2.0;
+/// Share of the misfit on the runs held out, below which what is left of the runs fitted is nothing to speak of.
+const NOTHING: f64 = 0.1;
+
+/// Why names that were selected do not stand on the runs held out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "check")]
+#[non_exhaustive]
+pub enum Refusal {
+    /// A judged channel is predicted worse than by the stated model.
+    Worse {
+        /// The channel.
+        channel: &'static str,
+        /// Its residual power over that of the stated model.
+        ratio: f64,
+    },
+    /// A judged channel is predicted worse than by its own mean.
+    NoSkill {
+        /// The channel.
+        channel: &'static str,
+        /// 1 - nrmse^2.
+        r2: f64,
+    },
+    /// What the runs held out lack is not explained there.
+    NoGain {
+        /// Share of the stated model's excess that is left.
+        share_left: f64,
+    },
+    /// An effect's size is not told from none.
+    NotTold {
+        /// The effect.
+        id: &'static str,
+    },
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Worse { channel, ratio } => {
+                write!(f, "the residual of {channel} has {ratio:.2} times the power that the stated model's has")
+            }
+            Self::NoSkill { channel, r2 } => write!(f, "{channel} is predicted worse than by its mean, R2 {r2:.3}"),
+            Self::NoGain { share_left } => write!(f, "it leaves {:.0} % of the excess", 100.0 * share_left),
+            Self::NotTold { id } => write!(f, "the size of {id} is not told from none"),
+        }
+    }
+}
+
+/// What came out, as judged on the runs held out, or on those fitted where none is.
+#[derive(Debug, Clone)]
+pub struct Conclusion {
+    /// The stated model.
+    pub before: Judged,
+    /// The model that is handed on: the one with the names or the curve, the stated one where nothing was found.
+    pub after: Judged,
+    /// The best the library can do, where that is not enough for names.
+    pub partial: Option<Judged>,
+    /// True where no combination of the library explains the mismatch.
+    pub unlisted: bool,
+    /// True where effects are named and more is missing beside them.
+    pub more_missing: bool,
+    /// Why names that were selected are not given.
+    pub refusal: Option<Refusal>,
+    /// The runs that judged.
+    pub judging: Vec<Run>,
+    /// True where these were held out.
+    pub held_out: bool,
+    /// What was selected, weighed on stretches of the runs fitted.
+    pub decision: Decision,
+}
+
+impl Conclusion {
+    /// True where the stated model and the recordings agree.
+    pub fn consistent(&self) -> bool {
+        !self.unlisted && self.after.added.is_empty()
+    }
+
+    /// Share of the stated model's excess that the model handed on leaves.
+    pub fn left(&self) -> f64 {
+        (self.after.hold.chi2 - 1.0).max(0.0) / (self.before.hold.chi2 - 1.0).max(1e-9)
+    }
+
+    /// True where the runs held out miss much that the runs fitted do not show.
+    pub(super) fn unforeseen(&self) -> bool {
+        let (fit, held) = (self.after.fit.chi2() - 1.0, self.after.hold.chi2 - 1.0);
+        self.held_out && outside(&self.before, &self.after).0 && fit < NOTHING * held
+    }
+}
+
+/// Judges what was selected, and the curve that stands for what is unlisted; `seen` are the runs that were fitted so far.
+pub(super) fn verdict(
+    whole: &Prepared,
+    seen: &[Run],
+    mut decision: Decision,
+    curve: Option<&Modelled>,
+    test: Test,
+) -> Result<Conclusion, SimulateError> {
+    let (judging, held_out) = test.consume(whole);
+    let last = |judged: &Judged| last(judged, (whole, seen), &judging);
+    let before = last(&decision.before)?;
+    let mut partial = decision.partial.as_ref().map(last).transpose()?;
+    let curve = curve.map(|modelled| last(&modelled.judged)).transpose()?.filter(|c| c.hold.chi2 < before.hold.chi2);
+    // Names that stand beside a curve are judged with it.
+    let beside = if decision.more_missing && decision.after.added.is_empty() { curve.clone() } else { None };
+    let selected = (!decision.after.added.is_empty()).then(|| last(&decision.after)).transpose()?;
+    let named = selected.or(beside);
+    let refusal = named.as_ref().and_then(|named| refusal(&before, named, &judging));
+    let (mut unlisted, mut more_missing) = (decision.unlisted, decision.more_missing);
+    let mut after = before.clone();
+    match named {
+        Some(named) if refusal.is_none() => after = named,
+        Some(named) => {
+            (unlisted, more_missing) = (true, false);
+            decision.take_back(CALIBRATION.failed);
+            partial = Some(named);
+        }
+        None => {}
+    }
+    if !unlisted && follows(&judging, &after) {
+        // What shows on the runs held out alone: more than the names explain, or anything at all.
+        if after.added.is_empty() {
+            unlisted = outside(&before, &after).0;
+        } else {
+            more_missing |= more_is_missing(&before, &after, CALIBRATION.negligible);
+        }
+    }
+    // Without a curve the nearest that the library has foresees better than the stated model, whatever its names are worth.
+    if unlisted && let Some(better) = curve.or(partial.clone().filter(|p| p.hold.chi2 < before.hold.chi2)) {
+        after = better;
+    }
+    Ok(Conclusion { before, after, partial, unlisted, more_missing, refusal, judging, held_out, decision })
+}
+
+/// The stated model's standing, for recordings of which nothing else can be said.
+pub(super) fn as_stated(whole: &Prepared, decision: Decision, test: Test) -> Result<Conclusion, SimulateError> {
+    let (judging, held_out) = test.consume(whole);
+    let before = Judged { hold: score(&decision.before.fit.model, &judging)?, ..decision.before.clone() };
+    Ok(Conclusion {
+        after: before.clone(),
+        before,
+        partial: None,
+        unlisted: false,
+        more_missing: false,
+        refusal: None,
+        judging,
+        held_out,
+        decision,
+    })
+}
+
+/// A model fitted to all that may be fitted, judged.
+fn last(judged: &Judged, (whole, seen): (&Prepared, &[Run]), judging: &[Run]) -> Result<Judged, SimulateError> {
+    let model = judged.fit.model.clone();
+    // Where an excerpt begins is not where its run does.
+    let local = |((run, seen), local): ((&Run, &Run), &Local)| {
+        if run.from == seen.from { local.clone() } else { Local::start(&model, run) }
+    };
+    let locals = whole.fit.iter().zip(seen).zip(&judged.fit.locals).map(local).collect();
+    let mut fit = Fit::resume(model, locals, &whole.fit)?;
+    fit.improve(&whole.fit, LAST)?;
+    Ok(Judged { hold: score(&fit.model, judging)?, fit, ..judged.clone() })
+}
+
+/// Whether what a model leaves of the runs that judge follows the motion.
+fn follows(judging: &[Run], judged: &Judged) -> bool {
+    structure(judging, &judged.hold.predicted).is_certain()
+}
+
+/// Why these names cannot stand.
+fn refusal(before: &Judged, named: &Judged, judging: &[Run]) -> Option<Refusal> {
+    let channels = judging.iter().flat_map(|run| run.measured.iter().filter(|m| m.judged).map(|m| m.channel));
+    let mut channels: Vec<Channel> = channels.collect();
+    channels.sort_unstable();
+    channels.dedup();
+    let nrmse = |score: &Score, channel| score.nrmse.iter().find(|(c, _)| *c == channel).map(|&(_, value)| value);
+    for channel in channels {
+        let (Some(stated), Some(found)) = (nrmse(&before.hold, channel), nrmse(&named.hold, channel)) else { continue };
+        let ratio = (found / stated).powi(2);
+        let samples: usize = judging.iter().filter_map(|r| r.channel(channel)).map(|m| m.values.len()).sum();
+        let chance = CHANCE * (2.0 * named.hold.colour / samples.max(1) as f64).sqrt();
+        if ratio > 1.0 + chance {
+            return Some(Refusal::Worse { channel: channel.name(), ratio });
+        }
+        let (r2, stated_r2) = (1.0 - found * found, 1.0 - stated * stated);
+        if r2 < 0.0 && stated_r2 < r2 {
+            return Some(Refusal::NoSkill { channel: channel.name(), r2 });
+        }
+    }
+    let lacks =
+        before.hold.chi2 - 1.0 > CALIBRATION.negligible + CHANCE * (2.0 / before.hold.samples.max(1) as f64).sqrt();
+    let share_left = (named.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9);
+    if lacks && share_left > 1.0 - CALIBRATION.credible {
+        return Some(Refusal::NoGain { share_left });
+    }
+    // Beside a curve an effect's size is not told from the curve's: that it is needed was.
+    if named.fit.model.effects.iter().any(|p| curves::entries().any(|e| e.id == p.entry.id)) {
+        return None;
+    }
+    not_told(named)
+}
+
+/// The first effect none of whose parameters is told from nothing.
+fn not_told(named: &Judged) -> Option<Refusal> {
+    let quantities = quantities(&named.fit);
+    let told = |id: &&'static str| {
+        let prefix = format!("{id}.");
+        let mut own = quantities.iter().filter(|(key, _)| key.starts_with(&prefix)).peekable();
+        own.peek().is_none() || own.any(|(_, q)| q.std.is_none_or(|std| q.value.abs() > SIZE * std))
+    };
+    named.added.iter().find(|id| !told(id)).map(|&id| Refusal::NotTold { id })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,97 @@
+use super::super::decide::tests::viscous;
+use super::super::split::{Weighing, split};
+use super::*;
+use crate::identify::fit::tests::{TRUTH, model, recorded};
+use crate::identify::model::{Model, Yardsticks};
+
+/// What is selected of two runs of `fitted_truth` where `named` is named, judged on a run of `held_truth`.
+fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
+    let fit: Vec<Run> = (1..3).map(|seed| recorded(fitted_truth, seed)).collect();
+    let yardsticks = Yardsticks::of(&fit, 1.0);
+    let whole = Prepared { model: model(TRUTH), fit, holdout: vec![recorded(held_truth, 3)], yardsticks };
+    judged_on(whole, None, named)
+}
+
+/// The same of what was prepared, searched on an excerpt of it.
+fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclusion {
+    let cut = split(whole, excerpt);
+    let judged = |model: Model, weighing: &Weighing| {
+        let mut fit = Fit::begin(model, weighing.fitted()).unwrap();
+        fit.improve(weighing.fitted(), Effort::FULL).unwrap();
+        Judged::of(fit, weighing).unwrap()
+    };
+    let (before, after) = (judged(model(TRUTH), &cut.weighing), judged(named, &cut.weighing));
+    let candidates = vec![Judged { probability: 0.9, ..after.clone() }];
+    let decision = Decision {
+        before,
+        after: Judged { probability: 0.9, ..after },
+        candidates,
+        ties: Vec::new(),
+        unlisted: false,
+        partial: None,
+        unlisted_probability: 0.1,
+        more_missing: false,
+        noise: Vec::new(),
+    };
+    verdict(&cut.whole, cut.weighing.fitted(), decision, None, cut.test).unwrap()
+}
+
+fn with_viscous(coefficient: f64) -> Model {
+    model(TRUTH).with(viscous(coefficient, 0.0, (-0.2, 2.0)))
+}
+
+/// What is there on every run is confirmed on the one held out.
+#[test]
+fn a_name_that_holds_on_the_test_stands() {
+    let truth = with_viscous(90.0);
+    let conclusion = concluded(&truth, &truth, with_viscous(50.0));
+    assert!(conclusion.refusal.is_none() && !conclusion.unlisted && conclusion.held_out);
+    assert_eq!(conclusion.after.added, ["viscous_friction"]);
+    assert!(conclusion.after.hold.chi2 < 1.1 && conclusion.before.hold.chi2 > 2.0, "{}", conclusion.before.hold.chi2);
+}
+
+/// What was there on the runs fitted and is not on the run held out makes that one worse than the stated model does: the
+/// name is taken back, and belief goes where no name is.
+#[test]
+fn a_name_that_the_test_contradicts_is_taken_back() {
+    let conclusion = concluded(&with_viscous(90.0), &model(TRUTH), with_viscous(50.0));
+    assert!(
+        matches!(conclusion.refusal, Some(Refusal::Worse { .. } | Refusal::NoGain { .. })),
+        "{:?}",
+        conclusion.refusal
+    );
+    assert!(conclusion.unlisted && conclusion.partial.is_some());
+    assert!(conclusion.decision.unlisted_probability >= 0.9 && conclusion.decision.candidates[0].probability <= 0.1);
+}
+
+/// Where nothing was selected and the run held out shows something, the verdict is not that all is well.
+#[test]
+fn what_only_the_test_shows_is_no_agreement() {
+    let conclusion = concluded(&model(TRUTH), &with_viscous(90.0), model(TRUTH));
+    assert!(conclusion.unlisted && !conclusion.consistent() && conclusion.unforeseen());
+}
+
+/// The part of a run from one sample on, as a run of its own.
+fn tail(run: &Run, first: usize) -> Run {
+    let mut tail = run.clone();
+    tail.input.drain(..first);
+    for measured in &mut tail.measured {
+        measured.values.drain(..first);
+    }
+    Run { from: run.from + first as f64 * run.dt, moving_start: true, ..tail }
+}
+
+/// What was searched on an excerpt is fitted to the whole from where the whole begins: an excerpt's start is another place.
+#[test]
+fn an_excerpt_begins_elsewhere_than_its_run() {
+    let truth = with_viscous(90.0);
+    let fit: Vec<Run> = (1..3).map(|seed| recorded(&truth, seed)).collect();
+    let yardsticks = Yardsticks::of(&fit, 1.0);
+    let excerpt = fit.iter().map(|run| tail(run, 1300)).collect();
+    let with = |fit, holdout| Prepared { model: model(TRUTH), fit, holdout, yardsticks };
+    let (whole, excerpt) = (with(fit, vec![recorded(&truth, 3)]), with(excerpt, Vec::new()));
+    let conclusion = judged_on(whole, Some(excerpt), with_viscous(50.0));
+    assert_eq!(conclusion.after.added, ["viscous_friction"]);
+    assert!(conclusion.after.fit.chi2() < 1.1, "{}", conclusion.after.fit.chi2());
+    assert!(conclusion.after.hold.chi2 < 1.1, "{}", conclusion.after.hold.chi2);
+}

@@ -1,0 +1,53 @@
+//! Gaps too long to be bridged: a run is cut there, and what stands on either side serves as runs of their own.
+//!
+//! A simulation in closed loop needs the reference all the time; a short gap of it is bridged, a long one would be a guess. A
+//! run that is cut starts in motion, with the states and the controller's integral estimated anew.
+
+use super::{Doubt, SetUpFinding};
+use crate::recording::channel::Channel;
+use crate::recording::check::{BRIDGED, stretches};
+use crate::recording::experiment::Experiment;
+use crate::recording::run::Run;
+
+/// Shortest piece that is kept, s: its start alone takes parameters of its own.
+const SHORTEST: f64 = 4.0;
+/// Share of a run that its pieces must hold between them, or nothing is cut.
+const KEPT: f64 = 0.5;
+
+/// Cuts every run at its long gaps.
+pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
+    let mut findings = Vec::new();
+    let mut runs = Vec::with_capacity(experiment.runs.len());
+    for run in experiment.runs.drain(..) {
+        let (pieces, gaps) = pieces(&run);
+        if gaps.is_empty() || pieces.iter().map(Run::len).sum::<usize>() < (KEPT * run.len() as f64) as usize {
+            runs.push(run);
+            continue;
+        }
+        let longest = gaps.into_iter().max().unwrap_or(0) as f64 * run.dt;
+        findings.push(SetUpFinding::new(Doubt::LostRows, longest, "s").of_run(&run.name));
+        runs.extend(pieces);
+    }
+    experiment.runs = runs;
+    findings
+}
+
+/// The pieces between long gaps that are worth keeping, and the gaps' lengths in samples.
+fn pieces(run: &Run) -> (Vec<Run>, Vec<usize>) {
+    let drives = [Channel::Reference, Channel::Command].into_iter().find_map(|channel| run.channel(channel));
+    let nothing = |k: usize| run.channels.iter().all(|(_, samples)| !samples[k].is_finite());
+    let missing: Vec<bool> =
+        (0..run.len()).map(|k| nothing(k) || drives.is_some_and(|samples| !samples[k].is_finite())).collect();
+    let long = |&(_, length): &(usize, usize)| length as f64 * run.dt > BRIDGED;
+    let gaps: Vec<(usize, usize)> = stretches(&missing).into_iter().filter(long).collect();
+    let starts = std::iter::once(0).chain(gaps.iter().map(|(from, length)| from + length));
+    let ends = gaps.iter().map(|(from, _)| *from).chain([run.len()]);
+    let enough = |&(from, to): &(usize, usize)| to > from && (to - from) as f64 * run.dt >= SHORTEST;
+    let named = |(from, to): (usize, usize)| {
+        let piece = run.part(from, to);
+        let seconds = |k: usize| run.time.get(k).copied().unwrap_or(0.0);
+        Run { name: format!("{}, {:.1} to {:.1} s", run.name, seconds(from), seconds(to - 1)), ..piece }
+    };
+    let pieces = starts.zip(ends).filter(enough).map(named).collect();
+    (pieces, gaps.into_iter().map(|(_, length)| length).collect())
+}
