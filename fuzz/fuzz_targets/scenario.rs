@@ -80,7 +80,7 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let setup = Scenario::from_text(Path::new("/nowhere/fuzz.toml"), &text).and_then(|scenario| {
         let setup = scenario.setup()?;
-        Ok((scenario.recipe(setup.rate()), setup))
+        Ok((scenario.recipe(setup.rate(), 0.01), setup))
     });
     let (recipe, setup) = match setup {
         Ok(read) => read,

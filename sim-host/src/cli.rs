@@ -1,8 +1,12 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
+mod asked;
 mod bench;
+mod compare;
 mod demo;
+mod described;
 mod design;
+mod desk;
 #[cfg(unix)]
 mod device;
 mod diagnose;
@@ -11,6 +15,7 @@ mod failure;
 mod faults;
 mod histories;
 mod identify;
+mod indices;
 mod init;
 mod learn;
 mod modify;
@@ -19,6 +24,7 @@ mod places;
 mod present;
 mod progress;
 mod prove;
+mod qualify;
 mod replay;
 mod run;
 mod shard;
@@ -56,16 +62,21 @@ enum Command {
     Identify(identify::Args),
     Init(init::Args),
     Bench(bench::Args),
+    Compare(compare::Args),
     Demo(demo::Args),
     Design(design::Args),
     Learn(learn::Args),
     #[cfg(unix)]
     Device(device::Args),
+    Completions(desk::Completions),
+    Man(desk::Man),
+    Open(desk::Open),
     Modify(Box<modify::Args>),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
     Faults(faults::Args),
     Prove(prove::Args),
+    Qualify(Box<qualify::Args>),
     Replay(replay::Args),
     Run(run::Args),
     Sweep(sweep::Args),
@@ -82,6 +93,7 @@ pub(crate) fn main() -> ExitCode {
     if let Err(failure) = places::distinct(&command, &matches) {
         return failure.report();
     }
+    asked::keep(&command, &matches);
     let arguments = match Arguments::from_arg_matches_mut(&mut matches) {
         Ok(arguments) => arguments,
         Err(e) => return words::refused(&e.format(&mut command)),
@@ -93,16 +105,24 @@ pub(crate) fn main() -> ExitCode {
             Command::Identify(args) => identify::run(&args),
             Command::Init(args) => init::run(&args),
             Command::Bench(args) => bench::run(&args),
+            Command::Compare(args) => compare::run(&args),
             Command::Demo(args) => demo::run(&args),
             Command::Design(args) => design::run(&args),
             Command::Learn(args) => learn::run(&args),
             #[cfg(unix)]
             Command::Device(args) => device::run(&args),
+            Command::Completions(args) => {
+                desk::completions(&args);
+                Ok(())
+            }
+            Command::Man(args) => desk::man(&args),
+            Command::Open(args) => desk::open(&args),
             Command::Modify(args) => modify::run(&args),
             Command::Diagnose(args) => diagnose::run(&args),
             Command::Effects(args) => effects::run(&args),
             Command::Faults(args) => faults::run(&args),
             Command::Prove(args) => prove::run(&args),
+            Command::Qualify(args) => qualify::run(&args),
             Command::Replay(args) => replay::run(&args),
             Command::Run(args) => run::run(&args),
             Command::Sweep(args) => sweep::run(&args),

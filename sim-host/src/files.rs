@@ -3,6 +3,7 @@
 pub mod bounded;
 pub mod json;
 pub mod layout;
+pub(crate) mod nearest;
 
 use std::io::{ErrorKind, Result, Write as _};
 use std::path::{Path, PathBuf};

@@ -11,6 +11,7 @@ pub mod fit;
 pub mod fit_area;
 pub mod generate;
 pub mod metrics;
+pub mod qualify;
 pub mod read;
 mod record;
 pub mod resample;

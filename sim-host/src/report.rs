@@ -4,6 +4,7 @@
 //! and column naming its unit, and writes it.
 
 mod curve;
+pub mod digits;
 mod escape;
 mod figure;
 mod html;
@@ -17,10 +18,16 @@ use std::path::Path;
 pub struct Page {
     /// Title, at the top and in the tab.
     pub title: String,
-    /// One or two sentences that say what came out.
+    /// The verdict: one or two sentences that say what came out.
     pub lead: String,
+    /// The figures that matter most: label, value with unit.
+    pub key: Vec<(String, String)>,
+    /// What to do next, in the order of its use.
+    pub advice: Vec<String>,
     /// Sections in reading order.
     pub sections: Vec<Section>,
+    /// Sections for who wants to know more: they stand folded below the others.
+    pub details: Vec<Section>,
     /// Where everything came from: version, seed, input files and their SHA-256.
     pub provenance: Vec<(String, String)>,
 }
@@ -92,6 +99,8 @@ pub struct Plot {
     pub bands: Vec<Band>,
     /// Plots that share a group zoom together.
     pub group: Option<String>,
+    /// The stretch of the abscissa that is shown first, such as the strong motion; all of it is one key away.
+    pub open: Option<(f64, f64)>,
 }
 
 /// One axis.

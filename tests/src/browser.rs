@@ -5,6 +5,24 @@ use std::io::{BufRead, BufReader, Error, ErrorKind, Result, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
+/// The bytes that a text in base 64 stands for.
+fn base64(text: &str) -> Vec<u8> {
+    let digit = |c: u8| match c {
+        b'A'..=b'Z' => Some(u32::from(c - b'A')),
+        b'a'..=b'z' => Some(u32::from(c - b'a') + 26),
+        b'0'..=b'9' => Some(u32::from(c - b'0') + 52),
+        b'+' => Some(62),
+        b'/' => Some(63),
+        _ => None,
+    };
+    let digits: Vec<u32> = text.bytes().filter_map(digit).collect();
+    let group = |four: &[u32]| {
+        let sum = (0..4).fold(0, |sum, i| (sum << 6) | four.get(i).copied().unwrap_or(0));
+        sum.to_be_bytes()[1..four.len()].to_vec()
+    };
+    digits.chunks(4).flat_map(group).collect()
+}
+
 /// A running Chromium with one page open.
 pub struct Browser {
     process: Child,
@@ -26,7 +44,7 @@ impl Browser {
     /// Starts Chromium and opens a blank page of `width` by `height` pixels.
     pub fn start(program: &str, width: u32, height: u32) -> Result<Self> {
         let profile = tempfile::tempdir()?;
-        let flags = "--headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run \
+        let flags = "--headless --hide-scrollbars --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run \
                      --disable-background-networking --disable-component-update --remote-debugging-pipe";
         // Chromium speaks on descriptors 3 and 4; the shell ties them to this process' two pipes.
         let line = format!("exec {program} {flags} --user-data-dir=\"$0\" about:blank 3<&0 4>&1 1>/dev/null 2>&1");
@@ -60,6 +78,7 @@ impl Browser {
 
     /// Opens a file and waits until it is loaded and has drawn.
     pub fn open(&mut self, path: &Path) -> Result<()> {
+        self.events.retain(|e| e["method"] != "Page.loadEventFired");
         self.call("Page.navigate", &json!({"url": format!("file://{}", path.display())}))?;
         while !self.events.iter().any(|e| e["method"] == "Page.loadEventFired") {
             let event = self.receive()?;
@@ -96,6 +115,13 @@ impl Browser {
         let feature = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
         self.call("Emulation.setEmulatedMedia", &feature)?;
         self.settle()
+    }
+
+    /// Writes a picture of the whole page.
+    pub fn picture(&mut self, path: &Path) -> Result<()> {
+        let asked = json!({"format": "png", "captureBeyondViewport": true});
+        let answer = self.call("Page.captureScreenshot", &asked)?;
+        std::fs::write(path, base64(answer["data"].as_str().unwrap_or_default()))
     }
 
     /// Every address the page asked for, itself first.

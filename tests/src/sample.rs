@@ -19,6 +19,7 @@ pub fn page() -> Page {
             ("seed".into(), "7".into()),
             ("records/pulse.AT2".into(), "3f2a".repeat(16)),
         ],
+        ..Page::default()
     }
 }
 
@@ -98,6 +99,7 @@ fn histories() -> Section {
         ],
         bands: bands.clone(),
         group: Some("time".into()),
+        ..Plot::default()
     };
     let noise = |t: f64| 0.4 * (TAU * 50.0 * t).sin() * (1.0 + (137.0 * t).sin());
     let gap = |t: f64| if (13.0..13.6).contains(&t) { f64::NAN } else { 0.0 };
@@ -112,6 +114,7 @@ fn histories() -> Section {
         ],
         bands,
         group: Some("time".into()),
+        ..Plot::default()
     };
     Section { heading: "Time histories".into(), items: vec![Item::Plot(velocity), Item::Plot(acceleration)] }
 }
@@ -177,6 +180,7 @@ fn names() -> Section {
         series: vec![curve(NASTY, Style::Line, times(10.0, 3.0), f64::sin)],
         bands: vec![Band { from: 1.0, to: 2.0, label: NASTY.into() }],
         group: Some(NASTY.into()),
+        ..Plot::default()
     };
     let empty = Plot { title: "Nothing measured".into(), series: vec![Series::default()], ..Plot::default() };
     let table = Table { columns: strings([NASTY]), rows: vec![strings([NASTY])], caption: NASTY.into() };

@@ -31,6 +31,7 @@ fn small_page() -> Page {
         ],
         bands: vec![Band { from: 0.01, to: 0.015, label: "at its limit".into() }],
         group: Some("time".into()),
+        open: Some((0.0, 0.01)),
     };
     let table = Table {
         columns: strings(["controller", "E_a [1]", "peak [m/s2]"]),
@@ -55,7 +56,10 @@ fn small_page() -> Page {
     Page {
         title: "A & B".into(),
         lead: "What came out.".into(),
+        key: vec![("E_a [1]".into(), "0.304".into())],
+        advice: vec!["Fit the record: `modify`.".into()],
         sections: vec![Section { heading: "Only".into(), items }],
+        details: vec![Section { heading: "More".into(), items: vec![Item::Text("Folded.".into())] }],
         provenance: vec![("version".into(), "0.1.0".into())],
     }
 }

@@ -105,6 +105,16 @@ fn folder() -> TempDir {
         time [s],displacement [mm]\n0,0\n0.001,1\n",
     );
     text("file", "");
+    for (name, stated) in [
+        ("t-stroke", "stroke = 120"),
+        ("t-key", "storke = 0.1"),
+        ("t-valve", "valve_unit = \"A\""),
+        ("t-controller", "controller = \"fast\""),
+    ] {
+        text(&format!("{name}.toml"), &format!("{SERVO}[table]\n{stated}\n"));
+    }
+    text("rrs-falls.csv", "1,0.5\n0.5,1\n");
+    text("rrs-word.csv", "1,0.5\n2,lots\n");
     recordings(&text, &put);
     models(&text);
     scenarios(&text);
@@ -123,7 +133,23 @@ fn recordings(text: &dyn Fn(&str, &str), put: &dyn Fn(&str, &[u8])) {
     text("spike.csv", &(good.clone() + "3.000,1e300,0\n"));
     text("cut.csv", &(good.clone() + "3.000,1\n"));
     text("few.csv", &(header.to_owned() + &rows(5, row)));
+    text("twenty.csv", &(header.to_owned() + &rows(20, row)));
     text("nameless.csv", &rows(600, row));
+    let with = |of: &dyn Fn(u32, &str) -> String| {
+        let line = |k: u32| of(k, &row(k));
+        header.to_owned() + &rows(600, line)
+    };
+    let cells = |row: &str| row.split(',').map(str::to_owned).collect::<Vec<_>>();
+    text("still.csv", &with(&|_, row| format!("{},0,0", cells(row)[0])));
+    text("blind.csv", &with(&|_, row| format!("{},{},NaN", cells(row)[0], cells(row)[1])));
+    let hole = |from: u32, to: u32| {
+        with(&move |k, row| {
+            let cells: Vec<&str> = row.split(',').collect();
+            if (from..to).contains(&k) { format!("{},NaN,NaN", cells[0]) } else { row.to_owned() }
+        })
+    };
+    text("hole.csv", &hole(200, 260));
+    text("gap19.csv", &hole(200, 219));
     put("unmarked.csv", &good.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>());
     put("broken.tdms", b"TDSm\x0e\0\0\0");
     put("broken.rpc", b"FORMAT\0\0\0\0");
@@ -136,6 +162,11 @@ fn recordings(text: &dyn Fn(&str, &str), put: &dyn Fn(&str, &[u8])) {
         "spike.csv",
         "cut.csv",
         "few.csv",
+        "twenty.csv",
+        "still.csv",
+        "blind.csv",
+        "hole.csv",
+        "gap19.csv",
         "nameless.csv",
         "unmarked.csv",
         "broken.tdms",
@@ -294,8 +325,31 @@ const OPTIONS: [Case; 58] = [
     ("learn --velocity 242", &["--velocity 242", "expected"]),
 ];
 
+/// A described table and qualification.
+const TABLES: [Case; 19] = [
+    ("run --table t-stroke.toml", &["t-stroke.toml, line 8", "`table.stroke`", "0.0001 to 5 m"]),
+    ("modify good.AT2 --table t-stroke.toml", &["t-stroke.toml, line 8", "`table.stroke`"]),
+    ("learn --table t-key.toml", &["t-key.toml, line 8", "did you mean `stroke`"]),
+    ("run --table t-valve.toml", &["t-valve.toml, line 8", "V, mA, %"]),
+    ("run --table t-controller.toml", &["`fast`", "current strong"]),
+    ("learn --table t-controller.toml", &["fast", "current strong"]),
+    ("device status", &["--port", "device list"]),
+    ("device --port none status", &["none", "device list"]),
+    ("qualify good.AT2", &["--standard"]),
+    ("qualify good.AT2 --standard ac157", &["ac157", "ac156"]),
+    ("qualify good.AT2 --standard ac156", &["--sds", "design spectral acceleration"]),
+    ("qualify good.AT2 --standard ac156 --sds -1", &["--sds -1", "expected"]),
+    ("qualify good.AT2 --standard ac156 --sds 1 --level high", &["--level", "leave it out"]),
+    ("qualify good.AT2 --standard ieee344", &["--rrs", "frequency [Hz]"]),
+    ("qualify good.AT2 --standard ieee344 --rrs rrs-falls.csv", &["rrs-falls.csv", "line 2", "does not rise"]),
+    ("qualify good.AT2 --standard ieee344 --rrs rrs-word.csv", &["rrs-word.csv", "line 2", "lots"]),
+    ("qualify good.AT2 --standard ac156 --sds 1", &["good.AT2", "100 Hz", "33.3 Hz"]),
+    ("qualify none.AT2 --standard ac156 --sds 1", &["none.AT2", "no such file"]),
+    ("qualify --standard ac156 --sds 1", &["RECORD"]),
+];
+
 /// Options of the other commands.
-const OTHERS: [Case; 31] = [
+const OTHERS: [Case; 36] = [
     ("sweep --flow=-1", &["--flow -1", "expected"]),
     ("sweep slew-rate --flow -1", &["--flow -1", "expected"]),
     ("sweep --area 0", &["--area 0", "expected"]),
@@ -319,6 +373,11 @@ const OTHERS: [Case; 31] = [
     ("prove --cases many", &["--cases many", "whole number"]),
     ("prove --out file --cases 1", &["--out file", "name a folder"]),
     ("prove merge none", &["none"]),
+    ("prove --examiner 3", &["--examiner", "3"]),
+    ("prove --stratum odd --cases 1", &["--stratum 'odd'", "null", "single, gross"]),
+    ("prove --kind odd --cases 1", &["no case"]),
+    ("prove --examiner 1 --kind spring --cases 1", &["--kind", "examiner 2"]),
+    ("prove --examinee no-such-program --cases 1", &["--examinee", "no-such-program"]),
     ("design m-rigid.toml", &["m-rigid.toml", "servo"]),
     ("design m-b0.toml --spread -1", &["--spread -1", "0 to 0.95"]),
     ("design m-b0.toml --rate 1", &["--rate 1", "200"]),
@@ -398,11 +457,12 @@ const MODELS: [Case; 36] = [
 ];
 
 /// Experiments and recordings, each by both commands that read them.
-const EXPERIMENTS: [Case; 31] = [
+const EXPERIMENTS: [Case; 32] = [
     ("x-inf.csv.toml", &["inf.csv", "infinite", "NaN"]),
     ("x-spike.csv.toml", &["spike.csv", "line 602", "1e300"]),
     ("x-cut.csv.toml", &["cut.csv", "line 602", "2 fields"]),
     ("x-few.csv.toml", &["few.csv", "5 samples"]),
+    ("x-blind.csv.toml", &["blind.csv", "displacement", "column"]),
     ("x-nameless.csv.toml", &["nameless.csv", "line 1", "header"]),
     ("x-unmarked.csv.toml", &["unmarked.csv", "UTF-16", "UTF-8"]),
     ("x-broken.tdms.toml", &["broken.tdms", "cut off"]),
@@ -430,6 +490,13 @@ const EXPERIMENTS: [Case; 31] = [
     ("x-nochannels.toml", &["`channels` is missing"]),
     ("x-text.toml", &["`dot`", "point or comma"]),
     ("x-open.toml", &["`command` is missing"]),
+];
+
+/// Recordings that can be read and not believed: what the findings must hold, and what they must not claim beside it.
+const UNFIT: [(&str, &[&str], &[&str]); 3] = [
+    ("x-twenty.csv.toml", &["twenty.csv", "too short", "at least 100"], &["swapped"]),
+    ("x-still.csv.toml", &["still.csv", "nothing moves", "name a recording"], &["swapped"]),
+    ("x-hole.csv.toml", &["hole.csv", "60 samples (0.300 s)", "up to 0.15 s", "from_s"], &["swapped"]),
 ];
 
 fn listing(folder: &Path) -> Vec<String> {
@@ -473,7 +540,7 @@ fn faults(folder: &Path, line: &str, parts: &[&str], before: &[String]) -> Vec<S
 fn every_wrong_input_is_refused_with_file_place_and_remedy() {
     let folder = folder();
     let before = listing(folder.path());
-    let plain = [&OPTIONS[..], &OTHERS, &RECORDS, &MODELS].concat();
+    let plain = [&OPTIONS[..], &TABLES, &OTHERS, &RECORDS, &MODELS].concat();
     let read = ["identify", "diagnose"]
         .into_iter()
         .flat_map(|command| EXPERIMENTS.iter().map(move |(file, parts)| (format!("{command} {file}"), *parts)));
@@ -483,4 +550,41 @@ fn every_wrong_input_is_refused_with_file_place_and_remedy() {
     let wrong: Vec<String> =
         cases.iter().flat_map(|(line, parts)| faults(folder.path(), line, parts, &before)).collect();
     assert!(wrong.is_empty(), "{} of {} cases:\n{}", wrong.len(), cases.len(), wrong.join("\n"));
+}
+
+/// What can be read but not believed is a verdict and no error; a short gap is bridged.
+#[test]
+fn recordings_that_cannot_be_believed_are_a_verdict() {
+    let folder = folder();
+    let diagnosed = |file: &str| {
+        let output = shakedown().current_dir(folder.path()).args(["diagnose", file, "--json", "-"]).output().unwrap();
+        assert!(output.status.success(), "{file}: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
+    };
+    for (file, said, unsaid) in UNFIT {
+        let found = diagnosed(file);
+        let findings = found["findings"].to_string();
+        assert_eq!(found["verdict"], "bad-data", "{file}: {findings}");
+        assert!(said.iter().all(|part| findings.contains(part)), "{file}: {findings}");
+        assert!(!unsaid.iter().any(|part| findings.contains(part)), "{file}: {findings}");
+        // No figure of a fit to them is given either.
+        let output = shakedown().current_dir(folder.path()).args(["identify", file]).output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{file}: {message}");
+        assert!(said.iter().all(|part| message.contains(part)), "{file}: {message}");
+    }
+    assert_ne!(diagnosed("x-gap19.csv.toml")["verdict"], "bad-data");
+}
+
+/// A folder that is made is said to be.
+#[test]
+fn a_folder_that_a_result_makes_is_said() {
+    let folder = TempDir::new().unwrap();
+    let line = ["effects", "leakage", "--json", "new/deep/x.json"];
+    let output = shakedown().current_dir(folder.path()).args(line).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && message.contains("new/deep: there is no such folder; it is made"), "{message}");
+    assert!(folder.path().join("new/deep/x.json").exists());
+    let again = shakedown().current_dir(folder.path()).args(line).output().unwrap();
+    assert!(again.stderr.is_empty(), "{}", String::from_utf8_lossy(&again.stderr));
 }

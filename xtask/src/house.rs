@@ -1,5 +1,7 @@
-//! The house rules a compiler does not know: lengths of files, the direction of dependencies, stray paths.
+//! The house rules a compiler does not know: lengths of files, the direction of dependencies, circles, stray
+//! paths.
 
+mod circles;
 mod direction;
 mod lengths;
 mod paths;
@@ -23,7 +25,14 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
 
 fn breaches() -> Result<Vec<String>, Problem> {
     let files = files()?;
-    Ok([lengths::check(&files), direction::crates()?, direction::modules(&files), paths::check(&files)].concat())
+    Ok([
+        lengths::check(&files),
+        direction::crates()?,
+        direction::modules(&files),
+        circles::check(&files),
+        paths::check(&files),
+    ]
+    .concat())
 }
 
 /// A file of the tree: its path from the top, and its text.

@@ -1,11 +1,15 @@
 //! Every chore has one name: `cargo xtask help` lists them. One file a chore, one line in [`CHORES`].
 
+mod benchmarks;
 mod deny;
 mod figures;
 mod firmware;
 mod fuzz;
+mod header;
+mod hosts;
 mod house;
 mod law_cost;
+mod nightly;
 mod output;
 mod properties;
 mod reproduce;
@@ -50,11 +54,27 @@ const CHORES: &[Chore] = &[
         does: "what the core's laws cost beside the same in C and beside idsp's, in instructions",
         run: firmware::beside,
     },
+    Chore {
+        name: "hosts",
+        does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...]",
+        run: hosts::run,
+    },
+    Chore { name: "header", does: "writes the C header anew, or compares it [check]", run: header::run },
+    Chore {
+        name: "nightly",
+        does: "runs what takes longer than tests may: hosts, header, examples, pages",
+        run: nightly::run,
+    },
     Chore { name: "house", does: "checks file lengths, the direction of dependencies, stray paths", run: house::run },
     Chore {
         name: "figures",
         does: "lists every figure the project claims, with the command that prints it",
         run: figures::run,
+    },
+    Chore {
+        name: "benchmarks",
+        does: "prints how the tool stands on tasks that others set, on their data",
+        run: benchmarks::run,
     },
     Chore { name: "fuzz", does: "feeds the parsers what nobody would write [TARGET [SECONDS]]", run: fuzz::run },
     Chore {

@@ -47,6 +47,20 @@ const NEEDS: &[Need] = &[
         install: || apt(&["qemu-system-arm"]),
     },
     Need {
+        name: "gcc, clang and cmake",
+        used_for: "the core called from C (`cargo xtask hosts`)",
+        from: "apt",
+        present: || ["gcc", "clang", "cmake"].iter().all(|name| works(&[name, "--version"])),
+        install: || apt(&["gcc", "libc6-dev", "clang", "cmake"]),
+    },
+    Need {
+        name: "python3 with venv",
+        used_for: "the Python wheel and the FMU (`cargo xtask hosts`)",
+        from: "apt",
+        present: || works(&["python3", "-c", "import venv, ensurepip"]),
+        install: || apt(&["python3", "python3-venv"]),
+    },
+    Need {
         name: GCC,
         used_for: "the core's laws in C, to measure beside",
         from: "apt, gcc-arm-none-eabi",

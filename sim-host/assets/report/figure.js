@@ -6,6 +6,9 @@ const figures = (() => {
   const CURVES = 7;
   const STEPS = 12;
   const SHADES = 3;
+  const DEEPEST = 1e13;
+  // Width of a figure that is folded away when it is made.
+  const UNSEEN = 640;
 
   function abscissa({ from, step, count, skips, values }) {
     if (values) return values;
@@ -79,7 +82,7 @@ const figures = (() => {
     const labels = [...new Set((data.bands ?? []).map((b) => b.label))];
     const bands = (data.bands ?? []).map((b) => ({ ...b, shade: `--shade-${labels.indexOf(b.label) % SHADES}` }));
     const loops = curves.length > 0 && curves.every((c) => c.free);
-    return { ...data, curves, bands, loops, table: curves.length ? align(curves) : [[]] };
+    return { ...data, open: data.open ?? null, curves, bands, loops, table: curves.length ? align(curves) : [[]] };
   }
 
   function series(curve) {
@@ -193,13 +196,15 @@ const figures = (() => {
     };
   }
 
-  const height = (width, figure) => Math.round(Math.max(190, Math.min(figure.group ? 230 : 300, width * 0.6)));
+  const height = (width, figure) => Math.round(Math.max(200, Math.min(figure.group ? 260 : 340, width * 0.6)));
 
   function options(element, figure, zoom) {
-    const width = element.clientWidth;
+    const width = element.clientWidth || UNSEEN;
+    // What is further below the largest value than any instrument reaches, as behind a filter, is not worth an axis.
+    const floor = (low, high) => Math.max(low, high / DEEPEST);
     const range = (log) => (_, low, high) => {
       if (low == null || !Number.isFinite(low)) return log ? [1, 10] : [0, 1];
-      return log ? [around(low, 1 / 1.05), around(high, 1.05)] : uPlot.rangeNum(low, high, 0.1, true);
+      return log ? [around(floor(low, high), 1 / 1.05), around(high, 1.05)] : uPlot.rangeNum(low, high, 0.1, true);
     };
     return {
       width,

@@ -85,6 +85,7 @@
     const u = new uPlot(options, figure.table, chart);
     u.root.setAttribute("aria-hidden", "true");
     zoom.add(u);
+    if (figure.open) zoom.fit();
     for (const { button, members } of entries) {
       button.onclick = () => {
         const show = button.getAttribute("aria-pressed") !== "true";
@@ -137,7 +138,15 @@
 
   const recolour = () => drawn.forEach(({ u }) => u.redraw(false));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+  // A link into what is folded unfolds it.
+  const unfold = () => {
+    const aim = location.hash && document.querySelector(location.hash);
+    if (aim instanceof HTMLDetailsElement) aim.open = true;
+  };
+  addEventListener("hashchange", unfold);
+  unfold();
   addEventListener("beforeprint", () => {
+    document.querySelectorAll("details").forEach((d) => { d.open = true; });
     document.documentElement.dataset.print = "";
     drawn.forEach(({ u, fit }) => { fit(660); u.redraw(false); });
   });

@@ -23,6 +23,13 @@ const zooms = (() => {
     let full = null;
     let now = null;
 
+    // A group opens where the first of its figures says.
+    const begin = (open) => {
+      if (open && !begun) now = open;
+      begun ||= open != null;
+    };
+    let begun = false;
+
     const show = () => {
       const [min, max] = now ?? full;
       for (const { u, element, y } of members) {
@@ -66,6 +73,7 @@ const zooms = (() => {
     function member(figure, element) {
       const [low, high] = extent(figure);
       full = full ? [Math.min(full[0], low), Math.max(full[1], high)] : [low, high];
+      begin(figure.open);
       const y = { now: null };
       return {
         x: () => now ?? full,

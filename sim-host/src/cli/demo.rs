@@ -2,11 +2,12 @@
 
 mod concealed;
 
-use super::histories::{self, History};
+use super::histories::{self, History, Opening};
 use super::output::Outputs;
 use super::{Failure, present, progress};
 use serde_json::json;
 use shakedown::closed_loop::showcase::{Entry, STROKE, Way, play};
+use shakedown::closed_loop::twin::Twin;
 use shakedown::motion::condition::Recipe;
 use shakedown::motion::{Motion, generate};
 use shakedown::plant::sensors::{GRAVITY, SensorModel};
@@ -72,6 +73,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             ("seed".into(), seed.to_string()),
             ("made in".into(), format!("{:.1} s", started.elapsed().as_secs_f64())),
         ],
+        ..Page::default()
     };
     Outputs { report: Some(report), ..args.outputs.clone() }.write_report(&mut page, &[])
 }
@@ -101,7 +103,9 @@ fn problem(name: &str, motion: &Motion, entries: &[Entry]) -> Section {
         a / GRAVITY
     ))];
     if let Some(strong) = find(entries, Way::Strong) {
-        items.extend(histories::all(&strong.trial, "strong"));
+        let opening = Opening { unit: "%".into(), full: Twin::default().full_opening(), shown: 100.0 };
+        // A test that was scored has a response.
+        items.extend(histories::all(&strong.trial, "strong", &opening).unwrap_or_default());
     }
     Section { heading: "Strong gains against the velocity limit".into(), items }
 }

@@ -99,8 +99,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     write(args.out.as_deref(), &settings, args.outputs.quiet())?;
     let inputs = [args.model.clone()];
     args.outputs.write_json(json(&found, &demand, &unused), &inputs)?;
-    let lead = "Stability margins of the tracking law on the model and in the worst corner of its uncertainty.";
-    let mut page = Page { title: "Design".into(), lead: lead.into(), sections: vec![section], ..Page::default() };
+    let mut page = page(&found, args, section);
     args.outputs.write_report(&mut page, &inputs)
 }
 
@@ -117,6 +116,32 @@ fn write(out: Option<&Path>, settings: &str, quiet: bool) -> Result<(), Failure>
 
 fn frequencies(found: &Design) -> (f32, f32) {
     found.settings.tracking.map_or((0.0, 0.0), |t| (t.bandwidth, t.disturbance))
+}
+
+/// The page: the verdict, what holds in the worst corner, what to do.
+fn page(found: &Design, args: &Args, section: Section) -> Page {
+    let (bandwidth, disturbance) = frequencies(found);
+    let worst = &found.worst;
+    let written = args.out.as_ref().map_or_else(
+        || "Write the settings with `--out settings.toml`, and rehearse them: a scenario with `settings = \"settings.toml\"`.".into(),
+        |path| format!("Rehearse the settings, a scenario with `settings = \"{}\"`, before `shakedown device set` writes them.", path.display()),
+    );
+    Page {
+        title: "Design".into(),
+        lead: format!(
+            "Feedback of {bandwidth:.1} Hz and disturbances undone up to {disturbance:.0} Hz keep the margins asked for, {} dB and {} degrees, \
+             in the worst corner of the model's uncertainty.",
+            args.gain_margin, args.phase_margin
+        ),
+        key: vec![
+            ("gain margin, worst corner".into(), format!("{:.1} dB", worst.gain_db)),
+            ("phase margin, worst corner".into(), format!("{:.0} degrees", worst.phase_degrees)),
+            ("crossover, worst corner".into(), format!("{:.0} Hz", worst.crossover_hz)),
+        ],
+        advice: vec![written],
+        sections: vec![section],
+        ..Page::default()
+    }
 }
 
 fn section(found: &Design, demand: &Demand, unused: &[String]) -> Section {

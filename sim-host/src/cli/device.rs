@@ -5,8 +5,8 @@ mod page;
 mod record;
 mod setup;
 
-use super::Failure;
 use super::output::{Outputs, print};
+use super::{Failure, described};
 use clap::Subcommand;
 use serde_json::json;
 use shakedown::device::{Port, Session, SessionError};
@@ -16,6 +16,7 @@ use std::path::PathBuf;
 /// Talks to a device over its serial line: setup, a record, telemetry, commissioning.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
+  shakedown device list
   shakedown device --port /dev/ttyACM0 status
   shakedown device --port /dev/ttyACM0 get --out setup.toml
   shakedown device --port /dev/ttyACM0 set setup.toml --save
@@ -24,9 +25,9 @@ use std::path::PathBuf;
   shakedown diagnose run/experiment.toml
   shakedown device --port /dev/ttyACM0 commission --out commissioning.toml")]
 pub(crate) struct Args {
-    /// The serial port.
+    /// The serial port [default: the one that table.toml of this folder states].
     #[arg(long, value_name = "PORT")]
-    port: PathBuf,
+    port: Option<PathBuf>,
     /// Bits a second.
     #[arg(long, value_name = "BAUD", default_value_t = 1_000_000)]
     baud: u32,
@@ -37,6 +38,8 @@ pub(crate) struct Args {
 /// What is wanted of the device.
 #[derive(Debug, Subcommand)]
 enum Action {
+    /// Serial ports that a device may be on.
+    List(Outputs),
     /// Who it is and how it fares.
     Status(Outputs),
     /// Reads its setup, as TOML.
@@ -57,10 +60,25 @@ enum Action {
 
 /// Does what is asked.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let open = Port::open(&args.port, args.baud);
-    let port = open.map_err(|e| Failure::Input(format!("{}: {e}; which port is it on?", args.port.display())))?;
+    if let Action::List(outputs) = &args.action {
+        return list(outputs);
+    }
+    let path = match &args.port {
+        Some(port) => port.clone(),
+        None => described::found(None)?.table.port.ok_or_else(|| {
+            Failure::Input(
+                "--port PORT: which port is the device on? `shakedown device list` shows what there is".into(),
+            )
+        })?,
+    };
+    let open = Port::open(&path, args.baud);
+    let port = open.map_err(|e| {
+        Failure::Input(format!("{}: {e}; `shakedown device list` shows the ports there are", path.display()))
+    })?;
     let mut session = Session::new(port);
     match &args.action {
+        // Answered above: it takes no port.
+        Action::List(outputs) => list(outputs),
         Action::Status(outputs) => status(&mut session, outputs),
         Action::Get(get) => get.run(&mut session),
         Action::Set(set) => set.run(&mut session),
@@ -70,6 +88,31 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Action::Trip => session.order(&Request::Trip).map_err(failed),
         Action::Commission(walk) => walk.run(&mut session),
     }
+}
+
+/// The serial ports that there are, by the names that stay the same where the system gives them.
+fn ports() -> Vec<PathBuf> {
+    let of = |folder: &str, keep: &dyn Fn(&str) -> bool| -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.filter(|e| keep(&e.file_name().to_string_lossy())).map(|e| e.path()).collect()
+    };
+    let serial = |name: &str| ["ttyACM", "ttyUSB", "cu.usb"].iter().any(|start| name.starts_with(start));
+    let mut ports = [of("/dev/serial/by-id", &|_| true), of("/dev", &serial)].concat();
+    ports.sort();
+    ports
+}
+
+fn list(outputs: &Outputs) -> Result<(), Failure> {
+    let ports = ports();
+    outputs.write_json(json!({ "ports": ports }), &[])?;
+    let rows: Vec<(&str, String)> = ports.iter().map(|port| ("port", port.display().to_string())).collect();
+    outputs.write_report(&mut page::facts("Serial ports", "Ports that a device may be on.", &rows), &[])?;
+    if !outputs.quiet() {
+        let lines: Vec<String> = ports.iter().map(|port| format!("{}\n", port.display())).collect();
+        let none = "no serial port is there: is the device plugged in, and may this user read /dev/ttyACM*?\n";
+        print(&if lines.is_empty() { none.to_owned() } else { lines.concat() });
+    }
+    Ok(())
 }
 
 /// A conversation's end as the command's.
@@ -88,6 +131,7 @@ fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure>
     let value = json!({
         "firmware": firmware, "state": vitals.state, "cause": cause, "ticks": vitals.ticks, "dropped": vitals.dropped,
         "garbled": vitals.garbled, "stored": vitals.stored, "buffered": vitals.buffered,
+        "highest_rate_hz": identity.highest_rate,
     });
     outputs.write_json(value, &[])?;
     let stored = if vitals.stored { "as stored in flash" } else { "not stored: a reset loses it" };
@@ -99,6 +143,7 @@ fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure>
         ("records of telemetry dropped", vitals.dropped.to_string()),
         ("frames garbled", vitals.garbled.to_string()),
         ("setup", stored.to_owned()),
+        ("highest control rate [Hz]", identity.highest_rate.to_string()),
     ];
     outputs.write_report(&mut page::facts("Device", "Who the device is, and how it fares.", &said), &[])?;
     if !outputs.quiet() {

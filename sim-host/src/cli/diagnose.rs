@@ -3,6 +3,7 @@
 mod change;
 pub(super) mod page;
 mod place;
+mod set_up;
 
 use super::output::{Outputs, print, write_whole};
 use super::places::place;
@@ -10,6 +11,7 @@ use super::{Failure, failure, progress};
 use shakedown::diagnose::result::Verdict;
 use shakedown::diagnose::{DiagnoseError, Diagnosis, Examined, Options, diagnose};
 use shakedown::recording::Experiment;
+use shakedown::report::digits;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -65,8 +67,9 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     for effect in &diagnosis.effects {
         let _ = writeln!(text, "\n  {}  (probability {:.2})\n  {}", effect.id, effect.probability, effect.equation);
         for (key, q) in &effect.parameters {
-            let spread = q.std.map_or(String::new(), |s| format!(" +/- {s:.2e}"));
-            let _ = writeln!(text, "    {key} = {}{spread} {}", page::digits(q.value), q.unit);
+            let spread = q.std.map_or(String::new(), |s| format!(" +/- {}", digits::to(s, s)));
+            let unit = if q.unit == "1" { String::new() } else { format!(" {}", q.unit) };
+            let _ = writeln!(text, "    {key} = {}{spread}{unit}", digits::to(q.value, q.std.unwrap_or(f64::NAN)));
         }
     }
     for finding in &diagnosis.findings {

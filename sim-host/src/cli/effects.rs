@@ -1,13 +1,16 @@
 //! `shakedown effects`: the library of physics a model may be missing.
 
 use super::Failure;
+use super::failure::refused;
 use super::output::{Outputs, print, print_table};
 use serde_json::json;
-use shakedown::plant::effects::{ENTRIES, Entry, Role, entry, identifiers};
+use shakedown::plant::effects::{ENTRIES, Entry, Role};
 use shakedown::plant::model::Kind;
 use shakedown::recording::error::suggestion;
+use shakedown::recording::own_effect;
 use shakedown::report::{Item, Page, Section, Table};
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 /// The library of effects: equation, parameters, signature, what it is mistaken for, the test that tells.
 #[derive(Debug, clap::Args)]
@@ -15,32 +18,40 @@ use std::fmt::Write as _;
   shakedown effects                        the whole library
   shakedown effects coulomb_friction       one effect in full
   shakedown effects --report effects.html  the same as a page
-  shakedown effects --markdown             the table of the documentation")]
+  shakedown effects --markdown             the table of the documentation
+  shakedown effects --file own.toml        the library and a user's own effects
+  shakedown effects --check own.toml       what is wrong with effects of one's own, by line")]
 pub(crate) struct Args {
     /// One effect's identifier.
     id: Option<String>,
     /// Prints the library as the documentation's table.
     #[arg(long)]
     markdown: bool,
+    /// Lists the `[[effect]]`s of this file beside the library.
+    #[arg(long, value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Checks the `[[effect]]`s of this file and says by line what is wrong.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["id", "markdown", "file"])]
+    check: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
 }
 
 /// Prints the library or one of its entries.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let chosen: Vec<&Entry> = match &args.id {
-        None => ENTRIES.to_vec(),
-        Some(id) => vec![entry(id).ok_or_else(|| {
-            let meant =
-                suggestion(id, identifiers()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-            Failure::Input(format!(
-                "no effect is called `{id}`{meant}; the library holds: {}",
-                identifiers().join(", ")
-            ))
-        })?],
+    let own = match args.check.as_ref().or(args.file.as_ref()) {
+        Some(path) => own(path)?,
+        None => Vec::new(),
     };
-    args.outputs.write_report(&mut page(&chosen), &[])?;
-    args.outputs.write_json(json!({ "effects": chosen.iter().map(|e| as_json(e)).collect::<Vec<_>>() }), &[])?;
+    let known: Vec<&Entry> = ENTRIES.iter().chain(&own).copied().collect();
+    let chosen: Vec<&Entry> = match &args.id {
+        None if args.check.is_some() => own,
+        None => known,
+        Some(id) => vec![known.iter().copied().find(|entry| entry.id == id).ok_or_else(|| unknown(id, &known))?],
+    };
+    let inputs: Vec<PathBuf> = args.check.iter().chain(&args.file).cloned().collect();
+    args.outputs.write_report(&mut page(&chosen), &inputs)?;
+    args.outputs.write_json(json!({ "effects": chosen.iter().map(|e| as_json(e)).collect::<Vec<_>>() }), &inputs)?;
     if args.outputs.quiet() {
     } else if args.markdown {
         print(&markdown(&chosen));
@@ -50,6 +61,24 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         print_table(&table(&chosen));
     }
     Ok(())
+}
+
+/// The effects of a file; all that is wrong with them in one message, a line each.
+fn own(path: &Path) -> Result<Vec<&'static Entry>, Failure> {
+    let (entries, errors) = own_effect::load(path).map_err(|e| refused(path, e, "effects of one's own are TOML"))?;
+    if errors.is_empty() {
+        return Ok(entries);
+    }
+    let count = errors.len() + entries.len();
+    let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    Err(Failure::Input(format!("{} of {count} effects refused\n{}", errors.len(), lines.join("\n"))))
+}
+
+fn unknown(id: &str, known: &[&Entry]) -> Failure {
+    let known: Vec<&str> = known.iter().map(|entry| entry.id).collect();
+    let near = suggestion(id, known.iter().copied());
+    let meant = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    Failure::Input(format!("no effect is called `{id}`{meant}; the library holds: {}", known.join(", ")))
 }
 
 fn as_json(entry: &Entry) -> serde_json::Value {
@@ -102,17 +131,22 @@ fn markdown(entries: &[&Entry]) -> String {
 
 /// The library as a page: all of it at a glance, then each effect.
 fn page(entries: &[&Entry]) -> Page {
-    let mut sections = vec![Section { heading: "At a glance".into(), items: vec![Item::Table(table(entries))] }];
-    sections.extend(entries.iter().map(|entry| {
-        let facts = facts(entry).map(|(name, value)| vec![name.to_owned(), value]).into();
-        let parameters = shared(entry).map(|p| [p.key, p.meaning, p.unit, p.rigid_unit].map(String::from).into());
-        let columns = ["parameter", "what it is", "unit", "unit, rigid mass"].map(String::from).into();
-        let parameters = Table { columns, rows: parameters.collect(), caption: String::new() };
-        let facts = Table { columns: vec![String::new(), entry.id.into()], rows: facts, caption: String::new() };
-        Section { heading: entry.id.into(), items: vec![Item::Table(facts), Item::Table(parameters)] }
-    }));
+    let glance = Section { heading: "At a glance".into(), items: vec![Item::Table(table(entries))] };
+    let each: Vec<Section> = entries
+        .iter()
+        .map(|entry| {
+            let facts = facts(entry).map(|(name, value)| vec![name.to_owned(), value]).into();
+            let parameters = shared(entry).map(|p| [p.key, p.meaning, p.unit, p.rigid_unit].map(String::from).into());
+            let columns = ["parameter", "what it is", "unit", "unit, rigid mass"].map(String::from).into();
+            let parameters = Table { columns, rows: parameters.collect(), caption: String::new() };
+            let facts = Table { columns: vec![String::new(), entry.id.into()], rows: facts, caption: String::new() };
+            Section { heading: entry.id.into(), items: vec![Item::Table(facts), Item::Table(parameters)] }
+        })
+        .collect();
+    // One effect is what was asked for; of many, each is there to be unfolded.
+    let (sections, details) = if entries.len() == 1 { (each, Vec::new()) } else { (vec![glance], each) };
     let lead = "Physics that a model may be missing: equation, parameters, what it looks like, what tells it apart.";
-    Page { title: "Effects".into(), lead: lead.into(), sections, ..Page::default() }
+    Page { title: "Effects".into(), lead: lead.into(), sections, details, ..Page::default() }
 }
 
 /// What is known of an effect beside its parameters.

@@ -37,6 +37,11 @@ pub(crate) struct Args {
     outputs: Outputs,
 }
 
+/// The model of a table that nobody has described yet.
+const MODEL: &str = "[model]                      # the paper's table (Eq. 7), NOT yours: `identify --out` and `diagnose --model` write yours\n\
+    kind = \"servo\"\nb1 = 0.69                    # 1/s per m of command\nb0 = 138.0                   # 1/s2 per m of command\n\
+    a1 = 57.65                   # 1/s\nvelocity_limit = 0.242       # m/s";
+
 /// Looks at the files, writes the experiment beside them and says what is still open.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let to_terminal = args.out == "-";
@@ -50,6 +55,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if !to_terminal {
         write_whole(&path, proposal.text.as_bytes())?;
     }
+    let table = args.folder.join("table.toml");
+    let described = !to_terminal && !table.exists();
+    if described {
+        write_whole(&table, shakedown::recording::described::template(MODEL).as_bytes())?;
+    }
     let inputs: Vec<PathBuf> = proposal.files.iter().map(|name| args.folder.join(name)).collect();
     args.outputs.write_json(as_json(&proposal, (!to_terminal).then_some(&path)), &inputs)?;
     args.outputs.write_report(&mut page(&proposal), &inputs)?;
@@ -58,6 +68,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         print(&proposal.text);
     } else {
         print(&summary(&proposal, &path));
+        if described {
+            print(&format!("Wrote {}: describe the table there once, and no limit is typed twice.\n", table.display()));
+        }
     }
     Ok(())
 }
@@ -86,19 +99,21 @@ fn page(proposal: &Proposal) -> Page {
     });
     let files = proposal.files.iter().map(|file| vec![file.clone(), "a run".into()]);
     let left_out = proposal.left_out.iter().map(|(file, reason)| vec![file.clone(), format!("left out: {reason}")]);
+    let doubtful = proposal.choices.iter().filter(|choice| choice.doubtful).count();
     let items = vec![
         table(&["channel", "unit", "what speaks for it", ""], channels.collect(), "Channels"),
         table(&["file", ""], files.chain(left_out).collect(), "Files"),
-        table(
-            &["to settle"],
-            proposal.open.iter().map(|open| vec![open.clone()]).collect(),
-            "What the files cannot say",
-        ),
     ];
     let sections = vec![Section { heading: "What is proposed".into(), items }];
     let lead =
         format!("An experiment from {} recordings: each proposal with what speaks for it.", proposal.files.len());
-    Page { title: "A first experiment".into(), lead, sections, ..Page::default() }
+    let key = vec![
+        ("recordings".to_owned(), proposal.files.len().to_string()),
+        ("channels proposed".into(), proposal.choices.len().to_string()),
+        ("of them to confirm".into(), doubtful.to_string()),
+    ];
+    let advice = proposal.open.iter().map(|open| format!("To settle: {open}.")).collect();
+    Page { title: "A first experiment".into(), lead, key, advice, sections, ..Page::default() }
 }
 
 fn summary(proposal: &Proposal, path: &Path) -> String {

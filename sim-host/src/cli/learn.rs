@@ -1,5 +1,6 @@
 //! `shakedown learn`: iterative learning over repeated runs on the twin.
 
+use super::described::{self, Found};
 use super::failure::within;
 use super::output::Outputs;
 use super::source::{Source, plausible};
@@ -11,10 +12,11 @@ use shakedown::closed_loop::named;
 use shakedown::closed_loop::trial::Setup;
 use shakedown::closed_loop::twin::Twin;
 use shakedown::motion::condition::Recipe;
-use shakedown::motion::fit::named::Fit;
+use shakedown::motion::fit::named::{ASKED, Fit};
 use shakedown::motion::{Motion, Record};
 use shakedown::plant::sensors::SensorModel;
-use shakedown::report::{Item, Page, Section, Table};
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Table};
+use std::path::PathBuf;
 
 /// Learns a drive over repeated runs on the twin: the next run's peaks are predicted, and an unsafe drive is refused.
 #[derive(Debug, clap::Args)]
@@ -27,9 +29,13 @@ A drive that is predicted to pass a limit is not run, be it the first or a later
 pub(crate) struct Args {
     #[command(flatten)]
     source: Source,
-    /// Controller by name.
-    #[arg(long, value_name = "NAME", default_value = "current", value_parser = PossibleValuesParser::new(named::names()))]
-    controller: String,
+    /// The table's file: a model and what `[table]` describes beside it [default: table.toml of this folder, else the paper's
+    /// table].
+    #[arg(long, value_name = "TABLE.toml")]
+    table: Option<PathBuf>,
+    /// Controller by name [default: current, or the table's].
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(named::names()))]
+    controller: Option<String>,
     /// Fits the record to speed and stroke first; `none` leaves it as it is.
     #[arg(long, value_name = "NAME", default_value = "nearest", value_parser = PossibleValuesParser::new(fits()))]
     fit: String,
@@ -39,15 +45,15 @@ pub(crate) struct Args {
     /// Frequency up to which is learned, 0.5 to 50 Hz.
     #[arg(long, value_name = "HZ", default_value_t = 12.0)]
     band: f64,
-    /// Largest displacement that a run may be predicted to reach, m.
-    #[arg(long, value_name = "M", default_value_t = 0.12)]
-    stroke: f64,
-    /// Largest speed, m/s.
-    #[arg(long, value_name = "M/S", default_value_t = 0.242)]
-    velocity: f64,
-    /// Largest acceleration, m/s2.
-    #[arg(long, value_name = "M/S2", default_value_t = 15.0)]
-    acceleration: f64,
+    /// Largest displacement that a run may be predicted to reach, m [default: 0.12, or the table's].
+    #[arg(long, value_name = "M")]
+    stroke: Option<f64>,
+    /// Largest speed, m/s [default: 0.242, or the table's].
+    #[arg(long, value_name = "M/S")]
+    velocity: Option<f64>,
+    /// Largest acceleration, m/s2 [default: 15, or the table's].
+    #[arg(long, value_name = "M/S2")]
+    acceleration: Option<f64>,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -57,6 +63,9 @@ fn fits() -> impl Iterator<Item = &'static str> {
     std::iter::once(AS_IT_IS).chain(Fit::names())
 }
 
+/// Share of the speed that the record is fitted to.
+const ROOM: f64 = 0.95;
+
 /// No fit.
 const AS_IT_IS: &str = "none";
 
@@ -64,19 +73,31 @@ impl Args {
     fn check(&self) -> Result<(), Failure> {
         within("--runs", self.runs as f64, 1.0, 50.0)?;
         within("--band", self.band, 0.5, 50.0)?;
-        within("--stroke", self.stroke, 0.001, 10.0)?;
-        within("--velocity", self.velocity, 0.001, 10.0)?;
-        within("--acceleration", self.acceleration, 0.01, 1000.0)
+        within("--stroke", self.stroke.unwrap_or(0.1), 0.001, 10.0)?;
+        within("--velocity", self.velocity.unwrap_or(0.1), 0.001, 10.0)?;
+        within("--acceleration", self.acceleration.unwrap_or(1.0), 0.01, 1000.0)
+    }
+
+    /// The limits, from the options, else the table.
+    fn limits(&self, described: &Found, table: &Twin) -> Limits {
+        Limits {
+            displacement: self.stroke.or(described.table.stroke).unwrap_or(described::STROKE),
+            velocity: self.velocity.unwrap_or_else(|| table.velocity_limit()),
+            acceleration: self.acceleration.or(described.table.acceleration).unwrap_or(15.0),
+        }
     }
 
     /// What the table is to do.
-    fn wanted(&self, record: &Record) -> Result<Motion, Failure> {
+    fn wanted(&self, record: &Record, limits: &Limits) -> Result<Motion, Failure> {
         let wrong = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", record.name));
         let motion = Recipe::table1(named::RATE).apply(record).map_err(|e| wrong(&e))?;
         plausible(&record.name, &motion);
         let Some(fit) = Fit::parse(&self.fit) else { return Ok(motion) };
         let bar = progress::spinner(format!("fitting {}", record.name));
-        let fitted = fit.apply(&motion, self.velocity, self.stroke, |line| bar.set_message(line.to_owned()));
+        // A record fitted to the last millimetre and the last of the speed leaves no room for what learning adds, and its second run
+        // would be refused.
+        let (speed, stroke) = (ROOM * limits.velocity, ASKED * limits.displacement);
+        let fitted = fit.apply(&motion, speed, stroke, |line| bar.set_message(line.to_owned()));
         bar.finish_and_clear();
         fitted.map_err(|e| wrong(&e))
     }
@@ -85,12 +106,15 @@ impl Args {
 /// Learns, shows every run beside what was predicted of it.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
+    let described = described::found(args.table.as_deref())?;
+    let table = super::table(described.path.as_deref())?;
+    let limits = args.limits(&described, &table);
     let record = args.source.load()?;
-    let wanted = args.wanted(&record)?;
-    let settings = named::by_name(&args.controller, named::RATE)
-        .ok_or_else(|| Failure::Input(format!("--controller {}: no such controller", args.controller)))?;
-    let setup = Setup { settings, table: Twin::default(), sensors: SensorModel::laboratory(1), steps: 10 };
-    let limits = Limits { displacement: args.stroke, velocity: args.velocity, acceleration: args.acceleration };
+    let wanted = args.wanted(&record, &limits)?;
+    let name = args.controller.as_deref().or(described.table.controller.as_deref()).unwrap_or("current");
+    let settings = named::by_name(name, named::RATE)
+        .ok_or_else(|| Failure::Input(format!("controller {name}: expected one of {}", named::names().join(" "))))?;
+    let setup = Setup { settings, table, sensors: SensorModel::laboratory(1), steps: 10 };
     let how = Learning { band: args.band, runs: args.runs, ..Learning::default() };
     let bar = progress::spinner(format!("learning {}", record.name));
     let learned = learn(&setup, &wanted, &limits, &how).map_err(|e| Failure::Work(format!("learn: {e}")))?;
@@ -99,11 +123,59 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if !args.outputs.quiet() {
         present::print_section(&section);
     }
-    let inputs = args.source.inputs();
+    let inputs: Vec<PathBuf> = args.source.inputs().into_iter().chain(described.path).collect();
     args.outputs.write_json(json(&learned), &inputs)?;
-    let lead = "Every run's peaks were predicted from the run before it, and held against the table's limits first.";
-    let mut page = Page { title: "Learning".into(), lead: lead.into(), sections: vec![section], ..Page::default() };
+    let mut page = page(&learned, &record.name, section);
     args.outputs.write_report(&mut page, &inputs)
+}
+
+/// The page: what was gained, what to do, the runs.
+fn page(learned: &Learned, record: &str, section: Section) -> Page {
+    let e_a: Vec<f64> = learned.rounds.iter().map(|r| r.score.e_a.ratio).collect();
+    let lead = match e_a[..] {
+        [] => "Nothing was run: what is asked for is predicted to pass a limit of the table.".to_owned(),
+        [only] => format!(
+            "One run, E_a {only:.3}; the next is predicted to pass a limit and was refused, or was not asked for."
+        ),
+        [first, .., last] => {
+            format!("Learning took E_a from {first:.3} to {last:.3} in {} runs, within the table's limits.", e_a.len())
+        }
+    };
+    let runs: Vec<f64> = (1..=e_a.len()).map(|k| k as f64).collect();
+    let curve = |name: &str, y: Vec<f64>| Series { name: name.into(), x: runs.clone(), y, ..Series::default() };
+    let e_d = learned.rounds.iter().map(|r| r.score.e_d.ratio).collect();
+    let plot = Plot {
+        title: "Error run by run".into(),
+        x: Axis { label: "run".into(), log: false },
+        y: Axis { label: "relative error".into(), log: true },
+        series: vec![curve("E_a", e_a.clone()), curve("E_d", e_d)],
+        ..Plot::default()
+    };
+    let mut sections: Vec<Section> = Vec::new();
+    if e_a.len() > 1 {
+        sections.push(Section { heading: "What was gained".into(), items: vec![Item::Plot(plot)] });
+    }
+    sections.push(section);
+    let advice = match learned.refused {
+        Some(refusal) => vec![format!(
+            "{refusal}: give the record more room, by a smaller `--velocity` or `--stroke` or a smaller scale."
+        )],
+        None => vec![
+            "Play the last drive with the controller it was learnt with; a specimen that has softened makes it stale."
+                .into(),
+        ],
+    };
+    let key = e_a
+        .last()
+        .map(|e| vec![("E_a of the last run".to_owned(), format!("{e:.3}")), ("runs".into(), e_a.len().to_string())]);
+    Page {
+        title: format!("Learning {record}"),
+        lead,
+        key: key.unwrap_or_default(),
+        advice,
+        sections,
+        ..Page::default()
+    }
 }
 
 fn section(learned: &Learned, record: &str) -> Section {

@@ -1,6 +1,6 @@
 //! `shakedown modify`: fits a record to the table's limits and writes the drive, with its provenance.
 
-mod answer;
+mod missed;
 mod out;
 mod page;
 
@@ -8,22 +8,21 @@ use super::failure::number;
 use super::output::Outputs;
 use super::places::place;
 use super::source::{Text, plausible, record as read_record};
-use super::{Failure, present, progress};
-use answer::Answer;
+use super::{Failure, described, present, progress};
 use clap::ValueEnum;
 use shakedown::motion::condition::{Recipe, Step, peak_acceleration};
+use shakedown::motion::fit::answer::{Answer, AnswerError};
 use shakedown::motion::fit::certificate::{self, Relaxation, Relaxed};
 use shakedown::motion::fit::method::{Method, modify};
 use shakedown::motion::fit::named::PREVIEW;
 use shakedown::motion::fit::spectrum::Band;
 use shakedown::motion::fit::{FitError, Limits, Norm, Reference};
-use shakedown::motion::resample::Interpolation;
 use shakedown::motion::{Motion, Record, generate, read};
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// Fits a record to the table's limits and writes the drive: CSV, RPC III or AT2, by the file's name.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Examples:
   shakedown modify KJM000.AT2 --out drive.AT2 --scale-to 0.74g
   shakedown modify KJM000.AT2 --out drive.csv --drive displacement --drive-unit mm --rate 1000
@@ -44,13 +43,14 @@ pub(crate) struct Args {
     /// Largest speed, m/s [default: 0.242, or the table's].
     #[arg(long, value_name = "M/S")]
     velocity: Option<f64>,
-    /// The table's model file, as `identify` and `diagnose --model` write it: gives the largest speed and the stall.
+    /// The table's file: a model as `identify` and `diagnose --model` write it, and what `[table]` describes beside it: gives
+    /// speed, stall, stroke and the drive's unit [default: table.toml of this folder].
     #[arg(long, value_name = "TABLE.toml")]
     table: Option<PathBuf>,
-    /// Largest displacement to either side, m.
-    #[arg(long, value_name = "M", default_value_t = 0.12)]
-    stroke: f64,
-    /// Largest acceleration, m/s2 (convex only).
+    /// Largest displacement to either side, m [default: 0.12, or the table's].
+    #[arg(long, value_name = "M")]
+    stroke: Option<f64>,
+    /// Largest acceleration, m/s2 (convex only) [default: the table's].
     #[arg(long, value_name = "M/S2")]
     acceleration: Option<f64>,
     /// Largest jerk, m/s3 (convex only).
@@ -148,6 +148,7 @@ enum Measure {
 
 /// Reads, conditions, fits, writes and says what came out.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let args = &args.with_table()?;
     let method = args.method()?;
     let limits = args.limits()?;
     args.check_target()?;
@@ -184,13 +185,31 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 impl Args {
+    /// The options with what the table's description states where they are silent.
+    fn with_table(&self) -> Result<Self, Failure> {
+        let described::Found { path, table } = described::found(self.table.as_deref())?;
+        let mut args = self.clone();
+        args.table = path;
+        args.stroke = args.stroke.or(table.stroke);
+        // Only the convex program keeps these.
+        if matches!(args.method()?, Method::Convex(_) | Method::Spectrum(_)) {
+            args.acceleration = args.acceleration.or(table.acceleration);
+            args.jerk = args.jerk.or(table.jerk);
+        }
+        args.shape.described(args.out.as_deref(), args.unit.is_some(), &table);
+        Ok(args)
+    }
+
+    fn stroke(&self) -> f64 {
+        self.stroke.unwrap_or(described::STROKE)
+    }
+
     fn give(&self, answer: &Answer, inputs: &[PathBuf]) -> Result<(), Failure> {
         let mut page = page::page(answer)?;
         page.provenance.extend(answer.drive.iter().map(|(key, value)| (format!("drive: {key}"), value.clone())));
         if !self.outputs.quiet() {
-            for section in &page.sections {
-                present::print_section(section);
-            }
+            present::print_section(&page::summary(answer)?);
+            present::print_section(&page::given_up(answer));
         }
         let mut json = answer.json()?;
         if let (Some(object), Some(out)) = (json.as_object_mut(), &self.out) {
@@ -256,7 +275,7 @@ impl Args {
         let velocity = self.velocity.unwrap_or_else(|| table.velocity_limit());
         for (name, value, low, high, unit) in [
             ("--velocity", Some(velocity), 1e-3, 20.0, "m/s"),
-            ("--stroke", Some(self.stroke), 1e-4, 5.0, "m"),
+            ("--stroke", Some(self.stroke()), 1e-4, 5.0, "m"),
             ("--acceleration", self.acceleration, 1e-2, 1e3, "m/s2"),
             ("--jerk", self.jerk, 1e-1, 1e6, "m/s3"),
             ("--stall", self.stall, 1e-1, 1e5, "m/s2"),
@@ -271,7 +290,7 @@ impl Args {
             acceleration: self.acceleration,
             jerk: self.jerk,
             stall: self.stall.or_else(|| table.stall()),
-            ..Limits::table(velocity, self.stroke)
+            ..Limits::table(velocity, self.stroke())
         })
     }
 
@@ -330,10 +349,7 @@ impl Args {
             steps.push(Step::ScaleToPeak { peak });
         }
         if !self.as_is {
-            let rate_hz = (1.0 / record.dt).max(RATE);
-            steps.push(Step::Resample { rate_hz, between: Interpolation::Linear });
-            steps.push(Step::Rest { before_s: BEFORE, after_s: AFTER });
-            steps.push(Step::HighPassMotion { corner_hz: CORNER, order: 2 });
+            steps.extend(Recipe::specimen(record.dt).steps);
         }
         Ok(Recipe { steps })
     }
@@ -353,10 +369,7 @@ impl Args {
         if self.as_is {
             parts.push("nothing else done to the record".into());
         } else {
-            parts.push(format!(
-                "at {RATE} Hz or the record's own rate, {BEFORE} s of rest before and {AFTER} s after, {CORNER} Hz \
-                 2nd-order zero-phase high-pass on acceleration and velocity"
-            ));
+            parts.push(Recipe::SPECIMEN.into());
         }
         parts.join("; ")
     }
@@ -389,11 +402,11 @@ impl Args {
     }
 }
 
-/// Sampling rate of a fit at least, Hz; rest before and after, s; corner of the high-pass, Hz.
-const RATE: f64 = 200.0;
-const BEFORE: f64 = 3.0;
-const AFTER: f64 = 5.0;
-const CORNER: f64 = 0.1;
+impl From<AnswerError> for Failure {
+    fn from(error: AnswerError) -> Self {
+        Self::Work(format!("modify: {error}"))
+    }
+}
 
 /// Refuses a value that no table has; where it would be one in thousandths or hundredths, that is asked.
 fn in_range(name: &str, value: Option<f64>, (low, high): (f64, f64), unit: &str) -> Result<(), Failure> {

@@ -1,7 +1,7 @@
 //! The one door for output: text and JSON to standard output or a file, written whole or not at all.
 
-use super::Failure;
 use super::places::{place, place_or_stdout};
+use super::{Failure, asked};
 use sha2::{Digest, Sha256};
 use shakedown::report::{Page, Table, terminal};
 use std::fmt::Write as _;
@@ -42,11 +42,17 @@ impl Outputs {
     pub(crate) fn write_report(&self, page: &mut Page, inputs: &[PathBuf]) -> Result<(), Failure> {
         let Some(path) = &self.report else { return Ok(()) };
         spared(path, inputs)?;
-        page.provenance.insert(0, ("version".into(), env!("CARGO_PKG_VERSION").into()));
+        let mut origin = vec![("command".to_owned(), asked::line())];
+        if !asked::defaults().is_empty() {
+            origin.push(("left at defaults".into(), asked::defaults().into()));
+        }
+        origin.push(("version".into(), format!("shakedown {}", env!("CARGO_PKG_VERSION"))));
+        origin.push(("written".into(), asked::utc()));
+        page.provenance.splice(0..0, origin);
         for input in inputs {
             page.provenance.push((input.display().to_string(), sha256(input)?));
         }
-        announce_pipe(path);
+        announce(path);
         page.write(path).map_err(|e| Failure::Work(format!("{}: cannot write: {e}", path.display())))?;
         tell(&format!("report: {}", path.display()));
         Ok(())
@@ -100,7 +106,7 @@ pub(crate) fn sha256(path: &Path) -> Result<String, Failure> {
 
 /// Writes a file whole or not at all: beside its place first, then renamed.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    announce_pipe(path);
+    announce(path);
     shakedown::files::write_whole(path, bytes)
         .map_err(|e| Failure::Work(format!("{}: cannot write: {e}", path.display())))
 }
@@ -139,12 +145,14 @@ pub(crate) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Says what a pipe without a reader makes this process wait for.
-fn announce_pipe(path: &Path) {
+/// Says which folder is made for a file, and what a pipe without a reader makes this process wait for.
+pub(crate) fn announce(path: &Path) {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+    if let Some(folder) = folder {
+        tell(&format!("note: {}: there is no such folder; it is made for {}", folder.display(), path.display()));
+    }
     #[cfg(unix)]
     if std::fs::metadata(path).is_ok_and(|there| std::os::unix::fs::FileTypeExt::is_fifo(&there.file_type())) {
         tell(&format!("{}: is a pipe; waiting for its reader", path.display()));
     }
-    #[cfg(not(unix))]
-    let _ = path;
 }

@@ -6,17 +6,18 @@ mod trace;
 use super::output::Outputs;
 use super::places::place;
 use super::source::{Source, Text, plausible};
-use super::{Failure, failure, present, progress};
+use super::{Failure, described, failure, indices, present, progress};
 use clap::ValueEnum;
 use serde_json::json;
 use shakedown::closed_loop::named;
 use shakedown::closed_loop::scenario::{Conditioning, NamedRecipe, RecordSource, Scenario};
 use shakedown::closed_loop::trial::{Scores, Seen, Setup, Trial, TrialError};
 use shakedown::motion::Motion;
-use shakedown::motion::condition::{Step, peak_acceleration};
+use shakedown::motion::condition::{self, Step, peak_acceleration};
 use shakedown::motion::drive::Drive;
 use shakedown::motion::fit::FitError;
 use shakedown::motion::fit::named::{Fit, PREVIEW};
+use shakedown::motion::metrics::Indices;
 use shakedown::plant::sensors::{GRAVITY, SensorModel};
 use shakedown_core::settings::Modification;
 use std::path::PathBuf;
@@ -50,8 +51,8 @@ pub(crate) struct Args {
     /// Controller of Table 1, or `tracking`, the core's own law for the paper's table [default: current].
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(named::names()))]
     controller: Option<String>,
-    /// What the record is made into: `table1` low-passes it at 4.7 Hz as the paper's references are, `plain` keeps all of
-    /// it; both add rest and take out what is below 0.05 Hz [default: table1].
+    /// What the record is made into: `specimen` as `modify` does, all of it above 0.1 Hz; `table1` low-passes it at 4.7 Hz as
+    /// the paper's references are, `plain` does not; all add rest [default: specimen].
     #[arg(long, value_enum)]
     conditioning: Option<Recipe>,
     /// Scales the motion to a peak acceleration, such as 0.74g or 3m/s2.
@@ -61,7 +62,8 @@ pub(crate) struct Args {
     /// choices of Fig. 13 (peak-kept, peak-scaled, record-scaled, time-compressed).
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Fit::names()))]
     fit: Option<String>,
-    /// The table's model file, as `identify` and `diagnose --model` write it [default: the paper's table].
+    /// The table's file: a model as `identify` and `diagnose --model` write it, and what `[table]` describes beside it: stroke,
+    /// controller, valve [default: table.toml of this folder, else the paper's table].
     #[arg(long, value_name = "TABLE.toml")]
     table: Option<PathBuf>,
     /// How the core modifies the reference online [default: clip for `modified`, else off].
@@ -77,6 +79,8 @@ pub(crate) struct Args {
 /// Conditioning by name.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Recipe {
+    /// As `modify` does: nothing below 0.1 Hz.
+    Specimen,
     /// As the paper's references are: nothing above 4.7 Hz.
     Table1,
     /// All of it.
@@ -126,6 +130,7 @@ impl Args {
         scenario.scale_to = self.scale_to.clone().or(scenario.scale_to);
         scenario.conditioning = match self.conditioning {
             None => scenario.conditioning,
+            Some(Recipe::Specimen) => Conditioning::Named(NamedRecipe::Specimen),
             Some(Recipe::Table1) => Conditioning::Named(NamedRecipe::Table1),
             Some(Recipe::Plain) => Conditioning::Named(NamedRecipe::Plain),
             Some(Recipe::Fitting) => Conditioning::Named(NamedRecipe::Fitting),
@@ -175,7 +180,7 @@ fn motion(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Played, Fai
     let record = source.load().map_err(|failure| stated_at(scenario, failure))?;
     let place = source.record.as_ref().map_or_else(|| record.name.clone(), |path| path.display().to_string());
     let refuse = |what: &str, e: String| Failure::Input(format!("{place}: {what}{e}"));
-    let mut recipe = scenario.recipe(setup.rate());
+    let mut recipe = scenario.recipe(setup.rate(), record.dt);
     if let Some(text) = &scenario.scale_to {
         let peak = peak_acceleration(text).map_err(|e| Failure::Input(format!("--scale-to: {e}")))?;
         recipe.steps.push(Step::ScaleToPeak { peak });
@@ -210,7 +215,7 @@ fn drive(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Option<Playe
     let given = [
         ("--fit", scenario.fit.is_some()),
         ("--scale-to", scenario.scale_to.is_some()),
-        ("--conditioning", !matches!(scenario.conditioning, Conditioning::Table1)),
+        ("--conditioning", !matches!(scenario.conditioning, Conditioning::Unstated)),
         ("--dt", record.dt.is_some()),
         ("--unit", record.unit.is_some()),
         ("--channel", record.channel.is_some()),
@@ -241,7 +246,10 @@ fn drive(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Option<Playe
 /// What is done to a record before it is played, in words.
 fn conditioning(scenario: &Scenario) -> String {
     let mut text = match &scenario.conditioning {
-        Conditioning::Table1 | Conditioning::Named(NamedRecipe::Table1) => {
+        Conditioning::Unstated | Conditioning::Named(NamedRecipe::Specimen) => {
+            format!("specimen: {}", condition::Recipe::SPECIMEN)
+        }
+        Conditioning::Named(NamedRecipe::Table1) => {
             "table1: 3 s of rest before and 5 s after, 4.7 Hz 6th-order low-pass, 0.05 Hz high-pass".to_owned()
         }
         Conditioning::Named(NamedRecipe::Plain) => {
@@ -274,6 +282,7 @@ struct Outcome {
     sensed: Trial,
     truth: Scores,
     with_sensors: Scores,
+    indices: Indices,
     times_real_time: f64,
 }
 
@@ -292,18 +301,26 @@ fn test(played: Played, setup: &Setup) -> Result<Outcome, Failure> {
     let sensed = setup.play(&played.fitted).map_err(failed)?.fitted_from(&original);
     let truth = ideal.scores(Seen::Truly, None).map_err(failed)?;
     let with_sensors = sensed.scores(Seen::BySensors, None).map_err(failed)?;
+    let indices = ideal.indices(Seen::Truly).map_err(failed)?;
     bar.finish_and_clear();
-    Ok(Outcome { played, ideal, sensed, truth, with_sensors, times_real_time })
+    Ok(Outcome { played, ideal, sensed, truth, with_sensors, indices, times_real_time })
 }
 
 /// Runs the test, prints its figures, writes `--json`, `--trace` and `--report`.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let scenario = args.scenario()?;
-    let setup = scenario.setup().map_err(|e| Failure::Input(e.to_string()))?;
+    let mut scenario = args.scenario()?;
+    let described = described::found(scenario.table.as_deref())?;
+    scenario.table.clone_from(&described.path);
+    if scenario.controller.is_none() && scenario.settings.is_none() {
+        scenario.controller.clone_from(&described.table.controller);
+    }
+    let mut setup = scenario.setup().map_err(|e| Failure::Input(e.to_string()))?;
+    if let Some(stroke) = described.table.stroke {
+        setup.settings.stroke = stroke as f32;
+    }
     let outcome = test(motion(&scenario, &args.source.text, &setup)?, &setup)?;
-    let sections = page::sections(&outcome, &setup)?;
     if !args.outputs.quiet() {
-        sections.iter().for_each(present::print_section);
+        present::print_section(&page::figures_section(&outcome, &setup));
     }
     let files = [&args.scenario, &scenario.settings, &scenario.table, &scenario.record.file];
     let inputs: Vec<PathBuf> = files.into_iter().flatten().cloned().collect();
@@ -311,7 +328,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         trace::write(path, &outcome.sensed.trace)?;
     }
     args.outputs.write_json(json(&outcome, &scenario), &inputs)?;
-    args.outputs.write_report(&mut page::page(&outcome, &scenario, sections), &inputs)
+    args.outputs.write_report(&mut page::page(&outcome, &scenario, &setup, &described.table)?, &inputs)
 }
 
 fn metrics(scores: &Scores) -> serde_json::Value {
@@ -331,7 +348,7 @@ fn json(outcome: &Outcome, scenario: &Scenario) -> serde_json::Value {
         "drive": (!outcome.played.drive.is_empty()).then(|| {
             outcome.played.drive.iter().map(|(key, value)| (key.clone(), json!(value))).collect::<serde_json::Map<_, _>>()
         }),
-        "controller": scenario.controller.as_deref().unwrap_or(if scenario.settings.is_some() { "settings" } else { "current" }),
+        "controller": page::controller(scenario), "indices": indices::value(&outcome.indices),
         "metrics": metrics(&outcome.truth), "metrics_with_sensors": metrics(&outcome.with_sensors),
         "times_real_time": outcome.times_real_time, "seed": scenario.sensors.seed,
     })

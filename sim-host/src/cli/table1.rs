@@ -59,7 +59,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let lead = "Eight controllers on three records: the control core against the paper's plant, sensors off. Each figure \
                 stands beside the paper's; none was tuned toward it. Beside them, what Strong does with records fitted to \
                 the table.";
-    let mut page = Page { title: "Table 1".into(), lead: lead.into(), sections, ..Page::default() };
+    let mut sections = sections;
+    // The notes on reading stand last.
+    let details = sections.pop().into_iter().collect();
+    let mut page = Page { title: "Table 1".into(), lead: lead.into(), sections, details, ..Page::default() };
     args.outputs.write_report(&mut page, &inputs)
 }
 
@@ -224,6 +227,7 @@ fn history(case: &Case, row: &Row) -> Plot {
             .map(|(a, b)| Band { from: a.max(from), to: b.min(to), label: label() })
             .collect(),
         group: Some(case.event.name().into()),
+        ..Plot::default()
     }
 }
 

@@ -3,7 +3,7 @@
 //! ```toml
 //! name = "Kobe at the strong gains"
 //! controller = "strong"           # a name of Table 1, or "tracking"; or settings = "core.toml", the control core's own settings
-//! conditioning = "table1"         # or "plain", "fitting", or a list of steps: [{ do = "scale", factor = 0.5 }]
+//! conditioning = "specimen"       # or "table1", "plain", "fitting", or a list of steps: [{ do = "scale", factor = 0.5 }]
 //! scale_to = "0.74g"              # peak acceleration, after conditioning
 //! fit = "convex"                  # beforehand: "clip", "taut", "convex", "spectrum", "causal" or "preview", or Fig. 13:
 //!                                 # "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"; or "nearest", which leaves the loop room
@@ -116,16 +116,18 @@ pub enum Conditioning {
     Named(NamedRecipe),
     /// By steps.
     Steps(Recipe),
-    /// As Table 1 does.
+    /// Not stated: [`Recipe::specimen`].
     #[default]
     #[serde(skip)]
-    Table1,
+    Unstated,
 }
 
 /// Recipes with names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NamedRecipe {
+    /// [`Recipe::specimen`], as `modify` does.
+    Specimen,
     /// [`Recipe::table1`].
     Table1,
     /// [`Recipe::table1`] without its low-pass: all that the record holds.
@@ -267,8 +269,8 @@ impl Scenario {
         Ok(Setup { settings, table, sensors: self.sensors.clone(), steps: self.steps })
     }
 
-    /// The recipe at `rate` (Hz).
-    pub fn recipe(&self, rate: f64) -> Recipe {
+    /// The recipe at `rate` (Hz) for a record sampled every `dt` s.
+    pub fn recipe(&self, rate: f64, dt: f64) -> Recipe {
         use crate::motion::condition::Step;
         match &self.conditioning {
             Conditioning::Steps(recipe) => recipe.clone(),
@@ -278,7 +280,8 @@ impl Scenario {
                 recipe
             }
             Conditioning::Named(NamedRecipe::Fitting) => Recipe::fitting(None),
-            Conditioning::Named(NamedRecipe::Table1) | Conditioning::Table1 => Recipe::table1(rate),
+            Conditioning::Named(NamedRecipe::Table1) => Recipe::table1(rate),
+            Conditioning::Named(NamedRecipe::Specimen) | Conditioning::Unstated => Recipe::specimen(dt),
         }
     }
 }
@@ -305,7 +308,7 @@ mod tests {
         let setup = scenario.setup().unwrap();
         assert_eq!(setup.settings.displacement.proportional, 10.0);
         assert_eq!(setup.settings.modification, Modification::Causal);
-        assert_eq!(scenario.recipe(1000.0).steps.len(), Recipe::table1(1000.0).steps.len() - 1);
+        assert_eq!(scenario.recipe(1000.0, 0.01).steps.len(), Recipe::table1(1000.0).steps.len() - 1);
         let preview = read("fit = \"taut\"\nmodification = { preview = { seconds = 0.25 } }").unwrap();
         assert_eq!(preview.fit, Fit::parse("taut"));
         assert_eq!(preview.setup().unwrap().settings.modification, Modification::Preview { seconds: 0.25 });
@@ -315,7 +318,7 @@ mod tests {
     #[test]
     fn steps_of_conditioning_are_read() {
         let scenario = read("conditioning = [{ do = \"scale\", factor = 0.5 }]").unwrap();
-        assert_eq!(scenario.recipe(1000.0).steps.len(), 1);
+        assert_eq!(scenario.recipe(1000.0, 0.01).steps.len(), 1);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::published::Named;
 use super::twin::Twin;
 use super::{Clock, ClosedLoopError, Law, Trace};
 use crate::motion::condition::{Recipe, Step};
-use crate::motion::metrics::{Comparison, Window, compare, intensity};
+use crate::motion::metrics::{Comparison, Indices, Window, compare, indices, intensity};
 use crate::motion::resample::Interpolation;
 use crate::motion::{Motion, Record};
 use crate::plant::sensors::{SensorModel, Sensors};
@@ -94,6 +94,9 @@ pub enum TrialError {
     /// A signal could not be filtered.
     #[error("response: {0}")]
     Filter(#[from] crate::motion::filter::FilterError),
+    /// The response has no spectrum.
+    #[error("response: {0}")]
+    Spectrum(#[from] crate::motion::spectrum::SpectrumError),
     /// The response could not be compared.
     #[error("response: {0}")]
     Compare(#[from] crate::motion::metrics::CompareError),
@@ -162,6 +165,17 @@ impl Trial {
             velocity: trace.velocity.clone(),
             acceleration: acceleration.clone(),
         })
+    }
+
+    /// What was wanted, its acceleration low-passed as the response's is.
+    pub fn wanted_response(&self) -> Result<Motion, TrialError> {
+        low_passed(&self.wanted)
+    }
+
+    /// The laboratory's indices of the response, accelerations low-passed on both sides.
+    pub fn indices(&self, seen: Seen) -> Result<Indices, TrialError> {
+        let (wanted, response) = (self.wanted_response()?, self.response(seen)?);
+        Ok(indices(&wanted.acceleration, &response.acceleration, wanted.dt)?)
     }
 
     /// The same test scored against `original`, of which what was played is a fit. A fit of another length (time run

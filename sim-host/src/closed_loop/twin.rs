@@ -78,6 +78,11 @@ impl Twin {
         unequal.fold(self.plant.velocity_limit, |least, &limit| least.min(limit))
     }
 
+    /// The steady command that takes it to its largest speed, m: the valve fully open, as far as the model knows.
+    pub fn full_opening(&self) -> f64 {
+        self.velocity_limit() * self.plant.a1 / self.plant.b0
+    }
+
     /// Load at which its flow stalls, as table acceleration, m/s2; none where no load slows it.
     pub fn stall(&self) -> Option<f64> {
         self.effects.iter().find(|e| e.id == "load_dependent_flow").and_then(|e| e.parameters.first()).copied()

@@ -193,6 +193,23 @@ impl Recipe {
         Self { steps }
     }
 
+    /// What a record is made into for a specimen: its own rate, 200 Hz at least, linear between its samples; 3 s of rest before
+    /// and 5 s after; a 0.1 Hz 2nd-order zero-phase high-pass on acceleration and velocity. `dt` is the record's, s.
+    pub fn specimen(dt: f64) -> Self {
+        let rate_hz = (1.0 / dt).max(200.0);
+        Self {
+            steps: vec![
+                Step::Resample { rate_hz, between: Interpolation::Linear },
+                Step::Rest { before_s: 3.0, after_s: 5.0 },
+                Step::HighPassMotion { corner_hz: 0.1, order: 2 },
+            ],
+        }
+    }
+
+    /// [`Recipe::specimen`] in words.
+    pub const SPECIMEN: &'static str = "at 200 Hz or the record's own rate, 3 s of rest before and 5 s after, 0.1 Hz 2nd-order zero-phase \
+                                        high-pass on acceleration and velocity";
+
     /// Applies the steps to a record.
     pub fn apply(&self, record: &Record) -> Result<Motion, ConditionError> {
         self.apply_to(record.motion())

@@ -4,9 +4,10 @@
 //! record: the record readers refuse it by its first line. Forms: CSV (`# key = value`, then `time [s],displacement [mm]`), RPC III
 //! with the facts in a TOML file beside it, and PEER AT2 for acceleration.
 
-mod form;
+pub(super) mod form;
 mod text;
 
+use form::is_first_line;
 pub use form::{DriveUnit, Form, Quantity};
 
 use super::record::central_difference;
@@ -15,16 +16,8 @@ use crate::files::bounded;
 use crate::recording::binary::rpc::{self, RpcChannel, RpcError};
 use std::path::{Path, PathBuf};
 
-/// How the first line of a drive begins, after what marks a comment.
-const MARK: &str = "shakedown drive";
 /// What the header of an RPC III drive says of its making.
 const OPERATION: &str = "SHAKEDOWN DRIVE";
-
-/// True for the first line of a drive's file.
-pub(super) fn is_first_line(line: &str) -> bool {
-    let start: String = line.trim_start_matches(['#', ' ']).chars().take(MARK.len()).collect();
-    start.eq_ignore_ascii_case(MARK)
-}
 
 /// What a table is told to do.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,6 +12,7 @@
 //! - [`certificate`]: what was given up and where, a proof that no motion does better, and the smallest relaxation that
 //!   would meet a target.
 
+pub mod answer;
 pub mod certificate;
 pub mod convex;
 pub mod method;

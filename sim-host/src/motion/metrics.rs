@@ -5,10 +5,12 @@
 //! ratio itself, so both readings are given everywhere ([`RelativeError`]).
 
 mod coherence;
+mod indices;
 mod intensity;
 mod shift;
 
 pub use coherence::{Coherence, coherence};
+pub use indices::{At, BandError, Indices, indices};
 pub use intensity::{Intensity, intensity, peak_jerk};
 pub use shift::{Shift, relative_error};
 

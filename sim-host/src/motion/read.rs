@@ -94,7 +94,7 @@ pub(super) fn drive_from_bytes(name: &Path, bytes: Vec<u8>) -> Result<Record, Re
 fn parse(source: &Source, options: &Options, drive: bool) -> Result<Record, ReadError> {
     let lines = source.lines()?;
     let block = Block::whole(source, &lines);
-    if !drive && block.lines.first().is_some_and(|line| super::drive::is_first_line(line)) {
+    if !drive && block.lines.first().is_some_and(|line| super::drive::form::is_first_line(line)) {
         return Err(block.at(0, Problem::Drive));
     }
     let format = detect(&block, options)?;

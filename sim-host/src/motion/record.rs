@@ -172,6 +172,29 @@ impl Motion {
         (peak(&self.displacement), peak(&self.velocity), peak(&self.acceleration))
     }
 
+    /// Largest magnitudes of displacement (m) and velocity (m/s) between samples too, where the acceleration is linear: no
+    /// finite difference of the displacement, at whatever rate it is sampled, is larger than that velocity.
+    pub fn peaks_between(&self) -> (f64, f64) {
+        let (mut far, mut fast, _) = self.peaks();
+        for k in 1..self.len() {
+            let (a, v) = (self.acceleration[k - 1], self.velocity[k - 1]);
+            let slope = (self.acceleration[k] - a) / self.dt;
+            let velocity = |t: f64| v + t * (a + t * slope / 2.0);
+            // The velocity turns where the acceleration is zero, the displacement where the velocity is.
+            let turn = -a / slope;
+            let inside = |t: f64| (t > 0.0 && t < self.dt).then_some(t);
+            if let Some(t) = inside(turn) {
+                fast = fast.max(velocity(t).abs());
+            }
+            let spread = (turn * turn - 2.0 * v / slope).sqrt();
+            let straight = if slope == 0.0 { -v / a } else { f64::NAN };
+            for t in [turn - spread, turn + spread, straight].into_iter().filter_map(inside) {
+                far = far.max((self.displacement[k - 1] + t * (v + t * (a / 2.0 + t * slope / 6.0))).abs());
+            }
+        }
+        (far, fast)
+    }
+
     /// The same motion, every quantity times a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
@@ -217,6 +240,19 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn no_finer_sampling_finds_a_larger_peak(a in prop::collection::vec(-10.0..10.0f64, 2..60), start in -0.3..0.3f64) {
+            let coarse = Motion::from_state(0.005, a.clone(), 0.01, start);
+            let (far, fast) = coarse.peaks_between();
+            let fine: Vec<f64> = super::super::resample::resample(
+                &a, 0.005, 0.0001, super::super::resample::Interpolation::Linear);
+            let fine = Motion::from_state(0.0001, fine, 0.01, start);
+            let (x, v, _) = fine.peaks();
+            prop_assert!(x <= far + 1e-12 && v <= fast + 1e-12, "{} {} {} {}", x, far, v, fast);
+            // And it is a peak of the motion, not a bound above it.
+            prop_assert!(far - x < 1e-7 && fast - v < 2e-5, "{} {} {} {}", x, far, v, fast);
+        }
+
         #[test]
         fn integration_is_linear(a in prop::collection::vec(-10.0..10.0f64, 1..200), factor in -3.0..3.0f64) {
             let motion = Motion::from_acceleration(0.005, a.clone());

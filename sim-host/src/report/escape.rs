@@ -33,8 +33,9 @@ pub(crate) fn prose(raw: &str) -> String {
     })
 }
 
-/// Raises the exponents of a bracketed unit: `acceleration [m/s2]` reads `acceleration [m/s²]`.
+/// Raises the exponents of a bracketed unit: `acceleration [m/s2]` reads `acceleration [m/s²]`. A pure number has no unit.
 pub(crate) fn units(label: &str) -> String {
+    let label = &without_one(label);
     let mut out = String::with_capacity(label.len());
     let mut depth = 0_u32;
     let mut last = ' ';
@@ -55,6 +56,11 @@ pub(crate) fn units(label: &str) -> String {
     out
 }
 
+/// A label without ` [1]`, which says of a pure number that it is one.
+pub(crate) fn without_one(label: &str) -> String {
+    label.replace(" [1]", "")
+}
+
 /// Makes JSON safe inside a `<script>` element: `</script>` and `<!--` cannot occur in it any more.
 pub(crate) fn json(raw: &str) -> String {
     raw.replace('<', "\\u003c")
@@ -73,7 +79,7 @@ mod tests {
     fn units_are_raised_only_in_brackets() {
         assert_eq!(units("acceleration [m/s2]"), "acceleration [m/s²]");
         assert_eq!(units("E_a2, chi2 [1/s2]"), "E_a2, chi2 [1/s²]");
-        assert_eq!(units("run 2 [1]"), "run 2 [1]");
+        assert_eq!(units("run 2 [1]"), "run 2");
     }
 
     #[test]

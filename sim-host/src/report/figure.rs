@@ -14,6 +14,8 @@ struct Figure<'a> {
     group: Option<&'a str>,
     abscissae: Vec<Abscissa>,
     series: Vec<Series<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    open: Option<(f64, f64)>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     bands: Vec<Band<'a>>,
 }
@@ -71,6 +73,7 @@ pub(crate) fn draw(plot: &Plot) -> Drawing {
         x: axis(&plot.x),
         y: axis(&plot.y),
         group: plot.group.as_deref(),
+        open: plot.open.filter(|(from, to)| from.is_finite() && to.is_finite() && from < to),
         abscissae,
         bands: bands(plot),
     };

@@ -1,6 +1,6 @@
 //! A page as one HTML text: markup here, style and scripts from `assets`, data beside each figure.
 
-use super::escape::{prose, text, units};
+use super::escape::{prose, text, units, without_one};
 use super::{Item, Page, Plot, Section, Table, figure, matrix, terminal};
 use std::fmt::Write as _;
 
@@ -32,11 +32,27 @@ pub(crate) fn page(page: &Page) -> String {
         text(&page.title),
         paragraphs(&page.lead, "lead")
     );
-    contents(&mut out, &page.sections);
+    if !page.key.is_empty() {
+        tiles(&mut out, &page.key);
+    }
+    advice(&mut out, &page.advice);
+    let all: Vec<&Section> = page.sections.iter().chain(&page.details).collect();
+    contents(&mut out, &all);
     out.push_str("<main>\n");
     let mut figures = 0;
     for (i, one) in page.sections.iter().enumerate() {
-        section(&mut out, i, one, &mut figures);
+        let _ = writeln!(out, "<section id=\"section-{i}\">");
+        if !one.heading.is_empty() {
+            let _ = writeln!(out, "<h2>{}</h2>", text(&one.heading));
+        }
+        section(&mut out, one, &mut figures);
+        out.push_str("</section>\n");
+    }
+    for (i, one) in page.details.iter().enumerate() {
+        let id = page.sections.len() + i;
+        let _ = writeln!(out, "<details id=\"section-{id}\"><summary><h2>{}</h2></summary>", text(&one.heading));
+        section(&mut out, one, &mut figures);
+        out.push_str("</details>\n");
     }
     out.push_str("</main>\n");
     footer(&mut out, page);
@@ -73,7 +89,7 @@ fn head(out: &mut String, page: &Page) {
 }
 
 /// Links to the sections, where there are enough to lose one's way.
-fn contents(out: &mut String, sections: &[Section]) {
+fn contents(out: &mut String, sections: &[&Section]) {
     if sections.len() < 3 {
         return;
     }
@@ -84,11 +100,19 @@ fn contents(out: &mut String, sections: &[Section]) {
     out.push_str("</nav>\n");
 }
 
-fn section(out: &mut String, index: usize, section: &Section, figures: &mut usize) {
-    let _ = writeln!(out, "<section id=\"section-{index}\">");
-    if !section.heading.is_empty() {
-        let _ = writeln!(out, "<h2>{}</h2>", text(&section.heading));
+/// What to do, in order.
+fn advice(out: &mut String, advice: &[String]) {
+    if advice.is_empty() {
+        return;
     }
+    out.push_str("<div class=\"advice\">\n<h2>What to do</h2>\n<ol>\n");
+    for one in advice {
+        let _ = writeln!(out, "<li>{}</li>", prose(one));
+    }
+    out.push_str("</ol>\n</div>\n");
+}
+
+fn section(out: &mut String, section: &Section, figures: &mut usize) {
     let group_of = |item: &Item| if let Item::Plot(plot) = item { plot.group.clone() } else { None };
     for items in section.items.chunk_by(|a, b| group_of(a) == group_of(b)) {
         let grouped = group_of(&items[0]).is_some();
@@ -98,7 +122,6 @@ fn section(out: &mut String, index: usize, section: &Section, figures: &mut usiz
         }
         out.push_str(if grouped { "</div>\n" } else { "" });
     }
-    out.push_str("</section>\n");
 }
 
 fn item(out: &mut String, item: &Item, figures: &mut usize) {
@@ -107,13 +130,7 @@ fn item(out: &mut String, item: &Item, figures: &mut usize) {
         Item::Note(words) => {
             let _ = writeln!(out, "<aside role=\"note\">{}</aside>", paragraphs(words, "").trim_end());
         }
-        Item::Tiles(tiles) => {
-            out.push_str("<dl class=\"tiles\">\n");
-            for (label, value) in tiles {
-                let _ = writeln!(out, "<div><dt>{}</dt><dd>{}</dd></div>", prose(&units(label)), figure_of(value));
-            }
-            out.push_str("</dl>\n");
-        }
+        Item::Tiles(one) => tiles(out, one),
         Item::Table(one) => table(out, one),
         Item::Matrix(one) => matrix::write(out, one),
         Item::Plot(one) => {
@@ -121,6 +138,14 @@ fn item(out: &mut String, item: &Item, figures: &mut usize) {
             plot(out, one, *figures);
         }
     }
+}
+
+fn tiles(out: &mut String, tiles: &[(String, String)]) {
+    out.push_str("<dl class=\"tiles\">\n");
+    for (label, value) in tiles {
+        let _ = writeln!(out, "<div><dt>{}</dt><dd>{}</dd></div>", prose(&units(label)), figure_of(value));
+    }
+    out.push_str("</dl>\n");
 }
 
 /// A tile's value, its unit set smaller.
@@ -166,7 +191,7 @@ fn table(out: &mut String, table: &Table) {
         out.push_str("<tr>");
         for (i, cell) in row.iter().enumerate() {
             let (tag, scope) = if i == 0 { ("th", " scope=\"row\"") } else { ("td", "") };
-            let _ = write!(out, "<{tag}{scope}{}>{}</{tag}>", class(i, cell), prose(cell));
+            let _ = write!(out, "<{tag}{scope}{}>{}</{tag}>", class(i, cell), prose(&without_one(cell)));
         }
         out.push_str("</tr>\n");
     }

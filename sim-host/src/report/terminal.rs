@@ -1,6 +1,7 @@
 //! The same tables for a terminal: aligned columns, numbers to the right, cells wrapped where the window is narrow.
 
 use super::Table;
+use super::escape::without_one;
 use std::fmt::Write as _;
 
 /// Narrowest a column of words is wrapped to.
@@ -9,6 +10,9 @@ const BETWEEN: usize = 2;
 
 /// A table as lines of at most `width` characters where its words allow it; `None` wraps nothing.
 pub fn table(table: &Table, width: Option<usize>) -> String {
+    let columns = table.columns.iter().map(|name| without_one(name)).collect();
+    let rows = table.rows.iter().map(|row| row.iter().map(|cell| without_one(cell)).collect()).collect();
+    let table = &Table { columns, rows, caption: table.caption.clone() };
     let numeric = numeric_columns(table);
     let widths = column_widths(table, &numeric, width);
     let mut out = String::new();
@@ -28,6 +32,7 @@ pub fn table(table: &Table, width: Option<usize>) -> String {
 
 /// Labels and values, one a line, the values aligned.
 pub fn tiles(tiles: &[(String, String)]) -> String {
+    let tiles: Vec<(String, &String)> = tiles.iter().map(|(label, value)| (without_one(label), value)).collect();
     let widest = tiles.iter().map(|(label, _)| length(label)).max().unwrap_or(0);
     tiles.iter().fold(String::new(), |mut out, (label, value)| {
         let _ = writeln!(out, "{label}{}  {value}", " ".repeat(widest - length(label)));
@@ -132,10 +137,10 @@ mod tests {
     fn columns_line_up() {
         let expected = "\
 Kobe
-controller     E_a [1]  remark
-─────────────  ───────  ───────────────
-current          0.304  as in the paper
-velo-disp-acc     10.2  -
+controller       E_a  remark
+─────────────  ─────  ───────────────
+current        0.304  as in the paper
+velo-disp-acc   10.2  -
 ";
         assert_eq!(table(&example(), None), expected);
     }

@@ -16,6 +16,9 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-law-cost", &["shakedown-core"]),
     ("shakedown-beside", &["shakedown-core", "shakedown-firmware"]),
     ("shakedown-second-opinion", &["shakedown-core", "shakedown-firmware"]),
+    ("shakedown-tape", &["shakedown-core"]),
+    ("shakedown-c", &["shakedown-core"]),
+    ("shakedown-python", &["shakedown-core", "shakedown"]),
     ("xtask", &[]),
 ];
 

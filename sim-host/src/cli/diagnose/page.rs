@@ -1,34 +1,95 @@
 //! The page of a diagnosis: what differs, where, what it is, how much better the model with it foresees.
 
 use super::super::traces::{self, left, over_frequency, over_time};
-use super::{change, place};
+use super::{change, place, set_up};
 use shakedown::diagnose::remainder::Remainder;
 use shakedown::diagnose::result::{NamedEffect, NextTest, Verdict};
 use shakedown::diagnose::{Diagnosis, Examined};
 use shakedown::identify::quantity::Quantity;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+use shakedown::recording::Severity;
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table, digits};
 use std::collections::BTreeMap;
 
 /// The page.
 pub(super) fn page(name: &str, examined: &Examined) -> Page {
     let diagnosis = &examined.diagnosis;
     let mut sections = vec![verdict(examined)];
+    let mut details = Vec::new();
     if !diagnosis.findings.is_empty() {
         sections.push(findings(diagnosis));
     }
-    if diagnosis.verdict == Verdict::Mismatch {
-        sections.push(place::section(examined));
-        sections.push(candidates(diagnosis));
-    }
+    sections.extend(set_up::section(diagnosis));
     if let Some(remainder) = &diagnosis.remainder {
         sections.push(curve(remainder));
     }
-    sections.push(foreseen(examined));
     sections.extend(diagnosis.change.as_ref().map(change::section));
-    if let Some(test) = &diagnosis.next_test {
-        sections.push(next(test));
+    if diagnosis.verdict == Verdict::Mismatch {
+        sections.push(place::section(examined));
+        details.push(candidates(diagnosis));
     }
-    Page { title: format!("Diagnosis: {name}"), lead: lead(diagnosis), sections, ..Page::default() }
+    details.push(foreseen(examined));
+    if let Some(test) = &diagnosis.next_test {
+        details.push(next(test));
+    }
+    Page {
+        title: format!("Diagnosis: {name}"),
+        lead: lead(diagnosis),
+        key: key(diagnosis),
+        advice: advice(diagnosis),
+        sections,
+        details,
+        ..Page::default()
+    }
+}
+
+/// The figures that matter most.
+fn key(diagnosis: &Diagnosis) -> Vec<(String, String)> {
+    let (before, after) = (&diagnosis.judged.before, &diagnosis.judged.after);
+    if diagnosis.verdict == Verdict::BadData {
+        return vec![("faults found in the recordings".into(), diagnosis.findings.len().to_string())];
+    }
+    let mut key: Vec<(String, String)> = diagnosis
+        .effects
+        .iter()
+        .map(|e| (format!("probability of {}", e.id), format!("{:.2}", e.probability)))
+        .collect();
+    key.push(("residual over noise, stated model".into(), format!("{:.2}", before.chi2.sqrt())));
+    if diagnosis.verdict == Verdict::Mismatch {
+        key.push(("with what was found; 1 is noise alone".into(), format!("{:.2}", after.chi2.sqrt())));
+    }
+    if !diagnosis.set_up.is_empty() {
+        key.push(("of the set-up found otherwise than stated".into(), diagnosis.set_up.len().to_string()));
+    }
+    key
+}
+
+/// What to do, in the order of its use.
+fn advice(diagnosis: &Diagnosis) -> Vec<String> {
+    let grave = diagnosis.findings.iter().filter(|f| f.severity == Severity::BadData);
+    let mut advice: Vec<String> = grave.take(3).map(|f| format!("{}, {}: {}.", f.run, f.channel, f.remedy)).collect();
+    if diagnosis.verdict == Verdict::BadData {
+        return advice;
+    }
+    advice.extend(
+        diagnosis
+            .set_up
+            .iter()
+            .filter(|s| s.corrected && s.stated.is_some_and(|stated| stated != 0.0))
+            .take(3)
+            .map(|s| format!("Correct the experiment: {}.", s.sentence())),
+    );
+    let found = diagnosis.remainder.is_some() || diagnosis.effects.iter().any(|effect| effect.id != "unlisted");
+    if diagnosis.verdict == Verdict::Mismatch && found {
+        advice.push("Write the model with what was found, `shakedown diagnose EXPERIMENT.toml --model table.toml`, and fit records and gains to it: \
+                     `shakedown modify RECORD --table table.toml`, `shakedown design table.toml`.".into());
+    }
+    if let Some(test) = &diagnosis.next_test {
+        advice.push(format!("Run {} next: {}.", test.record, test.why));
+    }
+    if diagnosis.verdict == Verdict::Consistent && advice.is_empty() {
+        advice.push("Use the model as it is stated; another recording at larger amplitude would try it harder.".into());
+    }
+    advice
 }
 
 /// One or two sentences that say what came out.
@@ -39,10 +100,10 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
         Verdict::BadData => "The recordings cannot be believed as they are; the findings say why.".into(),
         Verdict::Mismatch if names == ["unlisted"] => {
             let part = diagnosis.part_explained.as_ref().map_or(String::new(), |part| {
-                format!(
-                    " The nearest it holds, {}, explains {:.0} % of the excess.",
-                    part.ids.join(" with "),
-                    100.0 * part.share
+                let ids = part.ids.join(" with ");
+                diagnosis.refusal.map_or_else(
+                    || format!(" The nearest it holds, {ids}, explains {:.0} % of the excess.", 100.0 * part.share),
+                    |refusal| format!(" The nearest it holds, {ids}, fails on the runs that judge: {refusal}."),
                 )
             });
             let curve = diagnosis.remainder.as_ref().map_or(String::new(), |r| {
@@ -75,9 +136,9 @@ fn verdict(examined: &Examined) -> Section {
     let diagnosis = &examined.diagnosis;
     let (before, after) = (&diagnosis.judged.before, &diagnosis.judged.after);
     let mut items = vec![Item::Tiles(vec![
-        ("chi2 held out, before [1]".into(), format!("{:.3}", before.chi2)),
-        ("chi2 held out, after [1]".into(), format!("{:.3}", after.chi2)),
-        ("noise floor [1]".into(), "1".into()),
+        ("chi2 held out, before".into(), format!("{:.3}", before.chi2)),
+        ("chi2 held out, after".into(), format!("{:.3}", after.chi2)),
+        ("noise floor".into(), "1".into()),
     ])];
     for effect in &diagnosis.effects {
         items.push(Item::Text(format!("{}: {}", effect.id, effect.equation)));
@@ -109,23 +170,20 @@ pub(in super::super) fn parameters(effect: &NamedEffect) -> Option<Table> {
 
 /// The model's own values that were fitted.
 fn refitted(examined: &Examined) -> BTreeMap<String, Quantity> {
-    let model = &examined.decision.after.fit.model;
+    let model = &examined.conclusion.after.fit.model;
     let free = |key: &str| model.kind.parameters().iter().zip(&model.own).any(|(p, v)| p.key == key && v.free);
     examined.diagnosis.model.iter().filter(|(key, _)| free(key)).map(|(key, q)| (key.clone(), q.clone())).collect()
 }
 
 /// Values with their intervals.
 fn quantities(values: &BTreeMap<String, Quantity>, caption: &str) -> Table {
-    let number = |x: Option<f64>| x.map_or("not determined".into(), digits);
     let rows = values.iter().map(|(key, q)| {
-        vec![key.clone(), digits(q.value), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
+        let size = q.std.unwrap_or(f64::NAN);
+        let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits::to(x, size));
+        let unit = if q.unit == "1" { "" } else { q.unit };
+        vec![key.clone(), digits::to(q.value, size), number(q.std), number(q.low), number(q.high), unit.to_owned()]
     });
     traces::table(&["parameter", "value", "std", "90 % from", "90 % to", "unit"], rows.collect(), caption)
-}
-
-/// A number with five decimals, or as a power of ten where they would show nothing of it.
-pub(super) fn digits(x: f64) -> String {
-    if x != 0.0 && x.abs() < 1e-3 { format!("{x:.3e}") } else { format!("{x:.5}") }
 }
 
 fn findings(diagnosis: &Diagnosis) -> Section {
@@ -190,8 +248,8 @@ pub(in super::super) fn foreseen(examined: &Examined) -> Section {
     let mut items = Vec::new();
     for (i, run) in examined.judging_runs().iter().enumerate() {
         for (j, measured) in run.measured.iter().enumerate() {
-            let of = |judged: &shakedown::diagnose::decide::Judged| judged.hold.predicted[i].channels[j].clone();
-            let (before, after) = (of(&examined.decision.before), of(&examined.decision.after));
+            let of = |judged: &shakedown::diagnose::judged::Judged| judged.hold.predicted[i].channels[j].clone();
+            let (before, after) = (of(&examined.conclusion.before), of(&examined.conclusion.after));
             if before.iter().all(|v| v.is_nan()) {
                 continue;
             }

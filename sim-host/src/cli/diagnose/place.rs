@@ -25,7 +25,7 @@ pub(super) fn section(examined: &Examined) -> Section {
         items.push(Item::Text(format!("In the signal path: {}.", blocks.join(", "))));
     }
     items.extend(traces::location(location).into_iter().map(Item::Table));
-    let fit = &examined.decision.before.fit;
+    let fit = &examined.conclusion.before.fit;
     let runs = &examined.prepared.fit;
     for name in most_telling(&location.time, runs) {
         let Some((run, local)) = runs.iter().zip(&fit.locals).find(|(run, _)| run.name == name) else { continue };
@@ -90,7 +90,13 @@ fn along(share: &StateShare) -> Item {
         title: format!("What is left along {quantity}, {:.0} % of it", 100.0 * share.strength),
         x: Axis { label: format!("{quantity} [{}]", unit(share.variable)), ..Axis::default() },
         y: Axis { label: "mean of measured less stated model [noise]".into(), ..Axis::default() },
-        series: vec![Series { name: "stated model leaves".into(), x, y, style: Style::Line }],
+        // Between the two signs there is nothing to draw a line through.
+        series: vec![Series {
+            name: "stated model leaves".into(),
+            x,
+            y,
+            style: if share.variable == "velocity_sign" { Style::Points } else { Style::Line },
+        }],
         ..Plot::default()
     })
 }

@@ -8,7 +8,7 @@ use shakedown::identify::judge::Score;
 use shakedown::identify::outcome::Identified;
 use shakedown::identify::spectra;
 use shakedown::plant::model::Kind;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table, digits};
 
 /// Coherence below which a point of a measured response is not shown.
 const COHERENT: f64 = 0.5;
@@ -16,7 +16,7 @@ const COHERENT: f64 = 0.5;
 /// The page.
 pub(super) fn page(name: &str, found: &Identified) -> Page {
     let prepared = &found.prepared;
-    let mut first = vec![Item::Tiles(tiles(found))];
+    let mut first = Vec::new();
     if !found.quantities.is_empty() {
         first.push(Item::Table(parameters(found)));
         first.push(Item::Text(equations(found.fit.model.kind).into()));
@@ -28,16 +28,24 @@ pub(super) fn page(name: &str, found: &Identified) -> Page {
         sections.push(Section { heading: "The recordings".into(), items });
     }
     let mut standing = vec![Item::Table(standings(found))];
-    let judging: &[Run] = if prepared.holdout.is_empty() { &prepared.fit } else { &prepared.holdout };
-    let tables = traces::location(&leftover(judging, &found.held_back.predicted)).into_iter();
+    let tables = traces::location(&leftover(prepared.judging(), &found.held_back.predicted)).into_iter();
     standing.extend(tables.filter(|t| !t.rows.is_empty()).map(Item::Table));
     sections.push(Section { heading: "What stays unexplained, and where".into(), items: standing });
     sections.extend(found.transfer.as_ref().map(super::transfer::section));
+    let mut details = Vec::new();
     if !prepared.holdout.is_empty() {
-        sections.push(runs("The runs held back", &prepared.holdout, &found.held_back));
+        details.push(runs("The runs held back", &prepared.holdout, &found.held_back));
     }
-    sections.push(runs("The runs fitted", &prepared.fit, &found.fitted));
-    Page { title: format!("Identification: {name}"), lead: lead(found), sections, ..Page::default() }
+    details.push(runs("The runs fitted", &prepared.fit, &found.fitted));
+    Page {
+        title: format!("Identification: {name}"),
+        lead: lead(found),
+        key: tiles(found),
+        advice: advice(found),
+        sections,
+        details,
+        ..Page::default()
+    }
 }
 
 /// chi2 up to which a model counts as foreseeing everything but noise.
@@ -57,6 +65,17 @@ pub(super) fn lead(found: &Identified) -> String {
         format!("The fitted model leaves {:.1} times the noise unexplained on {on}", judged.sqrt())
     };
     format!("{verdict}: chi2 {judged:.4} there, {fitted:.4} on the runs fitted; 1 is the noise floor.")
+}
+
+/// What to do next.
+fn advice(found: &Identified) -> Vec<String> {
+    vec![if found.held_back.chi2 <= NOISE_ALONE {
+        "Keep the model, `--out table.toml`, and design and fit with it: `shakedown design table.toml`, `shakedown modify RECORD --table \
+         table.toml`."
+            .into()
+    } else {
+        "Look for what the model lacks before it is used: `shakedown diagnose EXPERIMENT.toml`.".into()
+    }]
 }
 
 /// The equations whose parameters the table lists.
@@ -93,18 +112,12 @@ fn tiles(found: &Identified) -> Vec<(String, String)> {
 /// Fitted parameters with their intervals.
 pub(super) fn parameters(found: &Identified) -> Table {
     let rows = found.quantities.iter().map(|(name, q)| {
-        // As many places as the deviation warrants.
-        let size = q.std.map_or(1e-2 * q.value.abs(), |std| std);
-        let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits(x, size));
-        vec![name.clone(), digits(q.value, size), number(q.std), number(q.low), number(q.high), q.unit.to_owned()]
+        let size = q.std.unwrap_or(f64::NAN);
+        let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits::to(x, size));
+        let unit = if q.unit == "1" { "" } else { q.unit };
+        vec![name.clone(), digits::to(q.value, size), number(q.std), number(q.low), number(q.high), unit.to_owned()]
     });
     table(&["parameter", "value", "std", "90 % from", "90 % to", "unit"], rows.collect(), "Fitted parameters")
-}
-
-/// A number with as many places as show two digits of this size.
-fn digits(number: f64, size: f64) -> String {
-    let places = (1.0 - size.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{number:.places$}")
 }
 
 fn standings(found: &Identified) -> Table {

@@ -1,13 +1,15 @@
 //! The drive that is written: its quantity, unit and rate from the options, its provenance from everything.
 
 use super::super::Failure;
+use super::super::asked;
 use super::super::failure::within;
-use super::super::output::{sha256, tell};
+use super::super::output::{announce, sha256, tell};
 use super::Args;
-use super::answer::Answer;
 use shakedown::motion::Record;
 use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
-use std::path::PathBuf;
+use shakedown::motion::fit::answer::Answer;
+use shakedown::recording::Described;
+use std::path::{Path, PathBuf};
 
 /// What the drive is, as options.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -25,6 +27,20 @@ pub(super) struct Shape {
     /// Rate of the drive, Hz [default: 1000; the fit's own in .AT2].
     #[arg(long, value_name = "HZ", requires = "out")]
     rate: Option<f64>,
+}
+
+impl Shape {
+    /// The table's unit of drives, where a displacement is written and nothing else is asked for.
+    pub(super) fn described(&mut self, out: Option<&Path>, unit: bool, table: &Described) {
+        let displacement = self.drive.as_deref() != Some("acceleration")
+            && out.is_some_and(|path| Form::of(path).is_ok_and(|form| form != Form::Peer));
+        if displacement && !unit && self.drive_unit.is_none() {
+            self.drive_unit.clone_from(&table.drive_unit);
+        }
+        if self.drive_unit.as_deref() == Some("V") {
+            self.volts_per_metre = self.volts_per_metre.or(table.volts_per_metre);
+        }
+    }
 }
 
 /// What is written where.
@@ -82,7 +98,7 @@ impl Args {
             return refuse("--volts-per-metre: is for a drive in V; add --drive-unit V, or leave it out".into());
         }
         match (symbol, quantity) {
-            ("%", Quantity::Displacement) => Ok(DriveUnit { symbol: "%".into(), in_si: self.stroke / 100.0 }),
+            ("%", Quantity::Displacement) => Ok(DriveUnit { symbol: "%".into(), in_si: self.stroke() / 100.0 }),
             ("V", Quantity::Displacement) => {
                 let Some(volts) = self.shape.volts_per_metre else {
                     return refuse("--drive-unit V: say the controller's scale with --volts-per-metre".into());
@@ -115,6 +131,7 @@ pub(super) fn write(
     let Some(path) = &args.out else { return Ok(Vec::new()) };
     let mut drive = Drive::of(&answer.modified.motion, plan.quantity, plan.unit.clone(), plan.rate);
     drive.facts = provenance(args, record, answer, inputs)?;
+    announce(path);
     drive.write(path, plan.form).map_err(|e| {
         let text = format!("modify: {e}");
         if e.is_io() { Failure::Work(text) } else { Failure::Input(text) }
@@ -168,30 +185,14 @@ fn provenance(
             put(&format!("limit_{name}"), format!("{limit}"));
         }
     }
-    let (x, v, a) = answer.modified.motion.peaks();
+    let (_, _, a) = answer.modified.motion.peaks();
+    let (x, v) = answer.modified.motion.peaks_between();
     put("peak_displacement_m", format!("{x:.6}"));
     put("peak_velocity_m_per_s", format!("{v:.6}"));
     put("peak_acceleration_m_per_s2", format!("{a:.6}"));
     put("e_a", format!("{:.6}", answer.compared(&answer.modified.motion)?.e_a_unshifted.ratio));
-    let line: Vec<String> = std::env::args().skip(1).collect();
-    put("command_line", format!("shakedown {}", line.join(" ")));
+    put("command_line", asked::line());
     put("version", env!("CARGO_PKG_VERSION").into());
-    put("written", utc());
+    put("written", asked::utc());
     Ok(facts)
-}
-
-/// The time now, UTC, as `2026-11-24T00:38:23Z`.
-fn utc() -> String {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0, |d| d.as_secs());
-    let (days, second) = (now / 86_400, now % 86_400);
-    // Days to a date in the Gregorian calendar (Howard Hinnant's algorithm), from 0000-03-01.
-    let shifted = days + 719_468;
-    let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    let year = year_of_era + era * 400 + u64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", second / 3600, second / 60 % 60, second % 60)
 }

@@ -1,7 +1,10 @@
 //! The report: before and after in time, spectra, what was given up and where.
 
 use super::super::Failure;
-use super::answer::Answer;
+use super::super::histories::strong_motion;
+use super::super::indices;
+use super::missed;
+use shakedown::motion::fit::answer::Answer;
 use shakedown::motion::fit::certificate::Stretch;
 use shakedown::motion::fit::method::Method;
 use shakedown::motion::spectrum::{periods, response_spectrum};
@@ -24,12 +27,48 @@ pub(super) fn page(answer: &Answer) -> Result<Page, Failure> {
     Ok(Page {
         title: format!("{} fitted", answer.name),
         lead,
-        sections: vec![summary(answer)?, given_up(answer), in_time(answer), spectra(answer)?],
+        key: key(answer)?,
+        advice: advice(answer),
+        sections: vec![in_time(answer), spectra(answer)?, given_up(answer)],
+        details: vec![summary(answer)?],
         provenance: vec![("conditioning".into(), answer.conditioning.clone())],
     })
 }
 
-fn summary(answer: &Answer) -> Result<Section, Failure> {
+/// The figures that matter most.
+fn key(answer: &Answer) -> Result<Vec<(String, String)>, Failure> {
+    let fitted = answer.compared(&answer.modified.motion)?;
+    let (far, fast) = answer.modified.motion.peaks_between();
+    let mut key = vec![("E_a of the fit".to_owned(), format!("{:.3}", fitted.e_a_unshifted.ratio))];
+    key.extend(
+        answer.modified.bound.map(|bound| ("no motion within the limits is below".into(), format!("{bound:.3}"))),
+    );
+    key.push((format!("speed, of {} m/s", answer.limits.velocity), format!("{fast:.4} m/s")));
+    if let Some(stroke) = answer.limits.stroke {
+        key.push((format!("farthest, of {stroke} m"), format!("{far:.4} m")));
+    }
+    key.push(("peak acceleration".into(), format!("{:.3} g", fitted.response_peak / STANDARD_GRAVITY)));
+    Ok(key)
+}
+
+/// What to do next.
+fn advice(answer: &Answer) -> Vec<String> {
+    let mut advice = Vec::new();
+    match answer.drive.iter().find(|(key, _)| key == "file") {
+        Some((_, file)) => advice.push(format!(
+            "Rehearse it, `shakedown run --record {file}`, then play it: `shakedown device run {file}`."
+        )),
+        None => advice.push("Write the drive with `--out drive.csv`.".into()),
+    }
+    if !answer.stretches().is_empty() {
+        advice.push("If the error is too large, ask what it would take with `--target E_A`, or keep the response spectrum instead of the \
+                     waveform with `--objective spectrum`.".into());
+    }
+    advice
+}
+
+/// The figures of the fit, as the terminal shows them too.
+pub(super) fn summary(answer: &Answer) -> Result<Section, Failure> {
     let rows =
         [("asked for", &answer.motion), ("fitted", &answer.modified.motion), ("clipped (Eq. 10)", &answer.clipped)];
     let mut table = Table {
@@ -66,6 +105,7 @@ fn summary(answer: &Answer) -> Result<Section, Failure> {
         items.push(Item::Note("This method does not look at the stroke: see how far the motion goes.".into()));
     }
     items.extend(target(answer));
+    items.extend(indices::tables(&[("fit", &answer.indices()?)]));
     Ok(Section { heading: format!("{} fitted to the table", answer.name), items })
 }
 
@@ -97,7 +137,7 @@ fn target(answer: &Answer) -> Vec<Item> {
     })]
 }
 
-fn given_up(answer: &Answer) -> Section {
+pub(super) fn given_up(answer: &Answer) -> Section {
     let stretches = answer.stretches();
     let rows: Vec<Vec<String>> = stretches
         .iter()
@@ -122,51 +162,13 @@ fn given_up(answer: &Answer) -> Section {
             caption: format!("Stretches by their share of the squared acceleration error; {} in all.", stretches.len()),
         }));
     }
-    items.extend(missed_periods(answer));
+    items.extend(missed::periods(answer));
     Section { heading: "What was given up, and where".into(), items }
 }
 
 /// The limits that a stretch touches, in words.
 fn touched(stretch: &Stretch) -> String {
     if stretch.limits.is_empty() { "none: making good".into() } else { stretch.limits.join(", ") }
-}
-
-/// Periods whose ordinate could not be kept.
-fn missed_periods(answer: &Answer) -> Option<Item> {
-    let (Some(found), Method::Spectrum(band)) = (&answer.modified.spectrum, answer.method) else { return None };
-    let missed: Vec<_> = found.ordinates.iter().filter(|o| o.deviation().abs() > band.tolerance).collect();
-    if missed.is_empty() {
-        let kept = format!("S_a is kept within {:.1} % at every period of the band.", 100.0 * found.deviation);
-        return Some(Item::Text(kept));
-    }
-    let rows = missed
-        .iter()
-        .map(|o| {
-            vec![
-                format!("{:.3}", o.period),
-                format!("{:.3}", o.asked / STANDARD_GRAVITY),
-                format!("{:.3}", o.got / STANDARD_GRAVITY),
-                format!("{:+.1}", 100.0 * o.deviation()),
-                format!("{:.3}", o.velocity_factor(band.tolerance)),
-            ]
-        })
-        .collect();
-    Some(Item::Table(Table {
-        columns: ["period [s]", "asked [g]", "got [g]", "deviation [%]", "velocity limit: times at least"]
-            .map(Into::into)
-            .into(),
-        rows,
-        caption: format!(
-            "Periods that miss {:.1} %. The smallest tolerance met is {:.1} %{}; the last column is the factor on the \
-             velocity limit without which no motion at all reaches that period alone.",
-            100.0 * band.tolerance,
-            100.0 * found.deviation,
-            found.bound.map_or_else(String::new, |bound| format!(
-                ", and with the spectrum's peaks where this motion has them none under {:.1} % can be",
-                100.0 * bound
-            ))
-        ),
-    }))
 }
 
 fn in_time(answer: &Answer) -> Section {
@@ -188,6 +190,7 @@ fn in_time(answer: &Answer) -> Section {
             series,
             bands: bands.clone(),
             group: Some("time".into()),
+            open: strong_motion(&before.acceleration, before.dt),
         })
     };
     let dt = before.dt;
@@ -258,6 +261,7 @@ fn spectra(answer: &Answer) -> Result<Section, Failure> {
             series,
             bands,
             group: None,
+            ..Plot::default()
         })],
     })
 }

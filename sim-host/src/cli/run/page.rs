@@ -1,48 +1,137 @@
 //! What a test shows: its figures, and its histories over time.
 
 use super::super::Failure;
-use super::super::histories;
+use super::super::histories::{self, Opening};
+use super::super::indices;
 use super::Outcome;
 use shakedown::closed_loop::scenario::Scenario;
-use shakedown::closed_loop::trial::{Scores, Seen, Setup};
+use shakedown::closed_loop::trial::{Scores, Seen, Setup, TrialError};
 use shakedown::motion::spectrum::{periods, response_spectrum};
 use shakedown::plant::sensors::GRAVITY;
+use shakedown::recording::Described;
 use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
-/// The page around the sections.
-pub(super) fn page(outcome: &Outcome, scenario: &Scenario, sections: Vec<Section>) -> Page {
+/// The page: verdict, key figures, what to do; histories at the strong motion; tables folded.
+pub(super) fn page(
+    outcome: &Outcome,
+    scenario: &Scenario,
+    setup: &Setup,
+    described: &Described,
+) -> Result<Page, Failure> {
     let score = &outcome.truth.against_wanted;
-    Page {
-        title: format!("{}: {}", scenario.name, outcome.played.name),
-        lead: format!(
-            "The table follows with E_a {:.3} and E_d {:.3}, peaks at {:.3} g of {:.3} g, and spends {:.2} s at its \
-             velocity limit.",
-            score.e_a.ratio,
-            score.e_d.ratio,
-            score.response_peak / GRAVITY,
-            score.reference_peak / GRAVITY,
-            outcome.truth.saturated_s
+    let (unit, shown) = described.valve.clone().unwrap_or_else(|| ("%".to_owned(), 100.0));
+    let opening = Opening { unit, full: setup.table.full_opening(), shown };
+    let failed = |e: TrialError| Failure::Work(format!("run: {e}"));
+    let histories = histories::all(&outcome.sensed, "run", &opening).map_err(failed)?;
+    let mut key = vec![
+        ("E_a".to_owned(), format!("{:.3}", score.e_a.ratio)),
+        ("E_d".into(), format!("{:.3}", score.e_d.ratio)),
+        (
+            format!("peak; the reference's is {:.3} g", score.reference_peak / GRAVITY),
+            format!("{:.3} g", score.response_peak / GRAVITY),
         ),
-        sections,
-        provenance: [
-            vec![
-                ("sensor seed".into(), scenario.sensors.seed.to_string()),
-                ("conditioning".into(), outcome.played.conditioning.clone()),
-            ],
-            outcome.played.drive.iter().map(|(key, value)| (format!("drive: {key}"), value.clone())).collect(),
-        ]
-        .concat(),
+    ];
+    key.extend(indices::tiles(&outcome.indices));
+    key.push(("at the velocity limit".into(), format!("{:.2} s", outcome.truth.saturated_s)));
+    Ok(Page {
+        title: format!("{}: {}", scenario.name, outcome.played.name),
+        lead: lead(outcome, scenario),
+        key,
+        advice: advice(outcome),
+        sections: vec![
+            Section { heading: "Over time".into(), items: histories },
+            Section { heading: "Spectra".into(), items: vec![Item::Plot(spectra(outcome)?)] },
+        ],
+        details: vec![figures_section(outcome, setup)],
+        provenance: provenance(outcome, scenario),
+    })
+}
+
+/// The verdict in a sentence, and what was tested.
+fn lead(outcome: &Outcome, scenario: &Scenario) -> String {
+    let (score, limit) = (&outcome.truth.against_wanted, outcome.truth.saturated_s);
+    let follows = match score.e_a.ratio {
+        e if e < 0.1 => "The table follows the record",
+        e if e < 0.3 => "The table follows the record with visible errors",
+        _ => "The table does not reproduce the record",
+    };
+    let saturated = if limit > 0.0 {
+        format!(", and stands at its velocity limit for {limit:.2} s")
+    } else {
+        " and never reaches its velocity limit".into()
+    };
+    let controller = controller(scenario);
+    format!(
+        "{follows}: E_a {:.3}, E_d {:.3}{saturated}. Controller {controller}; {}.",
+        score.e_a.ratio,
+        score.e_d.ratio,
+        fit(outcome, scenario)
+    )
+}
+
+pub(super) fn controller(scenario: &Scenario) -> &str {
+    scenario.controller.as_deref().unwrap_or(if scenario.settings.is_some() { "settings" } else { "current" })
+}
+
+fn fit(outcome: &Outcome, scenario: &Scenario) -> String {
+    match scenario.fit {
+        _ if !outcome.played.drive.is_empty() => "played as it is, a drive".into(),
+        None => "played without a fit to the table".into(),
+        Some(fit) => format!("fitted beforehand by {}", fit.name()),
     }
 }
 
-/// Figures, histories and spectra.
-pub(super) fn sections(outcome: &Outcome, setup: &Setup) -> Result<Vec<Section>, Failure> {
-    let trial = &outcome.sensed;
-    let items = vec![Item::Text(motion_text(outcome, setup)), Item::Table(figures(outcome))];
-    let sampled = format!("Simulated at {:.0} times real time.", outcome.times_real_time);
-    let figures = Section { heading: "Figures".into(), items: [items, vec![Item::Text(sampled)]].concat() };
-    let histories = Section { heading: "Over time".into(), items: histories::all(trial, "run") };
-    Ok(vec![figures, histories, Section { heading: "Spectra".into(), items: vec![Item::Plot(spectra(outcome)?)] }])
+/// What to do next, from what limits the test.
+fn advice(outcome: &Outcome) -> Vec<String> {
+    let score = &outcome.truth.against_wanted;
+    let mut advice = Vec::new();
+    if outcome.truth.saturated_s > 0.0 {
+        let how = if outcome.played.drive.is_empty() {
+            "Fit the record to the table before it is played: `shakedown modify RECORD --out drive.csv`, or this run with `--fit convex`"
+        } else {
+            "The drive asks for more than the table's speed: fit it again with `shakedown modify RECORD --velocity` below the limit"
+        };
+        advice
+            .push(format!("{how}. Without that the table stands at its limit for {:.2} s.", outcome.truth.saturated_s));
+    }
+    let late = 1e3 * score.e_a.delay;
+    if late > 30.0 {
+        advice.push(format!(
+            "The table answers {late:.0} ms late. For the specimen that is no error; for a hybrid test it is: raise the gains within \
+             their margins (`shakedown design TABLE.toml`), or take `--controller tracking`."
+        ));
+    }
+    if outcome.truth.saturated_s == 0.0 && score.e_a.ratio > 0.1 {
+        advice.push(
+            "No limit explains the error: learn the drive on this table (`shakedown learn`), or look for missing physics in a recording \
+             (`shakedown diagnose`)."
+                .into(),
+        );
+    }
+    if advice.is_empty() {
+        advice.push("Nothing stands against this test: write the drive with `shakedown modify` and play it with `shakedown device run`.".into());
+    }
+    advice
+}
+
+fn provenance(outcome: &Outcome, scenario: &Scenario) -> Vec<(String, String)> {
+    let stated = [
+        ("controller", controller(scenario).to_owned()),
+        ("fit", fit(outcome, scenario)),
+        ("table", scenario.table.as_ref().map_or_else(|| "the paper's".into(), |path| path.display().to_string())),
+        ("conditioning", outcome.played.conditioning.clone()),
+        ("sensor seed", scenario.sensors.seed.to_string()),
+    ];
+    let drive = outcome.played.drive.iter().map(|(key, value)| (format!("drive: {key}"), value.clone()));
+    stated.map(|(key, value)| (key.to_owned(), value)).into_iter().chain(drive).collect()
+}
+
+/// The tables of the test, which the terminal shows too.
+pub(super) fn figures_section(outcome: &Outcome, setup: &Setup) -> Section {
+    let mut items = vec![Item::Text(motion_text(outcome, setup)), Item::Table(figures(outcome))];
+    items.extend(indices::tables(&[("table", &outcome.indices)]));
+    items.push(Item::Text(format!("Simulated at {:.0} times real time.", outcome.times_real_time)));
+    Section { heading: "Figures".into(), items }
 }
 
 fn motion_text(outcome: &Outcome, setup: &Setup) -> String {

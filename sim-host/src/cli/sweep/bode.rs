@@ -155,6 +155,7 @@ fn plots((kp, ki): (f64, f64), curves: &[Curve]) -> [Plot; 2] {
             series: curves.iter().map(series).chain([linear]).collect(),
             bands: Vec::new(),
             group: Some(format!("bode-{kp}-{ki}")),
+            ..Plot::default()
         }
     };
     let gain = exact.iter().map(|h| 20.0 * h.norm().log10()).collect();

@@ -107,5 +107,6 @@ fn plot(label: &str, traces: &[(Named, Trace)], reference: bool, of: impl Fn(&Tr
         series: curves,
         bands,
         group: Some("saw-tooth".into()),
+        ..Plot::default()
     })
 }

@@ -2,6 +2,15 @@
 
 use std::path::Path;
 
+/// How the first line of a drive begins, after what marks a comment.
+pub(super) const MARK: &str = "shakedown drive";
+
+/// True for the first line of a drive's file.
+pub(in crate::motion) fn is_first_line(line: &str) -> bool {
+    let start: String = line.trim_start_matches(['#', ' ']).chars().take(MARK.len()).collect();
+    start.eq_ignore_ascii_case(MARK)
+}
+
 /// What a drive's values are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {

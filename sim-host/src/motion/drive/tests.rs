@@ -44,7 +44,9 @@ fn a_higher_rate_changes_nothing_of_the_motion() {
         assert!((fine.values[5 * k] - x).abs() < 1e-12);
     }
     let speed = fine.values.windows(2).map(|w| (w[1] - w[0]).abs() / fine.dt).fold(0.0, f64::max);
-    assert!(speed <= peak(&motion.velocity) * (1.0 + 1e-3));
+    // What a finite difference finds is a mean of the velocity, and never above its peak between samples.
+    let (_, fast) = motion.peaks_between();
+    assert!(speed <= fast * (1.0 + 1e-12) && speed > fast * (1.0 - 1e-4), "{speed} {fast}");
 }
 
 #[test]

@@ -3,7 +3,8 @@
 //! A record holds acceleration samples, and whoever reads it integrates them as linear in between ([`Motion`]). So what a
 //! fit gives up, e, is taken off as a' = a - (e[k+1] - e[k-1]) / 2 dt, and a motion untouched stays untouched to the last
 //! digit. Integrated again that gives e averaged over its neighbours, which can pass a limit by a little where the
-//! reference bends; the limits are then tightened by as much and the fit repeated.
+//! reference bends, and linear acceleration lets the velocity pass between two samples what it keeps at both; the limits are
+//! then tightened by as much and the fit repeated. What is left, under [`KEPT`], is scaled off, so that a limit kept is kept.
 
 use super::super::record::central_difference;
 use super::super::{Motion, peak};
@@ -65,12 +66,10 @@ pub fn modify(
         if repetition == 0 {
             bound = proven;
         }
-        let Some(next) = tighter(&drive, limits, &tightened, method) else {
-            return Ok(Modified { motion: drive, bound, spectrum, tightened });
+        let next = tighter(&drive, limits, &tightened, method).filter(|_| repetition + 1 < REPETITIONS);
+        let Some(next) = next else {
+            return Ok(Modified { motion: within(drive, limits, method), bound, spectrum, tightened });
         };
-        if repetition + 1 == REPETITIONS {
-            return Ok(Modified { motion: drive, bound, spectrum, tightened });
-        }
         tightened = next;
     }
     Err(FitError::Solver("the limits were not met after tightening".into()))
@@ -115,25 +114,50 @@ fn drive(motion: &Motion, reference: &Reference, velocity: &[f64]) -> Motion {
     Motion::from_state(motion.dt, acceleration, reference.start, 0.0)
 }
 
-/// The limits to fit to next, where `drive` breaks one that the method looks at.
-fn tighter(drive: &Motion, limits: &Limits, tightened: &Limits, method: Method) -> Option<Limits> {
+/// A limit beside what a motion does.
+struct Kept {
+    found: f64,
+    limit: Option<f64>,
+    tightened: Option<f64>,
+}
+
+/// The limits that a method looks at, in the order velocity, stroke, acceleration, jerk.
+fn looked_at(drive: &Motion, limits: &Limits, tightened: &Limits, method: Method) -> [Kept; 4] {
     let all = matches!(method, Method::Convex(_) | Method::Spectrum(_));
     let stroke = all || matches!(method, Method::Causal | Method::Preview(_));
-    let mut next = *tightened;
-    let mut broken = false;
-    let mut tighten = |looked_at: bool, found: f64, limit: Option<f64>, now: &mut Option<f64>| {
-        if let (true, Some(limit), Some(value)) = (looked_at, limit, now.as_mut())
-            && found > limit * (1.0 + KEPT)
-        {
-            *value *= (1.0 - 0.1 * KEPT) * limit / found;
-            broken = true;
-        }
+    let (far, fast) = drive.peaks_between();
+    let kept = |looked_at: bool, found: f64, limit: Option<f64>, tightened: Option<f64>| Kept {
+        found,
+        limit: limit.filter(|_| looked_at),
+        tightened,
     };
-    let mut velocity = Some(next.velocity);
-    tighten(true, peak(&drive.velocity), Some(limits.velocity), &mut velocity);
-    tighten(stroke, peak(&drive.displacement), limits.stroke, &mut next.stroke);
-    tighten(all, peak(&drive.acceleration), limits.acceleration, &mut next.acceleration);
-    tighten(all, steepest(&drive.acceleration, drive.dt), limits.jerk, &mut next.jerk);
-    next.velocity = velocity.unwrap_or(next.velocity);
-    broken.then_some(next)
+    [
+        kept(true, fast, Some(limits.velocity), Some(tightened.velocity)),
+        kept(stroke, far, limits.stroke, tightened.stroke),
+        kept(all, peak(&drive.acceleration), limits.acceleration, tightened.acceleration),
+        kept(all, steepest(&drive.acceleration, drive.dt), limits.jerk, tightened.jerk),
+    ]
+}
+
+/// The limits to fit to next, where `drive` breaks one that the method looks at.
+fn tighter(drive: &Motion, limits: &Limits, tightened: &Limits, method: Method) -> Option<Limits> {
+    let mut broken = false;
+    let next = looked_at(drive, limits, tightened, method).map(|kept| match (kept.limit, kept.tightened) {
+        (Some(limit), Some(value)) if kept.found > limit * (1.0 + KEPT) => {
+            broken = true;
+            Some(value * (1.0 - 0.1 * KEPT) * limit / kept.found)
+        }
+        (_, value) => value,
+    });
+    let [velocity, stroke, acceleration, jerk] = next;
+    let velocity = velocity.unwrap_or(tightened.velocity);
+    broken.then_some(Limits { velocity, stroke, acceleration, jerk, ..*tightened })
+}
+
+/// The motion made smaller by the little that the last repetition left above a limit.
+fn within(drive: Motion, limits: &Limits, method: Method) -> Motion {
+    let shares =
+        looked_at(&drive, limits, limits, method).map(|kept| kept.limit.map_or(1.0, |limit| limit / kept.found));
+    let share = shares.into_iter().fold(1.0, f64::min);
+    if share < 1.0 { drive.scaled(share * (1.0 - 1e-12)) } else { drive }
 }

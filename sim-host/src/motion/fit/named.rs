@@ -46,6 +46,11 @@ impl Fit {
         Self::ALL.iter().find(|(known, _)| *known == name).map(|(_, fit)| *fit)
     }
 
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, fit)| *fit == self).map_or("a method of its own", |(name, _)| name)
+    }
+
     /// Every name.
     pub fn names() -> [&'static str; 11] {
         Self::ALL.map(|(name, _)| name)

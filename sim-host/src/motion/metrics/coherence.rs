@@ -1,4 +1,4 @@
-//! Magnitude-squared coherence of a response with its reference, by Welch's method: Hann windows overlapping by half,
+//! Magnitude-squared coherence and transfer of a response with its reference, by Welch's method: Hann windows overlapping by half,
 //! each less its mean (Bendat and Piersol, Random Data, 11.6).
 
 use realfft::RealFftPlanner;
@@ -12,6 +12,12 @@ pub struct Coherence {
     pub frequency: Vec<f64>,
     /// Coherence, 0 to 1; 0 where either signal has nothing at the frequency.
     pub value: Vec<f64>,
+    /// Magnitude of the transfer from reference to response, `S_xy / S_xx`; 0 where the reference has nothing.
+    pub gain: Vec<f64>,
+    /// Its phase, rad, negative where the response lags.
+    pub phase: Vec<f64>,
+    /// Power of the reference, up to a common factor.
+    pub power: Vec<f64>,
     /// Windows averaged; with one alone the coherence is 1 everywhere and says nothing.
     pub windows: usize,
 }
@@ -42,6 +48,9 @@ pub fn coherence(reference: &[f64], response: &[f64], dt: f64, window: usize) ->
     Coherence {
         frequency: (0..bins).map(|i| i as f64 / (size as f64 * dt)).collect(),
         value: (0..bins).map(value).collect(),
+        gain: (0..bins).map(|i| if pxx[i] > 0.0 { pxy[i].norm() / pxx[i] } else { 0.0 }).collect(),
+        phase: pxy.iter().map(|c| c.arg()).collect(),
+        power: pxx,
         windows,
     }
 }

@@ -5,6 +5,15 @@ use std::path::PathBuf;
 /// Fewest samples of a record.
 pub const LEAST_SAMPLES: usize = 16;
 
+/// The beginning of a text, short enough for a message.
+pub(super) fn excerpt(text: &str) -> String {
+    let mut short: String = text.trim().chars().take(40).collect();
+    if text.trim().chars().count() > 40 {
+        short.push_str("...");
+    }
+    short
+}
+
 /// A number for a message: in powers of ten where its digits would be many.
 pub(super) fn plain(value: f64) -> String {
     if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) { format!("{value:.4e}") } else { value.to_string() }
@@ -13,7 +22,7 @@ pub(super) fn plain(value: f64) -> String {
 /// Channels by number and name, as many as a message can hold.
 pub(super) fn listed(labels: &[String]) -> String {
     const SHOWN: usize = 20;
-    let short = |label: &str| super::text::excerpt(label);
+    let short = |label: &str| excerpt(label);
     let mut all: Vec<String> =
         labels.iter().take(SHOWN).enumerate().map(|(i, label)| format!("{} ({})", i + 1, short(label))).collect();
     if labels.len() > SHOWN {

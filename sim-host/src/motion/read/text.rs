@@ -1,5 +1,6 @@
 //! Text of a bounded file, its lines with their numbers, and the numbers on them.
 
+pub(super) use super::error::excerpt;
 use super::error::{Problem, ReadError};
 use crate::files::layout::{Encoding, decode};
 use std::io::Read as _;
@@ -212,15 +213,6 @@ pub(super) fn after<'a>(line: &'a str, needle: &str) -> Option<&'a str> {
     // Lower case may change a text's length outside ASCII; only ASCII is compared.
     let at = line.to_ascii_lowercase().find(needle)?;
     line.get(at + needle.len()..)
-}
-
-/// The beginning of a text, short enough for a message.
-pub(super) fn excerpt(text: &str) -> String {
-    let mut short: String = text.trim().chars().take(40).collect();
-    if text.trim().chars().count() > 40 {
-        short.push_str("...");
-    }
-    short
 }
 
 /// A peak that a header states, as a number and with the size of its last digit.

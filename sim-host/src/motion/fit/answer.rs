@@ -1,34 +1,54 @@
-//! What a fit came to: its figures, once for the JSON and once for the page.
+//! What a fit came to: its figures, once for every host's JSON and once for the page.
 
-use super::super::Failure;
+use super::certificate::{self, Relaxation, Stretch};
+use super::method::{Method, Modified};
+use super::{Limits, Reference};
+use crate::motion::metrics::{self, CompareError, Comparison, Indices, compare};
+use crate::motion::spectrum::SpectrumError;
+use crate::motion::{Motion, STANDARD_GRAVITY, peak};
 use serde_json::{Value, json};
-use shakedown::motion::fit::certificate::{self, Relaxation, Stretch};
-use shakedown::motion::fit::method::{Method, Modified};
-use shakedown::motion::fit::{Limits, Reference};
-use shakedown::motion::metrics::{Comparison, compare};
-use shakedown::motion::{Motion, STANDARD_GRAVITY};
 
-/// Everything the command found out.
-pub(super) struct Answer {
-    pub(super) name: String,
-    pub(super) conditioning: String,
-    pub(super) method: Method,
-    pub(super) limits: Limits,
+/// Why the figures of a fit cannot be told.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum AnswerError {
+    /// The fit cannot be compared with what was asked for.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
+    /// Its spectrum cannot be taken.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+}
+
+/// Everything that a fit found out.
+#[derive(Debug)]
+pub struct Answer {
+    /// Name of the record.
+    pub name: String,
+    /// What was done to it, in words.
+    pub conditioning: String,
+    /// How it was fitted.
+    pub method: Method,
+    /// What it was fitted to.
+    pub limits: Limits,
     /// What was asked for, after conditioning.
-    pub(super) motion: Motion,
-    pub(super) modified: Modified,
+    pub motion: Motion,
+    /// What came out.
+    pub modified: Modified,
     /// What Eq. 10 makes of it.
-    pub(super) clipped: Motion,
-    pub(super) relaxations: Vec<Relaxation>,
-    pub(super) target: Option<f64>,
-    pub(super) seconds: f64,
+    pub clipped: Motion,
+    /// What it would take to meet the target.
+    pub relaxations: Vec<Relaxation>,
+    /// The E_a to come down to, 1.
+    pub target: Option<f64>,
+    /// How long the fit took, s.
+    pub seconds: f64,
     /// What was written, by key; empty where nothing was.
-    pub(super) drive: Vec<(String, String)>,
+    pub drive: Vec<(String, String)>,
 }
 
 impl Answer {
     /// The method in words.
-    pub(super) fn method_name(&self) -> String {
+    pub fn method_name(&self) -> String {
         match self.method {
             Method::Clip => "clip (Eq. 10)".into(),
             Method::Taut => "taut string".into(),
@@ -42,12 +62,17 @@ impl Answer {
     }
 
     /// A motion against the one asked for.
-    pub(super) fn compared(&self, motion: &Motion) -> Result<Comparison, Failure> {
-        compare(&self.motion, motion, None).map_err(|e| Failure::Work(format!("modify: {e}")))
+    pub fn compared(&self, motion: &Motion) -> Result<Comparison, AnswerError> {
+        Ok(compare(&self.motion, motion, None)?)
+    }
+
+    /// The laboratory's indices of the fit.
+    pub fn indices(&self) -> Result<Indices, AnswerError> {
+        Ok(metrics::indices(&self.motion.acceleration, &self.modified.motion.acceleration, self.motion.dt)?)
     }
 
     /// Where acceleration was given up.
-    pub(super) fn stretches(&self) -> Vec<Stretch> {
+    pub fn stretches(&self) -> Vec<Stretch> {
         let start = self.motion.displacement.first().copied().unwrap_or(0.0);
         Reference::new(self.motion.dt, self.motion.velocity.clone(), start)
             .map(|reference| certificate::given_up(&reference, &self.modified.motion.velocity, &self.limits))
@@ -55,9 +80,10 @@ impl Answer {
     }
 
     /// The shape that docs/formats.md states, and more.
-    pub(super) fn json(&self) -> Result<Value, Failure> {
+    pub fn json(&self) -> Result<Value, AnswerError> {
         let (fitted, clipped) = (self.compared(&self.modified.motion)?, self.compared(&self.clipped)?);
-        let (displacement, velocity, acceleration) = self.modified.motion.peaks();
+        let (displacement, velocity) = self.modified.motion.peaks_between();
+        let acceleration = peak(&self.modified.motion.acceleration);
         let asked = self.motion.peaks();
         let stretches: Vec<Value> = self.stretches().iter().map(stretch).collect();
         let relaxations: Vec<Value> = self.relaxations.iter().map(relaxation).collect();
@@ -80,6 +106,7 @@ impl Answer {
             "e_a": fitted.e_a_unshifted.ratio,
             "e_a_shifted": fitted.e_a.ratio,
             "e_a_clip": clipped.e_a_unshifted.ratio,
+            "indices": self.indices()?.json(),
             "e_a_bound": self.modified.bound,
             "e_d": fitted.e_d_unshifted.ratio,
             "peak_velocity": velocity,

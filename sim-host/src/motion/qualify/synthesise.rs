@@ -1,0 +1,87 @@
+//! A motion made for a required spectrum: sines of random phase under a trapezoid, their amplitudes corrected by what the
+//! spectrum shows until it lies above the required one by a stated margin.
+
+use super::super::spectrum::{SpectrumError, response_spectrum};
+use super::{Judged, QualifyError, Required, Standard, judge};
+use rand::{Rng as _, SeedableRng as _};
+use std::f64::consts::PI;
+
+/// The shape of a synthetic motion over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shape {
+    /// Rate, Hz.
+    pub rate: f64,
+    /// Rise, s.
+    pub rise: f64,
+    /// Full strength, s.
+    pub hold: f64,
+    /// Decay, s.
+    pub decay: f64,
+}
+
+impl Shape {
+    /// 5, 20 and 5 s at 400 Hz: what AC156 asks for.
+    pub const USUAL: Self = Self { rate: 400.0, rise: 5.0, hold: 20.0, decay: 5.0 };
+
+    fn envelope(&self, t: f64) -> f64 {
+        let end = self.rise + self.hold + self.decay;
+        (t / self.rise).min((end - t) / self.decay).clamp(0.0, 1.0)
+    }
+}
+
+/// Sines an octave.
+const SINES: f64 = 24.0;
+/// Corrections.
+const ROUNDS: usize = 8;
+
+/// An acceleration, m/s2, whose spectrum is at the least `margin` times what is required, judged as the standard judges it from
+/// `lowest` Hz on. The same seed gives the same motion; other seeds give motions that are independent.
+pub fn synthesise(
+    standard: &Standard,
+    required: &Required,
+    lowest: f64,
+    margin: f64,
+    shape: &Shape,
+    seed: u64,
+) -> Result<Vec<f64>, QualifyError> {
+    let dt = 1.0 / shape.rate;
+    let highest = standard.band.1 * 1.15;
+    let count = ((highest / (0.8 * lowest)).log2() * SINES).ceil() as usize;
+    let mut dice = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut share = || f64::from(dice.next_u32()) / 2f64.powi(32);
+    // Each seed has frequencies of its own: two axes of the same sines would be coherent whatever their phases.
+    let frequencies: Vec<f64> =
+        (0..=count).map(|k| 0.8 * lowest * ((k as f64 + share() - 0.5) / SINES).exp2()).collect();
+    let phases: Vec<f64> = frequencies.iter().map(|_| 2.0 * PI * share()).collect();
+    let wanted: Vec<f64> = frequencies
+        .iter()
+        .map(|f| required.at(*f).unwrap_or_else(|| required.points.first().map_or(0.0, |p| p.1)))
+        .collect();
+    let mut amplitudes: Vec<f64> = wanted.iter().map(|a| 0.05 * a).collect();
+    for _ in 0..ROUNDS {
+        let motion = sum(&frequencies, &phases, &amplitudes, shape);
+        let reached = spectrum(&motion, dt, required.damping, &frequencies)?;
+        for ((amplitude, wanted), reached) in amplitudes.iter_mut().zip(&wanted).zip(&reached) {
+            *amplitude *= (wanted / reached).clamp(0.5, 2.0);
+        }
+    }
+    let motion = sum(&frequencies, &phases, &amplitudes, shape);
+    // A spectrum grows with its motion, so one factor sets the margin.
+    let Judged { margin: found, .. } = judge(&motion, dt, &[], standard, required, lowest)?;
+    Ok(motion.iter().map(|a| a * margin / found).collect())
+}
+
+fn spectrum(motion: &[f64], dt: f64, damping: f64, frequencies: &[f64]) -> Result<Vec<f64>, SpectrumError> {
+    let periods: Vec<f64> = frequencies.iter().map(|f| 1.0 / f).collect();
+    Ok(response_spectrum(motion, dt, damping, &periods)?.s_a)
+}
+
+fn sum(frequencies: &[f64], phases: &[f64], amplitudes: &[f64], shape: &Shape) -> Vec<f64> {
+    let count = ((shape.rise + shape.hold + shape.decay) * shape.rate).round() as usize;
+    let at = |k: usize| {
+        let t = k as f64 / shape.rate;
+        let sines = frequencies.iter().zip(phases).zip(amplitudes);
+        shape.envelope(t) * sines.map(|((f, phase), a)| a * (2.0 * PI * f * t + phase).sin()).sum::<f64>()
+    };
+    (0..=count).map(at).collect()
+}

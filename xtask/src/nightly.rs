@@ -1,0 +1,31 @@
+//! What takes longer than the tests may, or needs more tools than they: each chore runs, whatever became of the one before.
+
+use crate::output::say;
+use crate::shell::{Problem, command, no_words, run as execute};
+use crate::{header, hosts, setup};
+
+type Chore = (&'static str, fn() -> Result<(), Problem>);
+
+const CHORES: &[Chore] =
+    &[("hosts", || hosts::run(&[])), ("header", header::check), ("examples", hosts::examples), ("pages", pages)];
+
+/// The chore: all of them.
+pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
+    no_words(words)?;
+    let missing = setup::install();
+    let mut failed = Vec::new();
+    for (name, run) in CHORES {
+        say(&format!("\n== {name}"));
+        if let Err(Problem::Usage(why) | Problem::Failed(why)) = run() {
+            failed.push(format!("{name}: {why}"));
+        }
+    }
+    setup::report(&missing);
+    if failed.is_empty() { Ok(()) } else { Err(Problem::Failed(failed.join("\n"))) }
+}
+
+/// The pages of every command as pictures.
+fn pages() -> Result<(), Problem> {
+    let line = "cargo test --locked --release --package shakedown-tests --test pages -- --include-ignored";
+    execute(&mut command(&line.split(' ').collect::<Vec<_>>()))
+}
