@@ -24,7 +24,7 @@ use monitors::{MonitorInput, Monitors};
 pub use tuning::Tuning;
 
 use crate::control::{Blocked, TrackingState};
-use crate::guard::{Refused, Request, State, Supervisor, Trip};
+use crate::guard::{OperatorRequest, Refused, State, Supervisor, Trip};
 use crate::modifier::{Modifier, ModifierState};
 use crate::sample::{Channels, Command, Relay, Sample, Status};
 use crate::scalar::Scalar;
@@ -111,22 +111,22 @@ impl Controller {
         }
     }
 
-    /// Asks for a change of state, for instance [`Request::Arm`] and then [`Request::Start`].
-    pub fn request(&mut self, request: Request) -> Result<(), Refused> {
+    /// Asks for a change of state, for instance [`OperatorRequest::Arm`] and then [`OperatorRequest::Start`].
+    pub fn request(&mut self, request: OperatorRequest) -> Result<(), Refused> {
         if self.config.ramps.is_none() {
             return Err(Refused::NoGuard);
         }
-        if let (Request::Arm, Some(cause)) = (request, self.monitors.cause()) {
+        if let (OperatorRequest::Arm, Some(cause)) = (request, self.monitors.cause()) {
             return Err(Refused::Cause(cause));
         }
         let whole = self.supervisor.whole();
         self.supervisor.request(request)?;
         match request {
-            Request::Arm => {
+            OperatorRequest::Arm => {
                 self.monitors.arm();
                 self.start_at(self.readings.displacement);
             }
-            Request::Hold | Request::Stop if whole => self.anchor = self.target,
+            OperatorRequest::Hold | OperatorRequest::Stop if whole => self.anchor = self.target,
             _ => {}
         }
         Ok(())
@@ -223,7 +223,7 @@ impl Controller {
     /// Whether the zero-flow output cannot be known: what stands behind the device subtracts the LVDT (Fig. 2, or an existing
     /// position controller), and its reading is lost or stuck. A ramp would then end at some command, not at zero flow.
     fn zero_flow_is_unknown(&self, missing: Channels, cause: Trip) -> bool {
-        let lost = cause == Trip::SensorLost && missing.any(Channels::DISPLACEMENT);
+        let lost = cause == Trip::SensorLost && missing.intersects(Channels::DISPLACEMENT);
         self.config.cancellation != 0.0 && (lost || cause == Trip::DisplacementStuck)
     }
 
@@ -245,7 +245,7 @@ impl Controller {
         if self.supervisor.steady() {
             reference
         } else {
-            self.anchor + self.supervisor.presence() * (reference - self.anchor)
+            self.anchor + self.supervisor.test_weight() * (reference - self.anchor)
         }
     }
 
@@ -321,7 +321,7 @@ impl Controller {
     /// the output before a change of settings.
     fn fade(&mut self, asked: f32, zero: f32) -> f32 {
         let fades = matches!(self.config.mode, ModeConfig::Guard) && !self.supervisor.steady();
-        let faded = if fades { self.supervisor.presence() * asked } else { asked };
+        let faded = if fades { self.supervisor.test_weight() * asked } else { asked };
         self.blend.step(faded, self.output - zero, self.config.blend_step)
     }
 

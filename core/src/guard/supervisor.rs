@@ -9,7 +9,7 @@
 //!     | reset
 //!  Tripped  <------- any state, on a trip; `off` from any other state goes through the safe ramp
 //! ```
-//! Two weights between 0 and 1 do the moving. `presence` is how much of the test is let through: it rises on start and
+//! Two weights between 0 and 1 do the moving. `test_weight` is how much of the test is let through: it rises on start and
 //! resume, falls on hold and stop, along the smooth step 3 p^2 - 2 p^3, so that neither position nor velocity jumps.
 //! `command` is how much of the last command is left after a trip: it falls from 1 to 0 over the safe ramp, to the
 //! output at which no oil flows.
@@ -28,6 +28,14 @@ use crate::block::{BlockError, require};
 use crate::sample::Relay;
 
 /// Where a test stands.
+///
+/// ```
+/// use shakedown_core::{Controller, Settings, State};
+///
+/// // A bare law runs from the first tick; only a guard has states.
+/// assert_eq!(Controller::new(&Settings::default())?.state(), State::Running);
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[repr(u8)]
@@ -48,9 +56,23 @@ pub enum State {
 }
 
 /// What an operator asks for.
+///
+/// ```
+/// use shakedown_core::settings::GuardSettings;
+/// use shakedown_core::{Controller, OperatorRequest, Sample, Settings, State};
+///
+/// let guarded = Settings { guard: Some(GuardSettings::default()), ..Settings::default() };
+/// let mut controller = Controller::new(&guarded).unwrap();
+/// for _ in 0..10 {
+///     controller.step(&Sample::default()); // a table at rest
+/// }
+/// controller.request(OperatorRequest::Arm).unwrap();
+/// controller.request(OperatorRequest::Start).unwrap();
+/// assert_eq!(controller.state(), State::Running);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum Request {
+pub enum OperatorRequest {
     /// Off to Ready.
     Arm,
     /// Ready to Running.
@@ -70,6 +92,17 @@ pub enum Request {
 }
 
 /// Why a request was not carried out.
+///
+/// ```
+/// use shakedown_core::settings::GuardSettings;
+/// use shakedown_core::{Controller, OperatorRequest, Refused, Settings, Trip};
+///
+/// // No sensor has been read yet, so the table must not be armed.
+/// let guarded = Settings { guard: Some(GuardSettings::default()), ..Settings::default() };
+/// let mut controller = Controller::new(&guarded)?;
+/// assert_eq!(controller.request(OperatorRequest::Arm), Err(Refused::Cause(Trip::SensorLost)));
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
     /// It does not apply in this state.
@@ -83,6 +116,14 @@ pub enum Refused {
 }
 
 /// How fast the weights move, per tick.
+///
+/// ```
+/// use shakedown_core::blocks::guard::Ramps;
+/// use shakedown_core::settings::RampSettings;
+///
+/// assert!(Ramps::new(&RampSettings::default(), 1e-3).is_ok());
+/// assert!(Ramps::new(&RampSettings { safe: -1.0, ..RampSettings::default() }, 1e-3).is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ramps {
     test: f32,
@@ -99,11 +140,26 @@ impl Ramps {
 }
 
 /// The state machine's state.
+///
+/// ```
+/// use shakedown_core::blocks::guard::{Ramps, Supervisor};
+/// use shakedown_core::settings::RampSettings;
+/// use shakedown_core::{OperatorRequest, State};
+///
+/// let ramps = Ramps::new(&RampSettings::default(), 1e-3).unwrap();
+/// let mut test = Supervisor::off();
+/// test.request(OperatorRequest::Arm).unwrap();
+/// test.request(OperatorRequest::Start).unwrap();
+/// for _ in 0..2000 {
+///     test.advance(ramps); // the test fades in over 2 s
+/// }
+/// assert!(test.state() == State::Running && test.test_weight() == 1.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Supervisor {
     state: State,
     trip: Option<Trip>,
-    presence: f32,
+    test_weight: f32,
     command: f32,
     relay: Relay,
     /// Whether the relay opens without waiting for the safe ramp, because no command is known to stop the table.
@@ -118,7 +174,7 @@ impl Supervisor {
         Self {
             state: State::Off,
             trip: None,
-            presence: 0.0,
+            test_weight: 0.0,
             command: 0.0,
             relay: Relay::Open,
             open_at_once: false,
@@ -132,7 +188,7 @@ impl Supervisor {
         Self {
             state: State::Running,
             trip: None,
-            presence: 1.0,
+            test_weight: 1.0,
             command: 0.0,
             relay: Relay::Closed,
             open_at_once: false,
@@ -179,7 +235,7 @@ impl Supervisor {
             State::Tripped if self.command <= 0.0 || self.open_at_once => Relay::Open,
             _ => Relay::Closed,
         };
-        self.steady = self.state == State::Running && self.presence >= 1.0;
+        self.steady = self.state == State::Running && self.test_weight >= 1.0;
     }
 
     /// Whether the test runs whole: nothing fades, nothing has tripped.
@@ -196,14 +252,14 @@ impl Supervisor {
 
     /// How much of the test is let through, 0 to 1. Exactly 1 while it runs.
     #[inline]
-    pub fn presence(&self) -> f32 {
-        smooth(self.presence)
+    pub fn test_weight(&self) -> f32 {
+        smooth(self.test_weight)
     }
 
     /// Whether the test is neither faded nor fading.
     #[inline]
     pub fn whole(&self) -> bool {
-        self.presence >= 1.0
+        self.test_weight >= 1.0
     }
 
     /// How much of the command at the trip is left, 1 to 0.
@@ -213,21 +269,21 @@ impl Supervisor {
     }
 
     /// Carries out `request`, or says why not and changes nothing.
-    pub fn request(&mut self, request: Request) -> Result<(), Refused> {
+    pub fn request(&mut self, request: OperatorRequest) -> Result<(), Refused> {
         let state = match (request, self.state) {
-            (Request::Trip, _) => {
+            (OperatorRequest::Trip, _) => {
                 self.trip(Trip::External);
                 return Ok(());
             }
-            (Request::Arm, State::Off) => {
-                self.presence = 0.0;
+            (OperatorRequest::Arm, State::Off) => {
+                self.test_weight = 0.0;
                 State::Ready
             }
-            (Request::Start, State::Ready) | (Request::Resume, State::Hold) => State::Running,
-            (Request::Hold, State::Running) => State::Hold,
-            (Request::Stop, State::Running | State::Hold) => State::RampDown,
-            (Request::Off, State::Ready) => State::Off,
-            (Request::Reset, State::Tripped) => match self.trip {
+            (OperatorRequest::Start, State::Ready) | (OperatorRequest::Resume, State::Hold) => State::Running,
+            (OperatorRequest::Hold, State::Running) => State::Hold,
+            (OperatorRequest::Stop, State::Running | State::Hold) => State::RampDown,
+            (OperatorRequest::Off, State::Ready) => State::Off,
+            (OperatorRequest::Reset, State::Tripped) => match self.trip {
                 Some(trip) if self.command > 0.0 => return Err(Refused::StillMoving(trip)),
                 _ => {
                     self.trip = None;
@@ -273,12 +329,12 @@ impl Supervisor {
     /// One tick of the weights. Needed while it is not [`Supervisor::steady`].
     pub fn advance(&mut self, ramps: Ramps) {
         match self.state {
-            State::Off | State::Ready => self.presence = 0.0,
-            State::Running => self.presence = up(self.presence, ramps.test),
-            State::Hold => self.presence = down(self.presence, ramps.test),
+            State::Off | State::Ready => self.test_weight = 0.0,
+            State::Running => self.test_weight = up(self.test_weight, ramps.test),
+            State::Hold => self.test_weight = down(self.test_weight, ramps.test),
             State::RampDown => {
-                self.presence = down(self.presence, ramps.test);
-                if self.presence <= 0.0 {
+                self.test_weight = down(self.test_weight, ramps.test);
+                if self.test_weight <= 0.0 {
                     self.enter(State::Ready);
                 }
             }

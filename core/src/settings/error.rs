@@ -3,6 +3,13 @@
 use crate::block::BlockError;
 
 /// Why [`super::Settings`] were refused.
+///
+/// ```
+/// use shakedown_core::Settings;
+///
+/// let error = Settings { stroke: -0.1, ..Settings::default() }.validate().unwrap_err();
+/// assert_eq!(error.to_string(), "stroke is -0.1, not within 0.001 to 10");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SettingsError {

@@ -17,6 +17,15 @@ use crate::guard::{EnvelopeSettings, GuardSettings, InputSettings};
 const DEPTH: usize = 4;
 
 /// Why a text or a name was not taken.
+///
+/// ```
+/// use shakedown_core::Settings;
+/// use shakedown_core::settings::NameError;
+///
+/// let mut settings = Settings::default();
+/// assert_eq!(settings.read("rate = 500\nstrok = 0.1"), Err(NameError::Unknown { line: 2 }));
+/// assert_eq!(settings, Settings::default()); // whole or not at all
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NameError {

@@ -10,7 +10,7 @@ use super::{Failure, described};
 use clap::Subcommand;
 use serde_json::json;
 use shakedown::device::{Port, Session, SessionError};
-use shakedown_core::link::{Report, Request};
+use shakedown_core::link::{HostRequest, Report};
 use std::path::PathBuf;
 
 /// Talks to a device over its serial line: setup, a record, telemetry, commissioning.
@@ -84,8 +84,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Action::Set(set) => set.run(&mut session),
         Action::Run(run) => run.run(&mut session),
         Action::Listen(listen) => listen.run(&mut session),
-        Action::Stop => session.order(&Request::Stop).map_err(failed),
-        Action::Trip => session.order(&Request::Trip).map_err(failed),
+        Action::Stop => session.order(&HostRequest::Stop).map_err(failed),
+        Action::Trip => session.order(&HostRequest::Trip).map_err(failed),
         Action::Commission(walk) => walk.run(&mut session),
     }
 }
@@ -121,8 +121,8 @@ fn failed(error: SessionError) -> Failure {
 }
 
 fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure> {
-    let identity =
-        session.ask(&Request::Identify, |report| if let Report::Identity(who) = report { Some(*who) } else { None });
+    let identity = session
+        .ask(&HostRequest::Identify, |report| if let Report::Identity(who) = report { Some(*who) } else { None });
     let identity = identity.map_err(failed)?;
     let vitals = session.vitals().map_err(failed)?;
     let [major, minor, patch] = identity.firmware;

@@ -19,7 +19,7 @@ use shakedown::motion::fit::FitError;
 use shakedown::motion::fit::named::{Fit, PREVIEW};
 use shakedown::motion::metrics::Indices;
 use shakedown::plant::sensors::{GRAVITY, SensorModel};
-use shakedown_core::settings::Modification;
+use shakedown_core::Modification;
 use std::path::PathBuf;
 use std::time::Instant;
 

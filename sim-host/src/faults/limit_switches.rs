@@ -8,7 +8,7 @@
 //! switch's own delay.
 
 use shakedown_core::Settings;
-use shakedown_core::guard::Envelope;
+use shakedown_core::blocks::guard::Envelope;
 
 /// The farthest from the middle that they may stand, m; none without a guard, or where full speed needs the whole stroke.
 pub fn limit_switches(settings: &Settings) -> Option<f64> {
@@ -21,7 +21,7 @@ pub fn limit_switches(settings: &Settings) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shakedown_core::guard::{EnvelopeSettings, GuardSettings};
+    use shakedown_core::settings::{EnvelopeSettings, GuardSettings};
 
     #[test]
     fn the_papers_table_needs_18_mm_to_stop() {
