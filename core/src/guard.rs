@@ -7,6 +7,7 @@ pub(crate) mod inputs;
 pub(crate) mod noise;
 pub(crate) mod plausibility;
 pub(crate) mod supervisor;
+mod test_state;
 pub(crate) mod valve;
 pub(crate) mod witness;
 
@@ -16,7 +17,7 @@ pub(crate) use inputs::{InputMonitor, InputSettings, InputState};
 pub(crate) use noise::{NoiseMonitor, NoiseState};
 pub(crate) use plausibility::{Plausibility, PlausibilitySettings};
 pub(crate) use supervisor::Supervisor;
-pub use supervisor::{OperatorRequest, Refused, State};
+pub use test_state::{OperatorRequest, Refused, State};
 pub(crate) use valve::{Creep, ValveMonitor, ValveMonitorSettings, ValveMonitorState};
 pub(crate) use witness::{DisplacementWitness, WitnessSettings, WitnessState};
 

@@ -24,9 +24,9 @@ pub enum Modification {
     Off,
     /// The paper's Eq. 10: velocity clipped, then integrated. It drifts, and is kept for comparison.
     Clip,
-    /// Inside velocity and stroke, without drift and without preview ([`causal`]).
+    /// Inside velocity and stroke, without drift and without preview ([`causal`](crate::blocks::record::causal)).
     Causal,
-    /// The same, with the reference known ahead of time: the modified one lags it by the preview ([`preview`]).
+    /// The same, with the reference known ahead of time: the modified one lags it by the preview ([`preview`](crate::blocks::record::preview)).
     Preview {
         /// How far ahead, s; at most [`PREVIEW_WINDOW`] less one ticks.
         seconds: f32,

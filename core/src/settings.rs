@@ -11,9 +11,8 @@ mod named;
 mod parts;
 mod validate;
 
-pub use error::SettingsError;
+pub use error::{NameError, SettingsError};
 pub use findings::Finding;
-pub use named::NameError;
 pub use parts::{Gains, Mode, ObserverSettings, Ranges, ReferenceRates, ValveSettings, VelocitySource};
 
 pub use crate::control::InnerLoop;

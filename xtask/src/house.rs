@@ -1,11 +1,12 @@
 //! The house rules a compiler does not know: lengths of files, the direction of dependencies, circles, stray
-//! paths, the width of the core's front door.
+//! paths, the width of the core's front door, the length of its tick.
 
 mod circles;
 mod direction;
 mod front_door;
 mod lengths;
 mod paths;
+mod tick;
 
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, read, top};
@@ -17,6 +18,7 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     let files = files()?;
     let breaches = breaches(&files)?;
     say(&format!("  core: {} public items", front_door::count(&files)));
+    say(&format!("  {}", tick::describe(&files)));
     for breach in &breaches {
         say(&format!("  {breach}"));
     }
@@ -34,6 +36,7 @@ fn breaches(files: &[File]) -> Result<Vec<String>, Problem> {
         circles::check(files),
         paths::check(files),
         front_door::check(files),
+        tick::check(files),
     ]
     .concat())
 }

@@ -154,7 +154,7 @@ impl Tracking {
     }
 
     /// Takes over `state` from another configuration: as much of the displacement error is left alone that the feedback
-    /// says now what it last said, and taken up within [`RELIEF`].
+    /// says now what it last said, and taken up within 0.3 s.
     pub fn adapt_state(&self, state: &mut TrackingState) {
         let (stiffness, says) = match &self.actuator {
             Actuator::Stiff { bandwidth, .. } => (*bandwidth, bandwidth * state.errors[0] - state.disturbance.flow),

@@ -89,7 +89,7 @@ impl ControlLoop<'_> {
             }
             // A trip that stands has its cause already.
             Err(Refused::Cause(trip)) if self.controller.state() == State::Off => {
-                self.attribute_trip(Some(StopCause::Guard(trip)))
+                self.attribute_trip(Some(StopCause::Guard(trip)));
             }
             Err(_) => {}
         }

@@ -27,7 +27,7 @@ pub struct ReferenceState {
     pub jerk: f32,
 }
 
-/// The last [`ROOM`] ticks of the reference.
+/// The last 64 ticks of the reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct History {
     ring: [f32; ROOM],
@@ -93,7 +93,7 @@ impl Stencil {
         3 * self.spacing
     }
 
-    /// The motion `back` ticks ago; from [`Stencil::reach`] to [`ROOM`] less as much.
+    /// The motion `back` ticks ago; from [`Stencil::reach`] to 64 less as much.
     #[inline]
     pub fn at(&self, history: &History, back: u32) -> ReferenceState {
         let h = self.spacing;
