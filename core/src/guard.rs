@@ -1,4 +1,4 @@
-//! The guard: what stands between any law, ours or another's, and the actuator.
+//! The guard: what lies between any law, ours or another's, and the actuator.
 
 pub(crate) mod envelope;
 mod gain;

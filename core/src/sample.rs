@@ -153,7 +153,7 @@ pub struct Status {
     pub held: bool,
     /// Which inputs.
     pub missing: Channels,
-    /// The command stands at its limit.
+    /// The command is at its limit.
     pub limited: bool,
     /// The velocity limit now in force, m/s: the set one, or less where saturation showed less.
     pub velocity_limit: f32,

@@ -1,5 +1,5 @@
 //! The house rules a compiler does not know: lengths of files, the direction of dependencies, circles, stray
-//! paths, the width of the core's front door, the length of its tick.
+//! paths, the width of the core's front door, the length of its tick, words that must not come back.
 
 mod circles;
 mod direction;
@@ -7,6 +7,7 @@ mod front_door;
 mod lengths;
 mod paths;
 mod tick;
+mod words;
 
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, read, top};
@@ -37,6 +38,7 @@ fn breaches(files: &[File]) -> Result<Vec<String>, Problem> {
         paths::check(files),
         front_door::check(files),
         tick::check(files),
+        words::check(files),
     ]
     .concat())
 }

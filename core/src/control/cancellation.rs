@@ -7,7 +7,7 @@
 //! do, the output at which the valve passes no oil is the LVDT's reading, not zero: a zero from x = 0.1 m would drive the
 //! table at (b0 / a1) 0.1 m = 0.24 m/s.
 
-/// What stands between the output and the valve.
+/// What lies between the output and the valve.
 ///
 /// ```
 /// use shakedown_core::Settings;

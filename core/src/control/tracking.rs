@@ -7,11 +7,11 @@
 //! pressure difference -> damping ----------------^
 //! ```
 //! Everything up to the flow map is in the flow's own unit, piston velocity (m/s): the feedback asks for flow, and what
-//! the valve and its supply make of a command is undone behind it. The table moves [`Tracking::lag`] ticks and a half
+//! the valve and its supply make of a command is inverted behind it. The table moves [`Tracking::lag`] ticks and a half
 //! behind the reference, which is what the trajectory's rates and the command's own delay need to see ahead.
 //!
 //! The parts are one file each. Gains follow from two frequencies: `bandwidth`, that of the feedback, and `disturbance`,
-//! below which everything the model lacks is observed and undone.
+//! below which everything the model lacks is observed and corrected.
 
 pub(crate) mod disturbance;
 pub(crate) mod flow;

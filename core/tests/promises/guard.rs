@@ -743,7 +743,7 @@ fn a_relay_that_does_not_follow_is_seen() {
     assert_eq!(step(&mut controller, false).trip, Some(Trip::RelayAstray));
 }
 
-/// A sensor that is not fitted stands at zero for ever, and is not stuck.
+/// A sensor that is not fitted is at zero for ever, and is not stuck.
 #[test]
 fn without_an_accelerometer_none_is_missed() {
     let mut settings = without_valve_monitor();

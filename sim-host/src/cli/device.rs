@@ -40,13 +40,13 @@ pub(crate) struct Args {
 enum Action {
     /// Serial ports that a device may be on.
     List(Outputs),
-    /// Who it is and how it fares.
+    /// Shows device identity and health.
     Status(Outputs),
     /// Reads its setup, as TOML.
     Get(setup::Get),
     /// Writes a setup, whole or not at all.
     Set(setup::Set),
-    /// Runs a test, streamed or of what stands at the converter; its telemetry is a recording that `diagnose` reads.
+    /// Runs a test, streamed or from the analogue input; its telemetry is a recording that `diagnose` reads.
     Run(record::Run),
     /// Saves telemetry without a run.
     Listen(record::Listen),
@@ -145,7 +145,7 @@ fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure>
         ("setup", stored.to_owned()),
         ("highest control rate [Hz]", identity.highest_rate.to_string()),
     ];
-    outputs.write_report(&mut page::facts("Device", "Who the device is, and how it fares.", &said), &[])?;
+    outputs.write_report(&mut page::facts("Device", "Device identity and health.", &said), &[])?;
     if !outputs.quiet() {
         print(&format!(
             "firmware {firmware}, {:?}{}\n{} ticks since its reset; {} records of telemetry dropped, {} frames garbled\nsetup: {}\n",

@@ -2,7 +2,7 @@
 //!
 //! `identify, setup, clear trip, challenge, arm, fill the buffer, start, stream, wait for the stand, disarm`. One request is under
 //! way at a time and is repeated when no answer comes; the stream goes back to the point that the device wants next, so a
-//! lost or garbled frame costs time and never a point. Where the reference, or an existing controller's command, stands at the
+//! lost or garbled frame costs time and never a point. Where the reference, or an existing controller's command, is at the
 //! converter there is nothing to stream: the run is attended for its time, and then stopped.
 
 use shakedown_core::State;
@@ -32,7 +32,7 @@ const PREFILL: u32 = 768;
 enum Play {
     /// A record through the link, m, one point a tick.
     Streamed(Vec<f32>),
-    /// What stands at the converter, for so long, ms.
+    /// The analogue input, for so long, ms.
     Attended(u64),
 }
 
@@ -59,7 +59,7 @@ impl Drive {
         Self { setup, ..Self::playing(Play::Streamed(record)) }
     }
 
-    /// A test of what stands at the device's converter, for `time`, ms; `setup` is written first where given.
+    /// A test from the device's analogue input, for `time`, ms; `setup` is written first where given.
     pub fn attended(setup: Option<Setup>, time: u64) -> Self {
         Self { setup, ..Self::playing(Play::Attended(time)) }
     }

@@ -89,7 +89,7 @@ impl<L: Line> Session<L> {
         self.ask(&HostRequest::ReadSetup, |report| if let Report::Setup(setup) = report { Some(*setup) } else { None })
     }
 
-    /// How it fares.
+    /// Its health.
     pub fn vitals(&mut self) -> Result<DeviceHealth, SessionError> {
         self.ask(
             &HostRequest::ReadVitals,

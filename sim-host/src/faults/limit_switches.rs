@@ -4,7 +4,7 @@
 //! stroke - margin - d(velocity_limit),   d(v) = v latency + v^2 / (2 deceleration)         m from the middle, either side
 //! ```
 //! They open the emergency-stop circuit. A table at full speed, whose LVDT may say anything, then stops where the guard's
-//! margin begins, by the guard's own reckoning of the distance; what is between that and what it really needs is for the
+//! margin begins, by the guard's own estimate of the distance; what is between that and what it really needs is for the
 //! switch's own delay.
 
 use shakedown_core::Settings;

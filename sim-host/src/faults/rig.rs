@@ -1,4 +1,4 @@
-//! One run: the core in charge of a table, what stands around it as the board does, and the fault.
+//! One run: the core in charge of a table, what surrounds it as the board does, and the fault.
 
 use super::case::{Case, REST, TICKS};
 use super::class::{Channel, Fault};

@@ -151,7 +151,7 @@ fn the_emergency_stop_trips() {
     trips(stop, &[StopCause::EmergencyStop], 60);
 }
 
-/// An LVDT that creeps more slowly than anything can be told from: the loop carries the table along until a limit switch
+/// An LVDT that creeps more slowly than anything can be distinguished from: the loop carries the table along until a limit switch
 /// opens the circuit, and it stands inside the stroke less the margin.
 #[test]
 fn a_limit_switch_stops_a_table_whose_lvdt_creeps() {

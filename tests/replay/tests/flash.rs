@@ -68,7 +68,7 @@ fn ask(memory: &InMemory, questions: Vec<HostRequest>) -> Ran<Asking> {
     ran
 }
 
-/// The setup in force after a reset with this in the flash, and how the device fares.
+/// The setup in force after a reset with this in the flash, and the health of the device.
 fn at_power_on(memory: &InMemory) -> (Setup, DeviceHealth) {
     match ask(memory, vec![HostRequest::ReadSetup, HostRequest::ReadVitals]).world.heard[..] {
         [Report::Setup(setup), Report::Vitals(vitals)] => (setup, vitals),

@@ -93,7 +93,7 @@ struct Hasty {
     heard: Vec<Report>,
     /// Virtual time of each tick, ns, and whether the relay was closed after it.
     ticks: Vec<(u64, bool)>,
-    /// Bytes held back, so that the burst begins later within a tick.
+    /// Bytes kept, so that the burst begins later within a tick.
     delay: usize,
 }
 

@@ -20,7 +20,7 @@ const STAND: f64 = 1.0;
 /// Shares of the record that step 12 plays.
 const SHARES: [(&str, f32); 3] = [("tenth", 0.1), ("third", 1.0 / 3.0), ("full", 1.0)];
 /// Why nothing is played.
-const AT_THE_CONVERTER: &str = "the reference stands at the converter: play it there, and `device run --seconds`";
+const AT_THE_CONVERTER: &str = "the reference is at the converter: play it there, and `device run --seconds`";
 /// Flag of a record of telemetry: the table is at its velocity limit.
 const SATURATED: u16 = 1;
 
@@ -153,7 +153,7 @@ impl Oil<'_> {
         Ok(rows)
     }
 
-    /// From full speed to a stand, beside the distance that the guard reckons with.
+    /// From full speed to a stand, beside the distance that the guard assumes.
     fn stop(&mut self, record: Vec<f32>, text: &mut String) -> Result<(), Failure> {
         let before = self.play(record, text)?;
         let after = self.session.listen(Duration::from_millis(500)).map_err(failed)?;
