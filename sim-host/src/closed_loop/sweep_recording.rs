@@ -121,7 +121,10 @@ pub fn write(folder: &Path, paper: Paper, seed: u64) -> Result<PathBuf, WriteErr
     let mut text = String::from(
         "name = \"sweeps of the simulated table\"\n\n[model]\nkind = \"servo\"\n\
          # Starting values, off on purpose; `identify` finds the table's.\n\
-         b1 = 0.5\nb0 = 100.0\na1 = 40.0\nvelocity_limit = 0.3\nfit = [\"b1\", \"b0\", \"a1\", \"velocity_limit\"]\n\n\
+         b1 = 0.5\nb0 = 100.0\na1 = 40.0\nvelocity_limit = 0.3\n\
+         # The laboratory's mains hum is known, so it is part of the model.\n\
+         effects = [\"mains_hum\"]\nfit = [\"b1\", \"b0\", \"a1\", \"velocity_limit\", \"mains_hum\"]\n\n\
+         [effects.mains_hum]\nfrequency = 50.0\n\n\
          [channels]\ntime = { column = \"time\", unit = \"s\" }\nreference = { column = \"reference\", unit = \"m\" }\n\
          displacement = { column = \"displacement\", unit = \"m\", noise = 2e-5 }\n\
          acceleration = { column = \"acceleration\", unit = \"m/s2\", noise = 0.21 }\n\

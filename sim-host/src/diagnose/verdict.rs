@@ -22,8 +22,10 @@ use serde::Serialize;
 const LAST: Effort = Effort { steps: 12, tolerance: 1e-6 };
 /// Standard errors by which a channel may be worse by chance.
 const CHANCE: f64 = 4.0;
-/// How far below zero an R2 is no chance: a channel that holds noise alone has one of about zero.
-const UNSKILLED: f64 = 0.05;
+/// R2 of a channel, its noise apart, that a model must reach for names to be believed.
+const LEAST_SKILL: f64 = 0.5;
+/// Share of a channel's power from which it is too noisy to be asked.
+const NOISY: f64 = 0.5;
 /// Deviations that an effect's size must be away from none.
 const SIZE: f64 = 2.0;
 /// What is more than one half is the larger part.
@@ -43,7 +45,7 @@ pub enum Refusal {
         /// Its residual power over that of the stated model.
         ratio: f64,
     },
-    /// A judged channel is predicted worse than by its own mean, and no better than by the stated model.
+    /// A judged channel is predicted little better than by its own mean.
     NoSkill {
         /// The channel.
         channel: &'static str,
@@ -68,7 +70,9 @@ impl std::fmt::Display for Refusal {
             Self::Worse { channel, ratio } => {
                 write!(f, "the residual of {channel} has {ratio:.2} times the power that the stated model's has")
             }
-            Self::NoSkill { channel, r2 } => write!(f, "{channel} is predicted worse than by its mean, R2 {r2:.3}"),
+            Self::NoSkill { channel, r2 } => {
+                write!(f, "{channel} is predicted little better than by its mean, R2 {r2:.3}")
+            }
             Self::NoGain { share_left } => write!(f, "it leaves {:.0} % of the excess", 100.0 * share_left),
             Self::NotTold { id } => write!(f, "the size of {id} is not told from none"),
         }
@@ -226,9 +230,12 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], most_left: f64) -> 
         if ratio > 1.0 + chance {
             return Some(Refusal::Worse { channel: channel.name(), ratio });
         }
-        let r2 = 1.0 - found * found;
-        if r2 < -UNSKILLED && ratio > 1.0 - chance {
-            return Some(Refusal::NoSkill { channel: channel.name(), r2 });
+        // Share of the channel's power that is noise: what it leaves of the rest is what a model can be asked for.
+        let misfit = named.hold.channels.iter().find(|(c, ..)| *c == channel).map_or(1.0, |&(_, chi2, _)| chi2);
+        let noise = found * found / misfit.max(f64::MIN_POSITIVE);
+        let lack = (found * found - noise) / (1.0 - noise);
+        if noise < NOISY && lack > 1.0 - LEAST_SKILL {
+            return Some(Refusal::NoSkill { channel: channel.name(), r2: 1.0 - found * found });
         }
     }
     let lacks =

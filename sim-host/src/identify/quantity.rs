@@ -45,7 +45,28 @@ pub fn quantities(fit: &Fit) -> BTreeMap<String, Quantity> {
         };
         (name, Quantity { value: value.value, std, low: edge(-1.0), high: edge(1.0), unit })
     })
+    .chain(sizes(fit))
     .collect()
+}
+
+/// The sizes that follow from the runs' own values ([`Role::Size`]): the root of the mean over the runs of their sum of squares. They
+/// have no deviation, for no fit has them as a value.
+fn sizes(fit: &Fit) -> Vec<(String, Quantity)> {
+    let rigid = fit.model.kind == Kind::RigidMass;
+    let mut first = 0;
+    let mut sizes = Vec::new();
+    for placed in &fit.model.effects {
+        let parameters = placed.entry.parameters;
+        let count = parameters.iter().filter(|p| p.role == Role::PerRun).count();
+        let squares = fit.locals.iter().flat_map(|local| local.effects.iter().skip(first).take(count));
+        let size = (squares.map(|v| v.value.powi(2)).sum::<f64>() / fit.locals.len().max(1) as f64).sqrt();
+        first += count;
+        sizes.extend(parameters.iter().filter(|p| p.role == Role::Size).map(|p| {
+            let unit = if rigid { p.rigid_unit } else { p.unit };
+            (format!("{}.{}", placed.entry.id, p.key), Quantity { value: size, std: None, low: None, high: None, unit })
+        }));
+    }
+    sizes
 }
 
 /// The same with profile intervals, one a shared value in the order of [`super::model::Model::values`]. Where an end is
