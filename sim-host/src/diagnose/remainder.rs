@@ -2,6 +2,7 @@
 
 use super::judged::{Judged, disbelief};
 use super::split::Weighing;
+use super::term::Found;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::{gains, score};
 use crate::identify::model::{Placed, Prior, Yardsticks};
@@ -18,7 +19,7 @@ const LOST: f64 = 0.5;
 const LOOK: Effort = Effort { steps: 4, tolerance: 1e-3 };
 const FULL: Effort = Effort { steps: 10, tolerance: 1e-4 };
 /// Share of what the best curve alone leaves that names beside a curve must leave at most to be needed.
-const NEEDED: f64 = 0.4;
+pub(super) const NEEDED: f64 = 0.4;
 /// Curves that are taken further than a look.
 const FINALISTS: usize = 3;
 /// Share of a curve's variation at which one simple term stands for it.
@@ -46,8 +47,10 @@ pub struct Remainder {
 /// A curve with the model that holds it, as judged on the runs held back.
 #[derive(Debug, Clone)]
 pub struct Modelled {
-    /// What is reported.
-    pub remainder: Remainder,
+    /// What is reported of the curve; none where only an equation was found.
+    pub remainder: Option<Remainder>,
+    /// The equation, where it is the model.
+    pub term: Option<Found>,
     /// The model.
     pub judged: Judged,
     /// True where the effects beside the curve cannot be left to it: without them the best curve leaves far more.
@@ -98,7 +101,8 @@ pub fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<
         return Ok(None);
     }
     let rival = all.next().map(|second| second.fit);
-    Ok(described(before, &judged).map(|remainder| Modelled { remainder, judged, names_needed, rival }))
+    Ok(described(before, &judged)
+        .map(|remainder| Modelled { remainder: Some(remainder), term: None, judged, names_needed, rival }))
 }
 
 /// A curve at zero, its knots held loosely to it: what no run reaches stays there.
