@@ -17,6 +17,7 @@ pub mod locate;
 mod next_test;
 mod noise;
 mod outdone;
+pub mod planned;
 mod ranking;
 mod rejected;
 pub mod remainder;
@@ -39,10 +40,10 @@ use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
-use remainder::Modelled;
 pub use result::Diagnosis;
 use split::{Split, reopened, split};
 use std::path::Path;
+use term::Modelled;
 use verdict::Conclusion;
 
 /// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
@@ -146,7 +147,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     let location = locate::locate(&whole, &conclusion)?;
     let change = change::change(&whole, &conclusion)?;
     let modelled = modelled.filter(|_| conclusion.unlisted || conclusion.more_missing);
-    let term = modelled.as_ref().and_then(|m| term::reported(m.term.as_ref()?, &conclusion));
+    let term = modelled.as_ref().and_then(|m| term::report::reported(m.term.as_ref()?, &conclusion));
     let remainder = modelled.and_then(|m| m.remainder);
     let seconds = begun.elapsed().as_secs_f64();
     let open = result::Open { remainder, term, next_test, change, held_out_shared, seconds };

@@ -2,7 +2,6 @@
 
 use super::judged::{Judged, disbelief};
 use super::split::Weighing;
-use super::term::Found;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::{gains, score};
 use crate::identify::model::{Placed, Prior, Yardsticks};
@@ -46,21 +45,19 @@ pub struct Remainder {
 
 /// A curve with the model that holds it, as judged on the runs held back.
 #[derive(Debug, Clone)]
-pub struct Modelled {
-    /// What is reported of the curve; none where only an equation was found.
-    pub remainder: Option<Remainder>,
-    /// The equation, where it is the model.
-    pub term: Option<Found>,
+pub(super) struct Curved {
+    /// What is reported.
+    pub(super) remainder: Remainder,
     /// The model.
-    pub judged: Judged,
+    pub(super) judged: Judged,
     /// True where the effects beside the curve cannot be left to it: without them the best curve leaves far more.
-    pub names_needed: bool,
+    pub(super) names_needed: bool,
     /// The curve that came second, for the test that would tell the two apart.
-    pub rival: Option<Fit>,
+    pub(super) rival: Option<Fit>,
 }
 
 /// Fits every curve beside the best model the library has and keeps the one that foresees best; none where no curve helps.
-pub fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<Option<Modelled>, SimulateError> {
+pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<Option<Curved>, SimulateError> {
     let kind = best.fit.model.kind;
     let curves: Vec<&'static Entry> = remainder::entries().filter(|e| e.kinds.contains(&kind)).collect();
     // An effect that explains a part by chance stands in the curve's way: each is tried without it too.
@@ -101,8 +98,7 @@ pub fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<
         return Ok(None);
     }
     let rival = all.next().map(|second| second.fit);
-    Ok(described(before, &judged)
-        .map(|remainder| Modelled { remainder: Some(remainder), term: None, judged, names_needed, rival }))
+    Ok(described(before, &judged).map(|remainder| Curved { remainder, judged, names_needed, rival }))
 }
 
 /// A curve at zero, its knots held loosely to it: what no run reaches stays there.

@@ -3,9 +3,10 @@
 use super::change::Change;
 use super::judged::Judged;
 use super::locate::Location;
+use super::planned::Planned;
 use super::rejected::{Rejected, rejected};
 use super::remainder::Remainder;
-use super::term::Term;
+use super::term::report::Term;
 use super::verdict::{Conclusion, Refusal};
 use crate::identify::data::Channel;
 use crate::identify::judge::Score;
@@ -116,6 +117,11 @@ pub struct NextTest {
     pub record: String,
     /// Predicted distance of the two models on it, in standard deviations of the noise; none where it was not predicted.
     pub separation: Option<f64>,
+    /// Predicted chance that it settles the question, whichever of the models is the table; none where it was not predicted.
+    pub chance: Option<f64>,
+    /// The test as it is played.
+    #[serde(skip)]
+    pub planned: Option<Planned>,
     /// The tests that come next, each with its predicted distance.
     pub others: Vec<(String, f64)>,
 }

@@ -11,44 +11,24 @@
 //! orthogonal matching pursuit", IEEE Transactions on Information Theory 53 (2007) 4655-4666, for its greedy choice.
 
 mod grammar;
+mod naming;
 mod placing;
+pub mod report;
 mod screening;
+mod sizes;
+mod writing;
 
 use super::judged::{Judged, disbelief};
-use super::remainder::{Modelled, NEEDED, remainder};
+use super::remainder::{Curved, NEEDED, Remainder, remainder};
 use super::split::Weighing;
 use super::standing::SURE;
-use super::verdict::Conclusion;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::{gains, score};
-use crate::identify::quantity::{Quantity, quantities};
+use crate::identify::quantity::quantities;
 use crate::plant::simulate::SimulateError;
 use placing::{Piece, model_with};
 use rayon::prelude::*;
 use screening::{Candidate, screen};
-use serde::Serialize;
-use std::collections::BTreeMap;
-
-/// An equation for unlisted physics, as it is reported.
-#[derive(Debug, Clone, Serialize)]
-pub struct Term {
-    /// Identifier of the effect that it is in a model file.
-    pub id: &'static str,
-    /// Block of the signal path where it acts.
-    pub place: &'static str,
-    /// The equation.
-    pub expression: String,
-    /// The same in words.
-    pub words: String,
-    /// Its parameters with intervals.
-    pub parameters: BTreeMap<String, Quantity>,
-    /// Effects of the library that stand beside it.
-    pub beside: Vec<&'static str>,
-    /// Share of the stated model's misfit that the model with it removes, on the runs held out where there are any.
-    pub share: f64,
-    /// Share of random halves of the training in which the regression chooses the same place.
-    pub stability: f64,
-}
 
 /// An equation with the model that holds it.
 #[derive(Debug, Clone)]
@@ -58,7 +38,30 @@ pub struct Found {
     words: String,
     stability: f64,
     pieces: Vec<Piece>,
+    reach: grammar::Reach,
     judged: Judged,
+}
+
+/// A model of what the library does not hold, as judged on the validation: with an equation, or with a curve.
+#[derive(Debug, Clone)]
+pub struct Modelled {
+    /// What is reported of the curve; none where there is an equation alone.
+    pub remainder: Option<Remainder>,
+    /// The equation, where it is the model.
+    pub term: Option<Found>,
+    /// The model.
+    pub judged: Judged,
+    /// True where the effects beside it cannot be left to it: without them the best leaves far more.
+    pub names_needed: bool,
+    /// The model that came second, for the test that would tell the two apart.
+    pub rival: Option<Fit>,
+}
+
+impl From<Curved> for Modelled {
+    fn from(curve: Curved) -> Self {
+        let Curved { remainder, judged, names_needed, rival } = curve;
+        Self { remainder: Some(remainder), term: None, judged, names_needed, rival }
+    }
 }
 
 /// Most parameters of an equation.
@@ -93,15 +96,15 @@ pub(super) fn unlisted(
     let mut found = parents.map(|parent| equation(weighing, parent)).collect::<Result<Vec<_>, _>>()?;
     let alone = found.last().and_then(|f| f.as_ref()).map_or(before.hold.chi2, |f| f.judged.hold.chi2);
     found.sort_by(|a, b| chi2(a.as_ref()).total_cmp(&chi2(b.as_ref())));
-    let Some(term) = found.into_iter().flatten().next() else { return Ok(curve) };
+    let Some(term) = found.into_iter().flatten().next() else { return Ok(curve.map(Into::into)) };
     let left = |chi2: f64| (chi2 - 1.0).max(0.0);
     if let Some(curve) = &curve
         && left(term.judged.hold.chi2) > SIMPLER * left(curve.judged.hold.chi2) + NEAR
     {
-        return Ok(Some(curve.clone()));
+        return Ok(Some(curve.clone().into()));
     }
     let names_needed = !term.judged.added.is_empty() && left(term.judged.hold.chi2) < NEEDED * left(alone);
-    let (remainder, rival) = curve.map_or((None, None), |c| (c.remainder, Some(c.judged.fit)));
+    let (remainder, rival) = curve.map_or((None, None), |c| (Some(c.remainder), Some(c.judged.fit)));
     Ok(Some(Modelled { remainder, judged: term.judged.clone(), term: Some(term), names_needed, rival }))
 }
 
@@ -118,8 +121,11 @@ fn equation(weighing: &Weighing, parent: &Judged) -> Result<Option<Found>, Simul
         let used: usize = pieces.iter().map(|p| p.term.parameters()).sum();
         let sense = pieces.first().map(|p| p.term.sense);
         let candidates = screen(&base.fit, weighing, sense)?;
-        let candidates: Vec<Candidate> =
-            candidates.into_iter().filter(|c| used + c.piece.term.parameters() <= MOST).take(FITTED).collect();
+        let new = |c: &Candidate| {
+            let known = pieces.iter().any(|p| p.term == c.piece.term);
+            !known && used + c.piece.term.parameters() <= MOST
+        };
+        let candidates: Vec<Candidate> = candidates.into_iter().filter(new).take(FITTED).collect();
         let share = if best.is_some() { MORE } else { WORTH };
         let Some(found) = fitted(weighing, parent, (base, &pieces), candidates, share)? else { return Ok(best) };
         let full = found.pieces.iter().map(|p| p.term.parameters()).sum::<usize>() >= MOST;
@@ -163,7 +169,7 @@ fn fitted(
     all.sort_by(|a, b| a.0.hold.chi2.total_cmp(&b.0.hold.chi2));
     for (judged, pieces, candidate) in all {
         if let Some(found) = worth(base, judged, pieces, &candidate, share) {
-            return Ok(Some(found));
+            return Ok(Some(Found { reach, ..found }));
         }
     }
     Ok(None)
@@ -191,7 +197,8 @@ fn worth(base: &Judged, judged: Judged, pieces: Vec<Piece>, candidate: &Candidat
         return None;
     }
     let words = words(place, &pieces);
-    Some(Found { id, place, words, stability: candidate.stability, pieces, judged })
+    let reach = grammar::Reach::default();
+    Some(Found { id, place, words, stability: candidate.stability, pieces, reach, judged })
 }
 
 /// The sentence that says what an equation is.
@@ -207,20 +214,5 @@ fn words(place: &str, pieces: &[Piece]) -> String {
     format!("At the {place}, {gives}: {}.", each.join("; and "))
 }
 
-/// What is reported of an equation that is part of the model handed on; none where it is not.
-pub(super) fn reported(found: &Found, conclusion: &Conclusion) -> Option<Term> {
-    let fit = &conclusion.after.fit;
-    let placed = fit.model.effects.iter().find(|p| p.entry.id == found.id)?;
-    let prefix = format!("{}.", found.id);
-    let own = |(key, q): (String, Quantity)| Some((key.strip_prefix(&prefix)?.to_owned(), q));
-    Some(Term {
-        id: found.id,
-        place: found.place,
-        expression: placed.entry.equation.to_owned(),
-        words: found.words.clone(),
-        parameters: quantities(fit).into_iter().filter_map(own).collect(),
-        beside: found.judged.added.clone(),
-        share: 1.0 - conclusion.left(),
-        stability: found.stability,
-    })
-}
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 //! The page of a diagnosis: what differs, where, what it is, how much better the model with it foresees.
 
 use super::super::traces::{self, left, over_frequency, over_time};
-use super::{change, place, set_up};
+use super::{change, place, set_up, term};
 use shakedown::diagnose::remainder::Remainder;
 use shakedown::diagnose::result::{NamedEffect, NextTest, Verdict};
 use shakedown::diagnose::{Diagnosis, Examined};
@@ -19,6 +19,7 @@ pub(super) fn page(name: &str, examined: &Examined) -> Page {
         sections.push(findings(diagnosis));
     }
     sections.extend(set_up::section(diagnosis));
+    sections.extend(diagnosis.term.as_ref().map(term::section));
     if let Some(remainder) = &diagnosis.remainder {
         sections.push(curve(remainder));
     }
@@ -78,7 +79,8 @@ fn advice(diagnosis: &Diagnosis) -> Vec<String> {
             .take(3)
             .map(|s| format!("Correct the experiment: {}.", s.sentence())),
     );
-    let found = diagnosis.remainder.is_some() || diagnosis.effects.iter().any(|effect| effect.id != "unlisted");
+    let modelled = diagnosis.remainder.is_some() || diagnosis.term.is_some();
+    let found = modelled || diagnosis.effects.iter().any(|effect| effect.id != "unlisted");
     if diagnosis.verdict == Verdict::Mismatch && found {
         advice.push("Write the model with what was found, `shakedown diagnose EXPERIMENT.toml --model table.toml`, and fit records and gains to it: \
                      `shakedown modify RECORD --table table.toml`, `shakedown design table.toml`.".into());
@@ -106,9 +108,13 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
                     |refusal| format!(" The nearest it holds, {ids}, fails on the runs that judge: {refusal}."),
                 )
             });
-            let curve = diagnosis.remainder.as_ref().map_or(String::new(), |r| {
-                format!(" A curve through what is left, {}, brings that to {:.0} %.", r.equation, 100.0 * r.share)
-            });
+            let curve = match (&diagnosis.term, &diagnosis.remainder) {
+                (Some(term), _) => format!(" {}", term::sentence(term)),
+                (None, Some(r)) => {
+                    format!(" A curve through what is left, {}, brings that to {:.0} %.", r.equation, 100.0 * r.share)
+                }
+                (None, None) => String::new(),
+            };
             format!("The model lacks physics that the library does not hold.{part}{curve}")
         }
         Verdict::Mismatch => {
@@ -176,7 +182,7 @@ fn refitted(examined: &Examined) -> BTreeMap<String, Quantity> {
 }
 
 /// Values with their intervals.
-fn quantities(values: &BTreeMap<String, Quantity>, caption: &str) -> Table {
+pub(super) fn quantities(values: &BTreeMap<String, Quantity>, caption: &str) -> Table {
     let rows = values.iter().map(|(key, q)| {
         let size = q.std.unwrap_or(f64::NAN);
         let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits::to(x, size));

@@ -1,7 +1,8 @@
 //! Terms of the grammar as effects of a model.
 
 use super::super::split::Weighing;
-use super::grammar::{Form, Memory, Reach, Term, stated};
+use super::grammar::{Form, Memory, Reach, Term};
+use super::writing::stated;
 use crate::identify::data::Channel;
 use crate::identify::model::{Model, Placed, Value};
 use crate::plant::effects::Entry;
@@ -74,8 +75,7 @@ pub(super) fn idle(term: Term, of: usize, shape: &[f64], reach: &Reach) -> Optio
     let screening = (term.form == Form::Wave).then_some(of);
     let entry = entry(&[term], screening)?;
     let most = term.most(reach);
-    let mut values =
-        vec![Value { value: 0.0, low: -most, high: most, positive: false, free: true, prior: None }];
+    let mut values = vec![Value { value: 0.0, low: -most, high: most, positive: false, free: true, prior: None }];
     values.extend(shape.iter().map(|&value| Value::fixed(value)));
     (values.len() == entry.parameters.len()).then_some(Placed { entry, values })
 }

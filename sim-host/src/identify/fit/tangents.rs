@@ -195,12 +195,7 @@ impl<'a> Tangents<'a> {
 
     /// Regresses some columns of an addition on the stretches that are `taken`; none where nothing of them is left beside the
     /// fit's own parameters.
-    pub fn regress(
-        &self,
-        addition: &Addition,
-        columns: &[usize],
-        taken: impl Fn(usize) -> bool,
-    ) -> Option<Regressed> {
+    pub fn regress(&self, addition: &Addition, columns: &[usize], taken: impl Fn(usize) -> bool) -> Option<Regressed> {
         let (n, width) = (self.fit.normal.gradient.len(), columns.len());
         let (mut own, mut gradient) = self.prior.clone();
         let (mut cross, mut matrix) = (DMatrix::zeros(n, width), DMatrix::zeros(width, width));

@@ -10,15 +10,17 @@ mod dimension;
 mod expression;
 mod finite;
 mod grammar;
+mod memory;
 mod program;
 mod register;
+mod state;
 
 pub(super) use act::build;
 pub(in super::super) use act::is_force;
 pub use dimension::Dimension;
 pub use finite::NotFinite;
-pub use program::State;
 pub use register::{Taken, found, register};
+pub use state::State;
 
 use super::{Ends, Entry, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;

@@ -2,8 +2,10 @@
 
 use super::super::bristle::Bristles;
 use super::super::{Dither, Effect, Flow, Hooks, Instant};
-use super::program::{Memory, Program, Seen};
+use super::memory::Memory;
+use super::program::Program;
 use super::register::registered;
+use super::state::Seen;
 use super::{Sense, State};
 use crate::scalar::Scalar;
 
@@ -23,7 +25,7 @@ pub(in crate::plant::effects) fn build<S: Scalar>(id: &str, parameters: &[S]) ->
     let bristles = known.own.program.uses(State::VelocitySign).then(|| Bristles::new(S::from(PRESLIDING)));
     let (program, sense) = (&known.own.program, known.own.sense);
     let fastest = fastest(program, &parameters, divisor, sense);
-    let (seen, memory, place) = (Seen::none(), Memory::of(program), None);
+    let (seen, memory, place) = (Seen::none(), Memory::new(program.memories()), None);
     let idle = (program.is_scaled() && parameters[0].value() == 0.0).then(|| Idle::of(program, &parameters));
     Some(Box::new(Acting { program, sense, parameters, divisor, bristles, memory, idle, seen, place, fastest }))
 }
@@ -64,7 +66,7 @@ impl Idle {
     fn of<S: Scalar>(program: &Program, parameters: &[S]) -> Self {
         let mut parameters: Vec<f64> = parameters.iter().map(|p| p.value()).collect();
         parameters[0] = 1.0;
-        Self { parameters, memory: Memory::of(program) }
+        Self { parameters, memory: Memory::new(program.memories()) }
     }
 }
 
@@ -171,7 +173,7 @@ fn fastest<S: Scalar>(program: &Program, parameters: &[S], divisor: S, sense: Se
         return 0.0;
     }
     let parameters: Vec<f64> = parameters.iter().map(|p| p.value()).collect();
-    let memory = Memory::at_zero(program);
+    let memory = Memory::at_zero(program.memories());
     let force = |x: f64, v: f64, s: f64| {
         let seen = Seen { displacement: x, velocity: v, velocity_sign: s, ..Seen::none() };
         program.value(&seen, &parameters, &memory, 0.0) / divisor.value()

@@ -1,129 +1,9 @@
 //! An expression made ready to be evaluated on any scalar: its steps in the order in which they are taken.
 
-use super::dimension::Dimension;
 use super::expression::{Function, Operation, Tree};
+use super::memory::Memory;
+use super::state::{Seen, State};
 use crate::scalar::Scalar;
-
-/// What of the plant an expression can see.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
-    /// Displacement of the table, m.
-    Displacement,
-    /// Velocity, m/s.
-    Velocity,
-    /// Acceleration that the accelerometer would show, m/s2.
-    Acceleration,
-    /// The command, unit of u.
-    Command,
-    /// Sign of the velocity as a dry contact has it, -1 to 1.
-    VelocitySign,
-    /// Way travelled since the start, m.
-    Path,
-    /// Time since the start, s.
-    Time,
-}
-
-impl State {
-    /// Every state.
-    pub const ALL: [Self; 7] = [
-        Self::Displacement,
-        Self::Velocity,
-        Self::Acceleration,
-        Self::Command,
-        Self::VelocitySign,
-        Self::Path,
-        Self::Time,
-    ];
-
-    /// Its name in files and expressions.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement",
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::Command => "command",
-            Self::VelocitySign => "velocity_sign",
-            Self::Path => "path",
-            Self::Time => "time",
-        }
-    }
-
-    /// The state of a name, or of the symbol by which textbooks call it.
-    pub(super) fn named(name: &str) -> Option<Self> {
-        let symbol = match name {
-            "x" => "displacement",
-            "v" => "velocity",
-            "a" => "acceleration",
-            "u" => "command",
-            "t" => "time",
-            other => other,
-        };
-        Self::ALL.into_iter().find(|state| state.name() == symbol)
-    }
-
-    pub(super) fn dimension(self) -> Dimension {
-        match self {
-            Self::Displacement | Self::Path => Dimension::LENGTH,
-            Self::Velocity => Dimension::VELOCITY,
-            Self::Acceleration => Dimension::ACCELERATION,
-            Self::Command => Dimension::COMMAND,
-            Self::VelocitySign => Dimension::NONE,
-            Self::Time => Dimension::TIME,
-        }
-    }
-}
-
-/// The values of every state.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Seen<S> {
-    pub(super) displacement: S,
-    pub(super) velocity: S,
-    pub(super) acceleration: S,
-    pub(super) command: S,
-    pub(super) velocity_sign: S,
-    pub(super) path: S,
-    pub(super) time: f64,
-}
-
-impl<S: Scalar> Seen<S> {
-    pub(super) fn none() -> Self {
-        let zero = S::from(0.0);
-        Self {
-            displacement: zero,
-            velocity: zero,
-            acceleration: zero,
-            command: zero,
-            velocity_sign: zero,
-            path: zero,
-            time: 0.0,
-        }
-    }
-
-    /// The values alone.
-    pub(super) fn plain(&self) -> Seen<f64> {
-        Seen {
-            displacement: self.displacement.value(),
-            velocity: self.velocity.value(),
-            acceleration: self.acceleration.value(),
-            command: self.command.value(),
-            velocity_sign: self.velocity_sign.value(),
-            path: self.path.value(),
-            time: self.time,
-        }
-    }
-
-    fn of(&self, state: State) -> S {
-        match state {
-            State::Displacement => self.displacement,
-            State::Velocity => self.velocity,
-            State::Acceleration => self.acceleration,
-            State::Command => self.command,
-            State::VelocitySign => self.velocity_sign,
-            State::Path => self.path,
-            State::Time => S::from(self.time),
-        }
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Step {
@@ -152,51 +32,6 @@ pub(super) struct Program {
     scaled: bool,
 }
 
-/// What the lags and plays of a program hold.
-#[derive(Debug, Clone)]
-pub(super) struct Memory<S> {
-    held: Vec<S>,
-    begun: bool,
-}
-
-impl<S: Scalar> Memory<S> {
-    /// Of a program that has seen nothing yet: everything is at rest where it is.
-    pub(super) fn of(program: &Program) -> Self {
-        Self { held: vec![S::from(0.0); program.memories], begun: false }
-    }
-
-    /// All at zero, as if the past had been there.
-    pub(super) fn at_zero(program: &Program) -> Self {
-        Self { begun: true, ..Self::of(program) }
-    }
-
-    /// What follows `input` now, `elapsed` seconds after the memory was settled.
-    fn follow(&self, (how, slot): (Operation, usize), input: S, by: S, elapsed: f64) -> S {
-        let side = |held: S| {
-            let (input, by) = (input.value(), by.value());
-            if input > by {
-                S::from(1.0)
-            } else if input < -by {
-                S::from(-1.0)
-            } else {
-                held
-            }
-        };
-        let Some(held) = self.held.get(slot).copied().filter(|_| self.begun) else {
-            return if how == Operation::Relay { side(S::from(0.0)) } else { input };
-        };
-        match how {
-            Operation::Relay => side(held),
-            Operation::Lag if elapsed <= 0.0 => held,
-            Operation::Lag => input + (held - input) * (-(S::from(elapsed) / by.max(S::from(SHORTEST)))).exp(),
-            _ => held.max(input - by).min(input + by),
-        }
-    }
-}
-
-/// Shortest lag, s: a shorter one is none.
-const SHORTEST: f64 = 1e-6;
-
 impl Program {
     /// Of a tree whose names are looked up.
     pub(super) fn of(tree: &Tree) -> Result<Self, String> {
@@ -223,6 +58,11 @@ impl Program {
         self.scaled
     }
 
+    /// Memories that its lags, plays and relays need.
+    pub(super) fn memories(&self) -> usize {
+        self.memories
+    }
+
     /// True where its value depends on what was before.
     pub(super) fn remembers(&self) -> bool {
         self.memories > 0
@@ -235,15 +75,13 @@ impl Program {
 
     /// Takes what is seen into its memory, `elapsed` seconds after the last time.
     pub(super) fn settle<S: Scalar>(&self, seen: &Seen<S>, parameters: &[S], memory: &mut Memory<S>, elapsed: f64) {
-        let mut held = memory.held.clone();
+        let mut next = memory.settled();
         self.evaluate(seen, parameters, |place, input, by| {
             let now = memory.follow(place, input, by, elapsed);
-            if let Some(slot) = held.get_mut(place.1) {
-                *slot = now;
-            }
+            next.hold(place.1, now);
             now
         });
-        *memory = Memory { held, begun: true };
+        *memory = next;
     }
 
     fn evaluate<S: Scalar>(
