@@ -19,7 +19,9 @@ pub(super) fn page(name: &str, examined: &Examined) -> Page {
         sections.push(findings(diagnosis));
     }
     sections.extend(set_up::section(diagnosis));
-    sections.extend(diagnosis.term.as_ref().map(term::section));
+    if let Some(term) = &diagnosis.term {
+        sections.push(term::section(term, quantities(&term.parameters, "Parameters of the equation")));
+    }
     if let Some(remainder) = &diagnosis.remainder {
         sections.push(curve(remainder));
     }
@@ -182,7 +184,7 @@ fn refitted(examined: &Examined) -> BTreeMap<String, Quantity> {
 }
 
 /// Values with their intervals.
-pub(super) fn quantities(values: &BTreeMap<String, Quantity>, caption: &str) -> Table {
+fn quantities(values: &BTreeMap<String, Quantity>, caption: &str) -> Table {
     let rows = values.iter().map(|(key, q)| {
         let size = q.std.unwrap_or(f64::NAN);
         let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits::to(x, size));

@@ -1,8 +1,7 @@
 //! The equation found for physics that the library does not hold, as a report shows it.
 
-use super::page::quantities;
 use shakedown::diagnose::term::report::{Curve, Term};
-use shakedown::report::{Axis, Item, Plot, Section, Series, Style};
+use shakedown::report::{Axis, Item, Plot, Section, Series, Style, Table};
 
 /// What it is and how much it explains, in a sentence or two.
 pub(super) fn sentence(term: &Term) -> String {
@@ -10,7 +9,7 @@ pub(super) fn sentence(term: &Term) -> String {
 }
 
 /// Equation, words, parameters with intervals, and how to keep it.
-pub(super) fn section(term: &Term) -> Section {
+pub(super) fn section(term: &Term, parameters: Table) -> Section {
     let beside = match term.beside.as_slice() {
         [] => String::new(),
         names => format!(" It stands beside {}.", names.join(" and ")),
@@ -23,8 +22,7 @@ pub(super) fn section(term: &Term) -> Section {
         100.0 * term.stability,
         term.id
     );
-    let table = quantities(&term.parameters, "Parameters of the equation");
-    let mut items = vec![Item::Text(text), Item::Table(table)];
+    let mut items = vec![Item::Text(text), Item::Table(parameters)];
     items.extend(term.curves.iter().map(|curve| Item::Plot(plot(curve))));
     items.push(Item::Note(stable));
     Section { heading: "What is left, as an equation".into(), items }

@@ -15,9 +15,9 @@ use rayon::prelude::*;
 /// Coefficients in one simulation: as many as a dual number of the largest size holds.
 const BATCH: usize = 24;
 /// Samples that a screening looks at, about: the runs that leave most, until they have so many.
-const LOOKED: usize = 16_000;
+const LOOKED: usize = 6_000;
 /// Places with a state, of which forms with memory and waves are tried too.
-const RICHER: usize = 6;
+const RICHER: usize = 4;
 /// Candidates of one place and state that are handed on.
 const ALIKE: usize = 2;
 /// What each further parameter must add to a gain, as a share of it.

@@ -121,7 +121,8 @@ pub(super) fn stated(terms: &[Term], screening: Option<usize>) -> Option<Stated>
         let mut expression = term.expression(&names);
         let mut kept = names;
         if let (Form::Wave, Some(of)) = (term.form, screening) {
-            expression = expression.split(" + ").nth(of)?.to_owned();
+            let part = expression.split(" + ").nth(of)?.to_owned();
+            expression = part;
             kept = vec![kept.get(of)?.clone()];
             id += ["_cos", "_sin"].get(of)?;
         }
@@ -133,7 +134,7 @@ pub(super) fn stated(terms: &[Term], screening: Option<usize>) -> Option<Stated>
         match term.memory {
             Memory::None => {}
             Memory::Lag | Memory::Late => {
-                parameters.push(parameter(format!("{MEMORY}_{slug}"), "s".into(), [1e-4, 1e2, 0.1]))
+                parameters.push(parameter(format!("{MEMORY}_{slug}"), "s".into(), [1e-4, 1e2, 0.1]));
             }
             _ => parameters.push(parameter(format!("{MEMORY}_{slug}"), unit, [1e-9, 1e2, 0.1])),
         }

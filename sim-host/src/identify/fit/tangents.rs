@@ -134,7 +134,7 @@ impl<'a> Tangents<'a> {
     }
 
     /// The tangent of what `model` has beyond the fit: of every free value of its effects that the fit has not. None where it
-    /// has none or a simulation runs away.
+    /// has none.
     pub fn addition(&self, model: &Model) -> Result<Option<Addition>, SimulateError> {
         let known = self.fit.model.ids();
         let mut narrow = model.clone();
@@ -149,10 +149,11 @@ impl<'a> Tangents<'a> {
         let effects = narrow.effects.iter_mut().flat_map(|placed| &mut placed.values);
         effects.zip(&frees).for_each(|(value, free)| value.free = *free);
         let width = frees.iter().filter(|free| **free).count();
-        let tangents = self.columns(&narrow)?;
-        if width == 0 || tangents.iter().flatten().any(|x| !x.is_finite()) {
+        if width == 0 {
             return Ok(None);
         }
+        let mut tangents = self.columns(&narrow)?;
+        silence_runaways(&mut tangents, width);
         let (n, shared) = (self.fit.normal.gradient.len(), self.shared());
         let mut stretches = Vec::new();
         self.each_stretch(|i, range, own, first| {
@@ -242,5 +243,16 @@ impl<'a> Tangents<'a> {
         let values = matrix.cholesky()?.solve(&towards);
         let gain = values.dot(&towards);
         gain.is_finite().then(|| Regressed { gain, values: values.iter().copied().collect() })
+    }
+}
+
+/// Makes nothing of a column whose sensitivity runs away: it explains nothing.
+fn silence_runaways(tangents: &mut [Vec<f32>], width: usize) {
+    let runs_away = |w: usize| tangents.iter().any(|t| t.iter().skip(w).step_by(width).any(|x| !x.is_finite()));
+    let silent: Vec<bool> = (0..width).map(runs_away).collect();
+    for tangent in tangents {
+        for (_, x) in tangent.iter_mut().enumerate().filter(|(i, _)| silent[i % width]) {
+            *x = 0.0;
+        }
     }
 }
