@@ -17,6 +17,7 @@ pub mod locate;
 mod next_test;
 mod noise;
 mod outdone;
+pub mod planned;
 mod ranking;
 mod rejected;
 pub mod remainder;
@@ -27,6 +28,7 @@ pub mod search;
 mod split;
 mod standing;
 mod structure;
+pub mod term;
 pub mod verdict;
 
 use crate::identify::data::Run;
@@ -38,10 +40,10 @@ use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
-use remainder::Modelled;
 pub use result::Diagnosis;
 use split::{Split, reopened, split};
 use std::path::Path;
+use term::Modelled;
 use verdict::Conclusion;
 
 /// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
@@ -144,10 +146,15 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     let next_test = next_test::next_test(&whole, &conclusion, modelled.as_ref())?;
     let location = locate::locate(&whole, &conclusion)?;
     let change = change::change(&whole, &conclusion)?;
-    let remainder = modelled.filter(|_| conclusion.unlisted || conclusion.more_missing).map(|m| m.remainder);
+    let modelled = modelled.filter(|_| conclusion.unlisted || conclusion.more_missing);
+    let term = modelled.as_ref().and_then(|m| term::report::reported(m.term.as_ref()?, &conclusion));
+    let remainder = modelled.and_then(|m| m.remainder);
     let seconds = begun.elapsed().as_secs_f64();
-    let open = result::Open { remainder, next_test, change, held_out_shared, seconds };
+    let open = result::Open { remainder, term, next_test, change, held_out_shared, seconds };
     let mut diagnosis = result::assemble(&whole, &conclusion, location, open, &findings);
+    if let Some(term) = diagnosis.term.as_ref().filter(|_| conclusion.unlisted) {
+        diagnosis.location.block = Some(term.place);
+    }
     diagnosis.set_up = set_up.findings;
     diagnosis.set_up.extend(far_from_stated(experiment, &conclusion.after.fit));
     diagnosis.set_up.extend(conclusion.decision.noise.clone());
@@ -207,10 +214,10 @@ fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
     if modelled.is_none() && decision.unlisted {
         options.say("modelling what the library does not hold", 0.93);
         let beside = decision.partial.as_ref().unwrap_or(&decision.before);
-        modelled = remainder::remainder(&weighing, &decision.before, beside)?;
+        modelled = term::unlisted(&weighing, &decision.before, beside)?;
     }
     if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed) {
-        decision.name_beside_more(&modelled.remainder.beside);
+        decision.name_beside_more(&modelled.judged.added);
     }
     let conclusion = verdict::verdict(&whole, weighing.fitted(), decision, modelled.as_ref(), test)?;
     Ok(Concluded { whole, conclusion, modelled, held_out_shared: false })

@@ -1,9 +1,11 @@
 //! `shakedown diagnose`: where model and recordings part, what physics was left out, how much better it fits.
 
 mod change;
+mod next;
 pub(super) mod page;
 mod place;
 mod set_up;
+mod term;
 
 use super::output::{Outputs, print, write_whole};
 use super::places::place;
@@ -20,7 +22,9 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   shakedown diagnose experiment.toml
   shakedown diagnose experiment.toml --report diagnosis.html --model table.toml
-  shakedown diagnose experiment.toml --json - | jq .effects")]
+  shakedown diagnose experiment.toml --json - | jq .effects
+  shakedown diagnose experiment.toml --next next          writes the test that would settle what is open
+  shakedown diagnose experiment.toml --with next/run.toml takes its recording beside the others")]
 pub(crate) struct Args {
     /// The experiment: model, channels, runs (`shakedown init` writes one).
     #[arg(value_name = "EXPERIMENT.toml")]
@@ -28,14 +32,20 @@ pub(crate) struct Args {
     /// Writes the model with what was found, for `run`, `identify`, `modify` and `table1`.
     #[arg(long, value_name = "FILE", value_parser = place())]
     model: Option<PathBuf>,
+    /// Writes the proposed next test: `drive.csv`, `scenario.toml` with the model found, and `run.toml` for `--with`.
+    #[arg(long, value_name = "DIR", value_parser = place())]
+    next: Option<PathBuf>,
+    /// Adds the runs of a file of `[[runs]]`, as `--next` writes one; may be repeated.
+    #[arg(long, value_name = "RUN.toml")]
+    with: Vec<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
 }
 
 /// Diagnoses and shows what came out.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let experiment =
-        Experiment::load(&args.experiment).map_err(|e| failure::refused(&args.experiment, e, failure::EXPERIMENT))?;
+    let experiment = Experiment::load_with(&args.experiment, &args.with)
+        .map_err(|e| failure::refused(&args.experiment, e, failure::EXPERIMENT))?;
     super::source::told(&experiment);
     let spinner = progress::spinner("reading".into());
     let say = |what: &str, _share: f64| spinner.set_message(what.to_owned());
@@ -46,6 +56,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     args.outputs.write_report(&mut page::page(&experiment.name, &examined), &experiment.inputs)?;
     if let Some(path) = &args.model {
         write_whole(path, examined.augmented(&experiment.model).to_toml().as_bytes())?;
+    }
+    if let Some(folder) = &args.next {
+        next::write(folder, &experiment, &examined)?;
     }
     if !args.outputs.quiet() {
         print(&summary(&examined.diagnosis, &examined));
@@ -71,6 +84,9 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
             let unit = if q.unit == "1" { String::new() } else { format!(" {}", q.unit) };
             let _ = writeln!(text, "    {key} = {}{spread}{unit}", digits::to(q.value, q.std.unwrap_or(f64::NAN)));
         }
+    }
+    if let Some(term) = &diagnosis.term {
+        let _ = writeln!(text, "\n  {}\n    removes {:.0} % of the misfit", term.words, 100.0 * term.share);
     }
     for finding in &diagnosis.findings {
         let _ = writeln!(text, "\n  {}, {}: {}\n    {}", finding.run, finding.channel, finding.problem, finding.remedy);

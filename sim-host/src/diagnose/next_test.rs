@@ -3,8 +3,10 @@
 
 mod catalogue;
 
-use super::remainder::Modelled;
+use super::calibration::CALIBRATION;
+use super::planned::Planned;
 use super::result::NextTest;
+use super::term::Modelled;
 use super::verdict::Conclusion;
 use crate::identify::data::Run;
 use crate::identify::evaluate::{Local, predict};
@@ -18,14 +20,26 @@ use rayon::prelude::*;
 
 /// Tests named beside the best one.
 const NAMED: usize = 4;
+/// Other models of the accepted one's size that a test is to exclude, at most.
+const OTHERS: usize = 2;
+/// Share of the accepted model's belief below which another needs no test.
+const EXCLUDED: f64 = 0.02;
+/// The largest chance that is stated: no equation is the table's own, and what its form leaves may look like its rival.
+const SUREST: f64 = 0.95;
 
-/// Two models that a test is to tell apart.
+/// The accepted model and those that a test is to tell from it, the closest first.
 struct Rivals<'a> {
     accepted: &'a Fit,
-    rival: &'a Fit,
+    others: Vec<&'a Fit>,
 }
 
-/// A test with the distance it is predicted to make, in standard deviations.
+impl Rivals<'_> {
+    fn closest(&self) -> Option<&Fit> {
+        self.others.first().copied()
+    }
+}
+
+/// A test with the least distance it is predicted to make between the accepted model and another, in standard deviations.
 struct Foreseen {
     shape: Shape,
     gains: Gains,
@@ -44,15 +58,27 @@ pub(super) fn next_test(
         return Ok(by_the_book(&rivals));
     }
     let reach = Reach::of(prepared, &rivals.accepted.model);
-    let as_it_ran = foresee(&rivals, pattern, &reach, &catalogue::shapes(pattern, &reach), Gains::AsTheyWere)?;
+    let as_it_ran = foresee_all(&rivals, pattern, &reach, &catalogue::shapes(pattern, &reach), Gains::AsTheyWere)?;
     let best: Vec<Shape> = as_it_ran.iter().take(NAMED).map(|f| f.shape).collect();
-    let mut all = foresee(&rivals, pattern, &reach, &best, Gains::Halved)?;
+    let mut all = foresee_all(&rivals, pattern, &reach, &best, Gains::Halved)?;
     all.extend(as_it_ran);
+    all.sort_by(|a, b| b.distance.total_cmp(&a.distance));
+    all.truncate(NAMED + 1);
+    // Each of the best is simulated with the rival as the truth too: what one follows the other may not.
+    let turned = turned(&rivals, pattern, &reach, &all)?;
+    for (test, distance) in all.iter_mut().zip(turned) {
+        test.distance = test.distance.min(distance);
+    }
     all.sort_by(|a, b| b.distance.total_cmp(&a.distance));
     Ok(all.first().map(|best| NextTest {
         why: why(&rivals, best.distance),
         record: catalogue::in_words(best.shape, best.gains, &reach),
         separation: Some(best.distance),
+        chance: Some(settles(best.distance)),
+        planned: Some(Planned::of(
+            &catalogue::run(pattern, best.shape, best.gains, &reach),
+            best.gains == Gains::Halved,
+        )),
         others: all
             .iter()
             .skip(1)
@@ -69,43 +95,84 @@ fn rivals<'a>(conclusion: &'a Conclusion, modelled: Option<&'a Modelled>) -> Opt
     }
     if conclusion.unlisted {
         let modelled = modelled?;
-        return Some(Rivals { accepted: &modelled.judged.fit, rival: modelled.rival.as_ref()? });
+        return Some(Rivals { accepted: &modelled.judged.fit, others: vec![modelled.rival.as_ref()?] });
     }
     // Both as fitted to the training, so that their squares compare.
     let accepted = &conclusion.decision.after;
     let other = |c: &&super::judged::Judged| c.added.len() == accepted.added.len() && c.added != accepted.added;
-    let rival = conclusion.decision.candidates.iter().find(other)?;
-    Some(Rivals { accepted: &accepted.fit, rival: &rival.fit })
+    let all: Vec<_> = conclusion.decision.candidates.iter().filter(other).collect();
+    let open = |c: &&&super::judged::Judged| c.probability > EXCLUDED * accepted.probability;
+    let others: Vec<&Fit> =
+        all.iter().take(1).chain(all.iter().skip(1).filter(open)).take(OTHERS).map(|c| &c.fit).collect();
+    (!others.is_empty()).then_some(Rivals { accepted: &accepted.fit, others })
+}
+
+/// The chance that a test settles the question: that the log odds of the true model over another, which are distributed about
+/// half the squared distance with the distance as their deviation, pass what counts as a tie.
+fn settles(distance: f64) -> f64 {
+    if distance <= 0.0 {
+        return 0.0;
+    }
+    let z = (0.5 * distance * distance - CALIBRATION.tie) / distance;
+    // The logistic curve that comes nearest to the normal distribution's: within a hundredth.
+    SUREST / (1.0 + (-1.702 * z).exp())
 }
 
 /// What the library says of a pair that cannot be simulated from a reference.
 fn by_the_book(rivals: &Rivals) -> Option<NextTest> {
-    let id = differ(&rivals.accepted.model, &rivals.rival.model).into_iter().next()?;
+    let id = differ(&rivals.accepted.model, &rivals.closest()?.model).into_iter().next()?;
     let why = format!("{}; its size was not predicted, for these runs are driven by what was measured", aim(rivals));
-    Some(NextTest { why, record: entry(id)?.test.to_owned(), separation: None, others: Vec::new() })
+    Some(NextTest {
+        why,
+        record: entry(id)?.test.to_owned(),
+        separation: None,
+        chance: None,
+        planned: None,
+        others: Vec::new(),
+    })
 }
 
-fn foresee(
+/// Distances that tests are predicted to make between the accepted model, as the truth, and the closest of the others.
+fn foresee_all(
     rivals: &Rivals,
     pattern: &Run,
     reach: &Reach,
     shapes: &[Shape],
     gains: Gains,
 ) -> Result<Vec<Foreseen>, SimulateError> {
-    let distance = |&shape: &Shape| -> Result<Foreseen, SimulateError> {
-        let mut run = catalogue::run(pattern, shape, gains, reach);
-        let model = &rivals.accepted.model;
-        let seen = predict(model, &run, &Local::start(model, &run))?;
-        for (measured, values) in run.measured.iter_mut().zip(seen.channels) {
-            measured.judged &= values.iter().all(|v| v.is_finite());
-            measured.values = values;
-        }
-        Ok(Foreseen { shape, gains, distance: rivals.rival.parted_by(&run)?.sqrt() })
+    let foreseen = |&shape: &Shape| -> Result<Foreseen, SimulateError> {
+        let run = played(&rivals.accepted.model, catalogue::run(pattern, shape, gains, reach))?;
+        let parted = rivals.others.iter().map(|other| Ok(other.parted_by(&run)?.sqrt()));
+        let parted = parted.collect::<Result<Vec<f64>, SimulateError>>()?;
+        Ok(Foreseen { shape, gains, distance: parted.into_iter().fold(f64::INFINITY, f64::min) })
     };
-    let mut all = shapes.par_iter().map(distance).collect::<Result<Vec<_>, _>>()?;
+    let mut all = shapes.par_iter().map(foreseen).collect::<Result<Vec<_>, _>>()?;
     all.retain(|f| f.distance.is_finite());
     all.sort_by(|a, b| b.distance.total_cmp(&a.distance));
     Ok(all)
+}
+
+/// The same for the best tests with each other model as the truth and the accepted one following it.
+fn turned(rivals: &Rivals, pattern: &Run, reach: &Reach, tests: &[Foreseen]) -> Result<Vec<f64>, SimulateError> {
+    let turn = |test: &Foreseen| -> Result<f64, SimulateError> {
+        let parted = rivals.others.iter().map(|other| {
+            let run = played(&other.model, catalogue::run(pattern, test.shape, test.gains, reach))?;
+            let distance = rivals.accepted.parted_by(&run)?.sqrt();
+            Ok(if distance.is_finite() { distance } else { 0.0 })
+        });
+        Ok(parted.collect::<Result<Vec<f64>, SimulateError>>()?.into_iter().fold(f64::INFINITY, f64::min))
+    };
+    tests.par_iter().map(turn).collect()
+}
+
+/// A test as it would be recorded were this model the table.
+fn played(model: &Model, mut run: Run) -> Result<Run, SimulateError> {
+    let seen = predict(model, &run, &Local::start(model, &run))?;
+    for (measured, values) in run.measured.iter_mut().zip(seen.channels) {
+        measured.judged &= values.iter().all(|v| v.is_finite());
+        measured.values = values;
+    }
+    Ok(run)
 }
 
 /// Effects of the first model that the second has not.
@@ -119,17 +186,34 @@ fn aim(rivals: &Rivals) -> String {
         let ids = differ(model, other);
         if ids.is_empty() { "the rest of the model".to_owned() } else { ids.join(" with ") }
     };
-    let (accepted, rival) = (&rivals.accepted.model, &rivals.rival.model);
+    let accepted = &rivals.accepted.model;
+    let Some(rival) = rivals.closest().map(|fit| &fit.model) else { return String::new() };
     let curve = remainder::entries().any(|e| accepted.ids().contains(&e.id));
     let what = if curve { "to tell what the unlisted part follows, " } else { "to part " };
     format!("{what}{} from {}", side(accepted, rival), side(rival, accepted))
 }
 
 fn why(rivals: &Rivals, distance: f64) -> String {
-    let at_hand = (rivals.rival.squares - rivals.accepted.squares).max(0.0).sqrt();
+    let squares = rivals.closest().map_or(f64::NAN, |fit| fit.squares);
+    let at_hand = (squares - rivals.accepted.squares).max(0.0).sqrt();
     format!(
-        "{}: predicted to hold them {distance:.1} standard deviations of the noise apart; the runs fitted hold them \
-         {at_hand:.1} apart",
-        aim(rivals)
+        "{}: predicted to hold them {distance:.1} standard deviations of the noise apart, which settles the question with a \
+         chance of {:.0} %; the runs fitted hold them {at_hand:.1} apart",
+        aim(rivals),
+        100.0 * settles(distance)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_test_that_holds_models_no_further_apart_than_noise_settles_nothing() {
+        assert!(settles(0.0) == 0.0 && settles(1.0) < 0.02, "{}", settles(1.0));
+        // At log odds of a tie it is as likely as not.
+        let even = (2.0 * CALIBRATION.tie).sqrt();
+        assert!((settles(even) - 0.5 * SUREST).abs() < 1e-9);
+        assert!(settles(20.0) > 0.99 * SUREST && settles(20.0) <= SUREST);
+    }
 }

@@ -2,8 +2,9 @@
 //! between two forms of the same physics, and the names are not what it is.
 
 use super::judged::Decision;
-use super::remainder::{Modelled, remainder};
+use super::remainder::remainder;
 use super::split::Weighing;
+use super::term::Modelled;
 use crate::plant::simulate::SimulateError;
 
 /// chi2 on the runs held back from which what the named effects leave is worth another look.
@@ -32,7 +33,7 @@ pub(super) fn outdone(weighing: &Weighing, decision: &mut Decision) -> Result<Op
     decision.unlisted = true;
     decision.partial = Some(std::mem::replace(&mut decision.after, decision.before.clone()));
     decision.ties.clear();
-    Ok(Some(curve))
+    Ok(Some(curve.into()))
 }
 
 #[cfg(test)]

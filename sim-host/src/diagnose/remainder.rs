@@ -18,7 +18,7 @@ const LOST: f64 = 0.5;
 const LOOK: Effort = Effort { steps: 4, tolerance: 1e-3 };
 const FULL: Effort = Effort { steps: 10, tolerance: 1e-4 };
 /// Share of what the best curve alone leaves that names beside a curve must leave at most to be needed.
-const NEEDED: f64 = 0.4;
+pub(super) const NEEDED: f64 = 0.4;
 /// Curves that are taken further than a look.
 const FINALISTS: usize = 3;
 /// Share of a curve's variation at which one simple term stands for it.
@@ -45,19 +45,19 @@ pub struct Remainder {
 
 /// A curve with the model that holds it, as judged on the runs held back.
 #[derive(Debug, Clone)]
-pub struct Modelled {
+pub(super) struct Curved {
     /// What is reported.
-    pub remainder: Remainder,
+    pub(super) remainder: Remainder,
     /// The model.
-    pub judged: Judged,
+    pub(super) judged: Judged,
     /// True where the effects beside the curve cannot be left to it: without them the best curve leaves far more.
-    pub names_needed: bool,
+    pub(super) names_needed: bool,
     /// The curve that came second, for the test that would tell the two apart.
-    pub rival: Option<Fit>,
+    pub(super) rival: Option<Fit>,
 }
 
 /// Fits every curve beside the best model the library has and keeps the one that foresees best; none where no curve helps.
-pub fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<Option<Modelled>, SimulateError> {
+pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<Option<Curved>, SimulateError> {
     let kind = best.fit.model.kind;
     let curves: Vec<&'static Entry> = remainder::entries().filter(|e| e.kinds.contains(&kind)).collect();
     // An effect that explains a part by chance stands in the curve's way: each is tried without it too.
@@ -98,7 +98,7 @@ pub fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<
         return Ok(None);
     }
     let rival = all.next().map(|second| second.fit);
-    Ok(described(before, &judged).map(|remainder| Modelled { remainder, judged, names_needed, rival }))
+    Ok(described(before, &judged).map(|remainder| Curved { remainder, judged, names_needed, rival }))
 }
 
 /// A curve at zero, its knots held loosely to it: what no run reaches stays there.

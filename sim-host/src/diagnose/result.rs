@@ -3,8 +3,10 @@
 use super::change::Change;
 use super::judged::Judged;
 use super::locate::Location;
+use super::planned::Planned;
 use super::rejected::{Rejected, rejected};
 use super::remainder::Remainder;
+use super::term::report::Term;
 use super::verdict::{Conclusion, Refusal};
 use crate::identify::data::Channel;
 use crate::identify::judge::Score;
@@ -52,6 +54,9 @@ pub struct Diagnosis {
     pub part_explained: Option<Part>,
     /// A curve that stands for what the library does not hold.
     pub remainder: Option<Remainder>,
+    /// The equation found for what the library does not hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub term: Option<Term>,
     /// Share of the stated model's excess over the noise floor that the accepted model leaves.
     pub share_left: f64,
     /// True where the runs fitted did not show what is missing: every other stretch of the runs held back was fitted too, and
@@ -112,6 +117,11 @@ pub struct NextTest {
     pub record: String,
     /// Predicted distance of the two models on it, in standard deviations of the noise; none where it was not predicted.
     pub separation: Option<f64>,
+    /// Predicted chance that it settles the question, whichever of the models is the table; none where it was not predicted.
+    pub chance: Option<f64>,
+    /// The test as it is played.
+    #[serde(skip)]
+    pub planned: Option<Planned>,
     /// The tests that come next, each with its predicted distance.
     pub others: Vec<(String, f64)>,
 }
@@ -164,6 +174,8 @@ impl Standing {
 pub(super) struct Open {
     /// The curve that stands for what is unlisted.
     pub(super) remainder: Option<Remainder>,
+    /// The equation found for it.
+    pub(super) term: Option<Term>,
     /// The test that would settle what is open.
     pub(super) next_test: Option<NextTest>,
     /// What it changes for who runs the table.
@@ -191,7 +203,7 @@ pub(super) fn assemble(
         schema: "shakedown.diagnosis/1",
         verdict,
         location,
-        effects: named(conclusion, &quantities, open.remainder.as_ref()),
+        effects: named(conclusion, &quantities, open.remainder.as_ref(), open.term.as_ref()),
         candidates: candidates(conclusion),
         indistinguishable: if conclusion.unlisted { Vec::new() } else { conclusion.decision.ties.clone() },
         next_test: open.next_test,
@@ -205,6 +217,7 @@ pub(super) fn assemble(
         share_left: conclusion.left(),
         part_explained: conclusion.partial.as_ref().map(|part| Part { ids: part.added.clone(), share: share(part) }),
         remainder: open.remainder,
+        term: open.term,
         held_out_shared: open.held_out_shared,
         set_up: Vec::new(),
         findings: findings.to_vec(),
@@ -216,10 +229,15 @@ fn named(
     conclusion: &Conclusion,
     quantities: &BTreeMap<String, Quantity>,
     remainder: Option<&Remainder>,
+    term: Option<&Term>,
 ) -> Vec<NamedEffect> {
     let decision = &conclusion.decision;
     if conclusion.unlisted {
         let probability = decision.unlisted_probability;
+        if let Some(term) = term {
+            let (equation, parameters) = (term.expression.clone(), term.parameters.clone());
+            return vec![NamedEffect { id: "unlisted", probability, equation, parameters }];
+        }
         let equation = remainder.map_or_else(|| "not in the library".to_owned(), |r| r.equation.clone());
         let of = |r: &Remainder| {
             let prefix = format!("{}.", r.id);

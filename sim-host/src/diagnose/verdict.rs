@@ -4,10 +4,10 @@
 use super::calibration::CALIBRATION;
 use super::judged::{Decision, Judged};
 use super::leftover::more_is_missing;
-use super::remainder::Modelled;
 use super::split::Test;
 use super::standing::outside;
 use super::structure::structure;
+use super::term::Modelled;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::Local;
 use crate::identify::fit::{Effort, Fit};

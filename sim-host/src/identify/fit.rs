@@ -3,6 +3,7 @@
 mod foresight;
 mod idle;
 pub mod secant;
+pub mod tangents;
 
 use super::covariance::covariance;
 use super::data::Run;

@@ -56,6 +56,11 @@ struct RunEntry {
 impl Experiment {
     /// Reads an experiment and every recording it names.
     pub fn load(path: &Path) -> Result<Self, RecordingError> {
+        Self::load_with(path, &[])
+    }
+
+    /// The same with the runs of further files, each of `[[runs]]` alone, whose recordings have the channels of the experiment's.
+    pub fn load_with(path: &Path, more: &[PathBuf]) -> Result<Self, RecordingError> {
         let text = read_text(path)?;
         let source = Source::new(path, &text);
         let document = parse(&source, &text)?;
@@ -73,7 +78,23 @@ impl Experiment {
         for entry in &entries {
             check_needs(&model, &entry.law, &sources, &channels_at)?;
         }
-        let (runs, notes) = load::runs(&entries, &sources, &folder, &text_layout)?;
+        let (mut runs, mut notes) = load::runs(&entries, &sources, &folder, &text_layout)?;
+        for path in more {
+            let text = read_text(path)?;
+            let source = Source::new(path, &text);
+            let document = parse(&source, &text)?;
+            let root = Section::root(&source, &document);
+            let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+            let entries = run_entries(&root, &folder)?;
+            root.finish()?;
+            for entry in &entries {
+                check_needs(&model, &entry.law, &sources, &channels_at)?;
+            }
+            let (added, told) = load::runs(&entries, &sources, &folder, &text_layout)?;
+            runs.extend(added);
+            notes.extend(told);
+            inputs.push(path.clone());
+        }
         for run in &runs {
             add_inputs(&mut inputs, &run.0);
         }

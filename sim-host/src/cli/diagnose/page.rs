@@ -1,7 +1,7 @@
 //! The page of a diagnosis: what differs, where, what it is, how much better the model with it predicts.
 
 use super::super::traces::{self, left, over_frequency, over_time};
-use super::{change, place, set_up};
+use super::{change, place, set_up, term};
 use shakedown::diagnose::remainder::Remainder;
 use shakedown::diagnose::result::{NamedEffect, NextTest, Verdict};
 use shakedown::diagnose::{Diagnosis, Examined};
@@ -19,6 +19,9 @@ pub(super) fn page(name: &str, examined: &Examined) -> Page {
         sections.push(findings(diagnosis));
     }
     sections.extend(set_up::section(diagnosis));
+    if let Some(term) = &diagnosis.term {
+        sections.push(term::section(term, quantities(&term.parameters, "Parameters of the equation")));
+    }
     if let Some(remainder) = &diagnosis.remainder {
         sections.push(curve(remainder));
     }
@@ -78,7 +81,8 @@ fn advice(diagnosis: &Diagnosis) -> Vec<String> {
             .take(3)
             .map(|s| format!("Correct the experiment: {}.", s.sentence())),
     );
-    let found = diagnosis.remainder.is_some() || diagnosis.effects.iter().any(|effect| effect.id != "unlisted");
+    let modelled = diagnosis.remainder.is_some() || diagnosis.term.is_some();
+    let found = modelled || diagnosis.effects.iter().any(|effect| effect.id != "unlisted");
     if diagnosis.verdict == Verdict::Mismatch && found {
         advice.push("Write the model with what was found, `shakedown diagnose EXPERIMENT.toml --model table.toml`, and fit records and gains to it: \
                      `shakedown modify RECORD --table table.toml`, `shakedown design table.toml`.".into());
@@ -106,9 +110,13 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
                     |refusal| format!(" The nearest it holds, {ids}, fails on the runs that judge: {refusal}."),
                 )
             });
-            let curve = diagnosis.remainder.as_ref().map_or(String::new(), |r| {
-                format!(" A curve through what is left, {}, brings that to {:.0} %.", r.equation, 100.0 * r.share)
-            });
+            let curve = match (&diagnosis.term, &diagnosis.remainder) {
+                (Some(term), _) => format!(" {}", term::sentence(term)),
+                (None, Some(r)) => {
+                    format!(" A curve through what is left, {}, brings that to {:.0} %.", r.equation, 100.0 * r.share)
+                }
+                (None, None) => String::new(),
+            };
             format!("The model lacks physics that the library does not hold.{part}{curve}")
         }
         Verdict::Mismatch => {

@@ -10,15 +10,17 @@ mod dimension;
 mod expression;
 mod finite;
 mod grammar;
+mod memory;
 mod program;
 mod register;
+mod state;
 
 pub(super) use act::build;
 pub(in super::super) use act::is_force;
 pub use dimension::Dimension;
 pub use finite::NotFinite;
-pub use program::State;
 pub use register::{Taken, found, register};
+pub use state::State;
 
 use super::{Ends, Entry, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
@@ -67,15 +69,17 @@ impl Sense {
     pub fn states(self) -> &'static [State] {
         use State::{Acceleration, Command, Displacement, Path, Time, Velocity, VelocitySign};
         match self {
-            Self::ForcePerMass | Self::Force | Self::Gain => &[Displacement, Velocity, VelocitySign, Path, Time],
-            Self::Command => &[Command, Displacement, Velocity, VelocitySign, Path, Time],
-            Self::Displacement => &[Displacement, Path, Time],
-            Self::Acceleration => &[Acceleration, Displacement, Velocity, VelocitySign, Path, Time],
+            Self::ForcePerMass | Self::Force | Self::Gain | Self::Command | Self::Displacement => {
+                &[Command, Displacement, Velocity, VelocitySign, Path, Time]
+            }
+            Self::Acceleration => &[Acceleration, Command, Displacement, Velocity, VelocitySign, Path, Time],
         }
     }
 
-    fn kinds(self) -> &'static [Kind] {
+    fn kinds(self, states: &[State]) -> &'static [Kind] {
         match self {
+            // A force balance knows the motion and no command.
+            Self::ForcePerMass if states.contains(&State::Command) => &[Kind::Servo],
             Self::ForcePerMass => &[Kind::Servo, Kind::ForceBalance],
             Self::Force => &[Kind::RigidMass],
             Self::Gain => &[Kind::Servo],
@@ -191,6 +195,7 @@ impl Own {
             wrong(Key::Expression, format!("gives {dimension}; at the {place} it must give {wanted}"))
         })?;
         check::reach(&stated, sense, &states)?;
+        check::memory(sense, &tree)?;
         let program = Program::of(&tree).map_err(|why| wrong(Key::Expression, why))?;
         let own = Self { stated, sense, program };
         finite::check(&own).map_err(|why| wrong(Key::Expression, why.to_string()))?;
@@ -217,7 +222,7 @@ impl Own {
             equation: keep(self.sense.equation(&self.stated.expression)),
             stage: self.stated.stage,
             parameters: Box::leak(parameters.into_boxed_slice()),
-            kinds: self.sense.kinds(),
+            kinds: self.sense.kinds(self.program.states()),
             frees: &[],
             signature: "an effect of the user's own",
             mistaken_for: Box::leak(mistaken.into_boxed_slice()),

@@ -2,8 +2,10 @@
 
 use super::super::bristle::Bristles;
 use super::super::{Dither, Effect, Flow, Hooks, Instant};
-use super::program::{Program, Seen};
+use super::memory::Memory;
+use super::program::Program;
 use super::register::registered;
+use super::state::Seen;
 use super::{Sense, State};
 use crate::scalar::Scalar;
 
@@ -23,8 +25,9 @@ pub(in crate::plant::effects) fn build<S: Scalar>(id: &str, parameters: &[S]) ->
     let bristles = known.own.program.uses(State::VelocitySign).then(|| Bristles::new(S::from(PRESLIDING)));
     let (program, sense) = (&known.own.program, known.own.sense);
     let fastest = fastest(program, &parameters, divisor, sense);
-    let place = None;
-    Some(Box::new(Acting { program, sense, parameters, divisor, bristles, seen: Seen::none(), place, fastest }))
+    let (seen, memory, place) = (Seen::none(), Memory::new(program.memories()), None);
+    let idle = (program.is_scaled() && parameters[0].value() == 0.0).then(|| Idle::of(program, &parameters));
+    Some(Box::new(Acting { program, sense, parameters, divisor, bristles, memory, idle, seen, place, fastest }))
 }
 
 /// True where an effect's expression is in newtons, which a rigid mass divides by its mass.
@@ -41,15 +44,48 @@ struct Acting<S> {
     divisor: S,
     /// Behind `sign(velocity)`.
     bristles: Option<Bristles<S>>,
+    /// Behind `lag`, `play` and `relay`.
+    memory: Memory<S>,
+    /// Where it is nothing times something.
+    idle: Option<Idle>,
     /// What was seen last: way and time, and for a command the motion.
     seen: Seen<S>,
     place: Option<S>,
     fastest: f64,
 }
 
+/// An effect whose first parameter scales it and is zero: its one derivative that is not nothing is by that parameter, and is a
+/// plain number.
+#[derive(Debug)]
+struct Idle {
+    parameters: Vec<f64>,
+    memory: Memory<f64>,
+}
+
+impl Idle {
+    fn of<S: Scalar>(program: &Program, parameters: &[S]) -> Self {
+        let mut parameters: Vec<f64> = parameters.iter().map(|p| p.value()).collect();
+        parameters[0] = 1.0;
+        Self { parameters, memory: Memory::new(program.memories()) }
+    }
+}
+
 impl<S: Scalar> Acting<S> {
     fn value(&self, seen: &Seen<S>) -> S {
-        self.program.value(seen, &self.parameters) / self.divisor
+        let elapsed = seen.time - self.seen.time;
+        if let Some(idle) = &self.idle {
+            let scaled = self.program.value(&seen.plain(), &idle.parameters, &idle.memory, elapsed);
+            return self.parameters[0] * (scaled / self.divisor.value());
+        }
+        self.program.value(seen, &self.parameters, &self.memory, elapsed) / self.divisor
+    }
+
+    /// Takes what was seen last into the memory.
+    fn remember(&mut self, elapsed: f64) {
+        match &mut self.idle {
+            Some(idle) => self.program.settle(&self.seen.plain(), &idle.parameters, &mut idle.memory, elapsed),
+            None => self.program.settle(&self.seen, &self.parameters, &mut self.memory, elapsed),
+        }
     }
 
     fn at(&self, at: &Instant<S>) -> Seen<S> {
@@ -64,8 +100,8 @@ impl<S: Scalar> Acting<S> {
 
 impl<S: Scalar> Effect<S> for Acting<S> {
     fn hooks(&self) -> Hooks {
-        let remembers = self.bristles.is_some() || self.program.uses(State::Path);
-        let none = Hooks { after: remembers, ..Hooks::default() };
+        let remembers = self.bristles.is_some() || self.program.uses(State::Path) || self.program.remembers();
+        let none = Hooks { after: remembers, command: self.program.uses(State::Command), ..Hooks::default() };
         match self.sense {
             Sense::ForcePerMass | Sense::Force => Hooks { force: true, ..none },
             Sense::Command => Hooks { command: true, after: true, ..none },
@@ -85,8 +121,14 @@ impl<S: Scalar> Effect<S> for Acting<S> {
         }
     }
 
-    fn command(&mut self, u: S, _h: f64) -> S {
+    fn command(&mut self, u: S, h: f64) -> S {
         self.seen.command = u;
+        if self.sense != Sense::Command {
+            return u;
+        }
+        if self.program.remembers() {
+            self.remember(h);
+        }
         u + self.value(&self.seen)
     }
 
@@ -110,6 +152,9 @@ impl<S: Scalar> Effect<S> for Acting<S> {
         }
         self.seen.path += travel.abs();
         (self.seen.displacement, self.seen.time, self.place) = (displacement, time, Some(displacement));
+        if self.program.remembers() && self.sense != Sense::Command {
+            self.remember(elapsed);
+        }
     }
 
     fn sense_displacement(&self, displacement: S, _y: &[S]) -> S {
@@ -128,9 +173,10 @@ fn fastest<S: Scalar>(program: &Program, parameters: &[S], divisor: S, sense: Se
         return 0.0;
     }
     let parameters: Vec<f64> = parameters.iter().map(|p| p.value()).collect();
+    let memory = Memory::at_zero(program.memories());
     let force = |x: f64, v: f64, s: f64| {
         let seen = Seen { displacement: x, velocity: v, velocity_sign: s, ..Seen::none() };
-        program.value(&seen, &parameters) / divisor.value()
+        program.value(&seen, &parameters, &memory, 0.0) / divisor.value()
     };
     let (dx, dv) = (1e-6, 1e-5);
     let mut fastest = 0.0_f64;

@@ -92,3 +92,12 @@ pub(super) fn reach(stated: &Stated, sense: Sense, states: &[State]) -> Result<(
     let place = stated.stage.name();
     Err(wrong(Key::States, format!("`{}` cannot be had at the {place}; there are {known}", beyond.name())))
 }
+
+/// An accelerometer shows a mean over each sample; between samples there is nothing to remember.
+pub(super) fn memory(sense: Sense, tree: &Tree) -> Result<(), Wrong> {
+    if sense == Sense::Acceleration && tree.remembers() {
+        let why = "`lag` and `play` cannot be had at the accelerometer; write the effect at the table or the displacement sensor";
+        return Err(wrong(Key::Expression, why));
+    }
+    Ok(())
+}

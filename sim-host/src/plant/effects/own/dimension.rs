@@ -63,8 +63,11 @@ impl Dimension {
         }
         let split = factor.find(|c: char| c.is_ascii_digit()).unwrap_or(factor.len());
         let (name, power) = factor.split_at(split);
-        match (whole(name), power.parse::<u8>()) {
-            (Some(unit), Ok(power)) if (1..=9).contains(&power) => Ok(unit.to_the(f64::from(power))),
+        match (whole(name), power.parse::<f64>()) {
+            // A root has half a power: N/m0.5.
+            (Some(unit), Ok(power)) if power > 0.0 && power <= 9.0 && (2.0 * power).fract() == 0.0 => {
+                Ok(unit.to_the(power))
+            }
             _ => {
                 let known = UNITS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" ");
                 Err(format!("`{text}` is no SI unit; write it with {known}, as in m/s2, N s/m or 1/(m2 s2)"))

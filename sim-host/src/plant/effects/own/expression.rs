@@ -42,6 +42,31 @@ pub(super) enum Operation {
     Power,
     Max,
     Min,
+    /// The left followed with a first-order lag of the right, s.
+    Lag,
+    /// The left followed with a play of the right either side.
+    Play,
+    /// The side of the left that a relay of the right's half width is on: 1 above, -1 below, as before between.
+    Relay,
+}
+
+impl Operation {
+    /// True where its value depends on what was before.
+    pub(super) fn remembers(self) -> bool {
+        matches!(self, Self::Lag | Self::Play | Self::Relay)
+    }
+
+    /// The name of one that is written as a call.
+    fn called(self) -> Option<&'static str> {
+        match self {
+            Self::Max => Some("max"),
+            Self::Min => Some("min"),
+            Self::Lag => Some("lag"),
+            Self::Play => Some("play"),
+            Self::Relay => Some("relay"),
+            _ => None,
+        }
+    }
 }
 
 /// An expression.
@@ -121,6 +146,15 @@ impl Tree {
         }
     }
 
+    /// True where it remembers what was before.
+    pub(super) fn remembers(&self) -> bool {
+        match self {
+            Self::Call(_, a) => a.remembers(),
+            Self::Pair(operation, a, b) => operation.remembers() || a.remembers() || b.remembers(),
+            _ => false,
+        }
+    }
+
     /// Its dimension, from the parameters'.
     pub(super) fn dimension(&self, parameters: &[Dimension]) -> Result<Dimension, String> {
         match self {
@@ -154,6 +188,9 @@ impl Tree {
                 (false, Self::Number(power)) => Ok(left.to_the(*power)),
                 (false, _) => Err(format!("`{self}`: {left} to a power that is not written out has no unit")),
             },
+            Operation::Lag if right == Dimension::TIME => Ok(left),
+            Operation::Lag => Err(format!("`{self}`: the lag `{b}` is {right}; it must be a time, s")),
+            Operation::Relay if left == right => Ok(Dimension::NONE),
             // Nothing of a unit is nothing.
             _ if *a == Self::Number(0.0) => Ok(right),
             _ if *b == Self::Number(0.0) || left == right => Ok(left),
@@ -184,9 +221,10 @@ impl fmt::Display for Tree {
             Self::Name(name) | Self::Parameter(_, name) => write!(f, "{name}"),
             Self::State(state) => write!(f, "{}", state.name()),
             Self::Call(function, a) => write!(f, "{}({a})", function.name()),
-            Self::Pair(Operation::Max, a, b) => write!(f, "max({a}, {b})"),
-            Self::Pair(Operation::Min, a, b) => write!(f, "min({a}, {b})"),
             Self::Pair(operation, a, b) => {
+                if let Some(name) = operation.called() {
+                    return write!(f, "{name}({a}, {b})");
+                }
                 let sign = match operation {
                     Operation::Add => " + ",
                     Operation::Subtract => " - ",

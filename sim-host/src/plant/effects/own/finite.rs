@@ -1,6 +1,7 @@
 //! Whether an effect of a user's own stays finite over what a table passes through.
 
-use super::program::Seen;
+use super::memory::Memory;
+use super::state::Seen;
 use super::{Own, State};
 use crate::scalar::{Dual, Scalar};
 
@@ -70,5 +71,5 @@ fn value_at(own: &Own, tried: &[(State, f64)], values: &[f64], by: usize) -> Dua
     }
     let variable = |(i, v): (usize, &f64)| if i == by { Dual::variable(*v, 0) } else { Dual::from(*v) };
     let parameters: Vec<Dual<1>> = values.iter().enumerate().map(variable).collect();
-    own.program.value(&seen, &parameters)
+    own.program.value(&seen, &parameters, &Memory::new(own.program.memories()), 0.0)
 }

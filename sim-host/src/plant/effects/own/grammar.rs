@@ -9,7 +9,8 @@ use exmex::{BinOp, Express, FlatEx, MakeOperators, MatchLiteral, Operator};
 use std::str::FromStr;
 
 /// The functions that an expression may call.
-pub(super) const FUNCTIONS: [&str; 10] = ["abs", "sign", "sqrt", "exp", "ln", "sin", "cos", "tanh", "max", "min"];
+pub(super) const FUNCTIONS: [&str; 13] =
+    ["abs", "sign", "sqrt", "exp", "ln", "sin", "cos", "tanh", "max", "min", "lag", "play", "relay"];
 
 impl FromStr for Tree {
     type Err = String;
@@ -34,7 +35,7 @@ fn binary(
 impl MakeOperators<Tree> for Operators {
     fn make<'a>() -> Vec<Operator<'a, Tree>> {
         use Function::{Abs, Cos, Exp, Ln, Sign, Sin, Sqrt, Tanh};
-        use Operation::{Add, Divide, Max, Min, Multiply, Power, Subtract};
+        use Operation::{Add, Divide, Lag, Max, Min, Multiply, Play, Power, Relay, Subtract};
         vec![
             binary("+", 0, false, |a, b| Tree::pair(Add, a, b)),
             binary("-", 1, false, |a, b| Tree::pair(Subtract, a, b)),
@@ -43,6 +44,9 @@ impl MakeOperators<Tree> for Operators {
             binary("^", 4, false, |a, b| Tree::pair(Power, a, b)),
             binary("max", 5, false, |a, b| Tree::pair(Max, a, b)),
             binary("min", 5, false, |a, b| Tree::pair(Min, a, b)),
+            binary("lag", 5, false, |a, b| Tree::pair(Lag, a, b)),
+            binary("play", 5, false, |a, b| Tree::pair(Play, a, b)),
+            binary("relay", 5, false, |a, b| Tree::pair(Relay, a, b)),
             Operator::make_unary("abs", |a| Tree::call(Abs, a)),
             Operator::make_unary("sign", |a| Tree::call(Sign, a)),
             Operator::make_unary("sqrt", |a| Tree::call(Sqrt, a)),

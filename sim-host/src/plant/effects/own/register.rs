@@ -4,6 +4,7 @@
 
 use super::super::Entry;
 use super::{Own, Stated};
+use std::collections::BTreeMap;
 use std::sync::{PoisonError, RwLock};
 
 /// An effect that has a place among the known ones.
@@ -13,7 +14,7 @@ pub(super) struct Registered {
     pub(super) entry: Entry,
 }
 
-static KNOWN: RwLock<Vec<&'static Registered>> = RwLock::new(Vec::new());
+static KNOWN: RwLock<BTreeMap<&'static str, &'static Registered>> = RwLock::new(BTreeMap::new());
 
 /// Another effect has this identifier.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,7 +29,7 @@ pub struct Taken {
 /// Makes an effect known by its identifier, and gives its entry; the same effect may come again.
 pub fn register(own: Own) -> Result<&'static Entry, Taken> {
     let mut known = KNOWN.write().unwrap_or_else(PoisonError::into_inner);
-    if let Some(before) = known.iter().find(|r| r.own.stated.id == own.stated.id) {
+    if let Some(before) = known.get(own.stated.id.as_str()) {
         return if before.own.stated == own.stated {
             Ok(&before.entry)
         } else {
@@ -37,12 +38,12 @@ pub fn register(own: Own) -> Result<&'static Entry, Taken> {
     }
     let entry = own.entry();
     let registered: &'static Registered = Box::leak(Box::new(Registered { own, entry }));
-    known.push(registered);
+    known.insert(registered.entry.id, registered);
     Ok(&registered.entry)
 }
 
 pub(super) fn registered(id: &str) -> Option<&'static Registered> {
-    KNOWN.read().unwrap_or_else(PoisonError::into_inner).iter().copied().find(|r| r.own.stated.id == id)
+    KNOWN.read().unwrap_or_else(PoisonError::into_inner).get(id).copied()
 }
 
 /// An effect of a user's own as it was stated, and its entry.

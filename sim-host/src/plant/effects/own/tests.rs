@@ -1,5 +1,7 @@
 use super::super::Instant;
-use super::program::{Program, Seen};
+use super::memory::Memory;
+use super::program::Program;
+use super::state::Seen;
 use super::*;
 use crate::scalar::Dual;
 
@@ -10,7 +12,8 @@ fn program(text: &str) -> Program {
 
 fn value(text: &str, x: f64, v: f64) -> f64 {
     let seen = Seen { displacement: x, velocity: v, velocity_sign: v.signum(), ..Seen::none() };
-    program(text).value(&seen, &[2.0, 3.0])
+    let program = program(text);
+    program.value(&seen, &[2.0, 3.0], &Memory::new(program.memories()), 0.0)
 }
 
 #[test]
@@ -55,10 +58,11 @@ fn derivatives_agree_with_central_differences() {
         let program = program(text);
         let at = |p: f64| {
             let seen = Seen { displacement: 0.7, ..Seen::none() };
-            program.value(&seen, &[p, 3.0])
+            program.value(&seen, &[p, 3.0], &Memory::new(program.memories()), 0.0)
         };
         let seen = Seen { displacement: Dual::<1>::from(0.7), ..Seen::none() };
-        let dual = program.value(&seen, &[Dual::variable(2.0, 0), Dual::from(3.0)]);
+        let parameters = [Dual::variable(2.0, 0), Dual::from(3.0)];
+        let dual = program.value(&seen, &parameters, &Memory::new(program.memories()), 0.0);
         let slope = (at(2.0 + 1e-6) - at(2.0 - 1e-6)) / 2e-6;
         assert!((f64::from(dual.tangent[0]) - slope).abs() < 1e-5 * (1.0 + slope.abs()), "{text}");
     }
@@ -110,4 +114,45 @@ fn one_name_stands_for_one_equation() {
     let effect = crate::plant::effects::build::<f64>("a_drag_of_tests", &[3.0]).unwrap();
     let at = Instant { time: 0.0, displacement: 0.0, velocity: -2.0, sensed_velocity: 0.0, velocity_limit: 1.0 };
     assert!((effect.force(&at, &[], &mut []) + 12.0).abs() < 1e-12);
+}
+
+/// A lag of half a second follows a step as the exponential does, whatever the steps; a play follows 0.1 behind.
+#[test]
+fn lag_and_play_remember() {
+    let place = |displacement: f64| Seen { displacement, ..Seen::none() };
+    for steps in [1, 7] {
+        let lag = program("lag(x, p)");
+        let mut memory = Memory::new(lag.memories());
+        lag.settle(&place(0.0), &[0.5, 0.0], &mut memory, 0.0);
+        (0..steps).for_each(|_| lag.settle(&place(1.0), &[0.5, 0.0], &mut memory, 0.25 / f64::from(steps)));
+        let now = lag.value(&place(1.0), &[0.5, 0.0], &memory, 0.1);
+        assert!((now - (1.0 - (-0.7_f64).exp())).abs() < 1e-12, "{now}");
+    }
+    let play = program("play(x, p)");
+    let mut memory = Memory::new(play.memories());
+    for (x, expected) in [(0.0, 0.0), (0.05, 0.0), (1.0, 0.9), (0.9, 0.9), (0.5, 0.6), (0.65, 0.6)] {
+        play.settle(&place(x), &[0.1, 0.0], &mut memory, 1e-3);
+        let now = play.value(&place(x), &[0.1, 0.0], &memory, 0.0);
+        assert!((now - expected).abs() < 1e-12, "{x}: {now} for {expected}");
+    }
+}
+
+/// A lag is in seconds, a play in the unit of what it follows; the accelerometer has no memory.
+#[test]
+fn what_remembers_is_checked_for_units_and_place() {
+    let stated = |stage, state: &str, expression: &str, unit: &str| {
+        let mut stated = drag(expression);
+        (stated.stage, stated.states) = (stage, vec![state.into()]);
+        stated.parameters[0].unit = unit.into();
+        stated.parameters[0].low = 0.01;
+        Own::new(stated)
+    };
+    assert!(stated(Stage::Command, "command", "lag(command, drag) - command", "s").is_ok());
+    assert!(stated(Stage::Sensor, "displacement", "play(displacement, drag) - displacement", "m").is_ok());
+    let refused = stated(Stage::Command, "command", "lag(command, drag) - command", "m").unwrap_err();
+    assert!(refused.to_string().contains("must be a time"), "{refused}");
+    let refused = stated(Stage::Sensor, "displacement", "play(displacement, drag) - displacement", "s").unwrap_err();
+    assert!(refused.to_string().contains("has no unit"), "{refused}");
+    let refused = stated(Stage::Sensor, "acceleration", "lag(acceleration, drag)", "s").unwrap_err();
+    assert!(refused.to_string().contains("accelerometer"), "{refused}");
 }

@@ -1,0 +1,32 @@
+//! A proposed test as a laboratory plays it.
+
+use crate::identify::data::Run;
+use crate::plant::simulate::Law;
+
+/// A proposed test: what the reference is at each sample, and the loop that runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Planned {
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// Reference displacement, m.
+    pub reference: Vec<f64>,
+    /// The loop's law with its gains in this test.
+    pub law: Law,
+    /// True where its outer gains are half of those of the runs at hand.
+    pub halved: bool,
+}
+
+impl Planned {
+    pub(super) fn of(run: &Run, halved: bool) -> Self {
+        Self { dt: run.dt, reference: run.input.clone(), law: run.law, halved }
+    }
+
+    /// The controller as an experiment states it; none where nothing was closed.
+    pub fn controller(&self) -> Option<String> {
+        match self.law {
+            Law::Pi { kp, ki } => Some(format!("{{ kp = {kp}, ki = {ki} }}")),
+            Law::Cascade { kp, kv } => Some(format!("{{ kind = \"cascade\", kp = {kp}, kv = {kv} }}")),
+            Law::Recorded => None,
+        }
+    }
+}
