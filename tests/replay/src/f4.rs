@@ -9,6 +9,7 @@ mod board;
 mod count;
 mod driver;
 mod silicon;
+mod tick_cost;
 mod wire;
 
 use std::path::Path;
@@ -47,6 +48,8 @@ pub struct Ran<W> {
     pub stack: Stack,
     /// What the program did that an emulator forgives and the silicon does not.
     pub silicon: Silicon,
+    /// Instructions of the dearest tick, from the register access that begins it to the last that it makes.
+    pub dearest_tick: u64,
     /// What [`follow`] followed.
     pub followed: Vec<u64>,
 }
@@ -94,11 +97,13 @@ fn start<W: World>(
     let (resets, blind_spots) = (finished.session.resets(), blind_spots(&finished.session));
     let resets = resets.iter().map(|reset| reset.at.0).collect();
     let (stack, silicon) = (finished.driver.stack(), finished.driver.silicon());
+    let dearest_tick = finished.driver.dearest_tick();
     let (world, followed) = finished.driver.into_world();
     Ok(Ran {
         world,
         stack,
         silicon,
+        dearest_tick,
         followed,
         resets,
         blind_spots,

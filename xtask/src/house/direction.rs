@@ -8,9 +8,13 @@ use serde_json::Value;
 const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-core", &[]),
     ("shakedown-truth", &[]),
-    ("shakedown-firmware", &["shakedown-core"]),
+    ("shakedown-rehearsal", &["shakedown-core"]),
+    ("shakedown-firmware", &["shakedown-core", "shakedown-rehearsal"]),
     ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay"]),
-    ("shakedown-replay", &["shakedown-core", "shakedown", "shakedown-firmware", "shakedown-second-opinion"]),
+    (
+        "shakedown-replay",
+        &["shakedown-core", "shakedown", "shakedown-firmware", "shakedown-rehearsal", "shakedown-second-opinion"],
+    ),
     ("shakedown-tests", &["shakedown-core", "shakedown", "shakedown-truth"]),
     ("shakedown-no-panic", &["shakedown-core"]),
     ("shakedown-law-cost", &["shakedown-core"]),

@@ -13,6 +13,7 @@ use rigless::time::VirtualNanos;
 
 use super::board::Board;
 use super::silicon::Silicon;
+use super::tick_cost::TickCost;
 use crate::{Line, Tick, World};
 
 const TIM2_CR1: u64 = 0x4000_0000;
@@ -72,6 +73,7 @@ pub(super) struct Lockstep<W> {
     followed: Vec<u64>,
     stack: Stack,
     silicon: Silicon,
+    tick_cost: TickCost,
 }
 
 /// The stack, byte.
@@ -101,6 +103,7 @@ impl<W: World> Lockstep<W> {
             followed: Vec::new(),
             stack: Stack::default(),
             silicon: Silicon::default(),
+            tick_cost: TickCost::default(),
         }
     }
 
@@ -110,6 +113,11 @@ impl<W: World> Lockstep<W> {
 
     pub(super) fn silicon(&self) -> Silicon {
         self.silicon.clone()
+    }
+
+    /// Instructions of the dearest tick.
+    pub(super) const fn dearest_tick(&self) -> u64 {
+        self.tick_cost.most()
     }
 
     pub(super) const fn stack(&self) -> Stack {
@@ -246,6 +254,7 @@ impl<W: World> Driver<Board> for Lockstep<W> {
     fn on_settled(&mut self, session: &mut Session<Board>, host: &mut dyn Host, settled: Settled) {
         match settled {
             Settled::Access { access, value } => {
+                self.tick_cost.settled(access);
                 self.silicon.settled(session, host, self.world.oscillator(), access, value);
                 if access.kind == AccessKind::Write {
                     if access.address == DAC_DHR12R1
