@@ -8,7 +8,41 @@ use crate::toolchain::{self, TARGET, Toolchain};
 pub(crate) const LINKER: &str = "-C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 /// The image, from the top of the workspace.
 const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-firmware";
-const CHIP: &str = "STM32F407VGTx";
+
+/// A board that an image is built for.
+pub(crate) struct Board {
+    /// Its name in files.
+    pub(crate) name: &'static str,
+    /// Its name for people.
+    pub(crate) title: &'static str,
+    /// The package that is built.
+    pub(crate) package: &'static str,
+    /// Its features.
+    pub(crate) features: &'static [&'static str],
+    /// The part, as `probe-rs` calls it.
+    pub(crate) chip: &'static str,
+    /// Where its flash begins.
+    pub(crate) flash: u32,
+}
+
+/// All of them; the first is the one that is flashed and replayed by default.
+pub(crate) const BOARDS: &[Board] = &[Board {
+    name: "stm32f407",
+    title: "STM32F407 with its own converters",
+    package: "shakedown-firmware",
+    features: &["board"],
+    chip: "STM32F407VGTx",
+    flash: 0x0800_0000,
+}];
+
+impl Board {
+    /// The command that builds its image, without its flags.
+    pub(crate) fn command(&self) -> Result<std::process::Command, Problem> {
+        let features = self.features.join(",");
+        let words = ["build", "--locked", "--profile", "firmware", "--package", self.package];
+        found()?.cargo(&[&words[..], &["--no-default-features", "--features", &features]].concat())
+    }
+}
 /// The C compiler for the target.
 pub(crate) const GCC: &str = "arm-none-eabi-gcc";
 
@@ -31,7 +65,7 @@ pub(crate) fn flash(words: &[String]) -> Result<(), Problem> {
     if !works(&["probe-rs", "--version"]) {
         return Err(Problem::Failed("probe-rs is not here: `cargo install probe-rs-tools --locked`".into()));
     }
-    execute(&mut command(&["probe-rs", "run", "--chip", CHIP, IMAGE]))
+    execute(&mut command(&["probe-rs", "run", "--chip", BOARDS[0].chip, IMAGE]))
 }
 
 /// Builds everything that the tests of the image in the loop run.

@@ -4,6 +4,7 @@ mod benchmarks;
 mod deny;
 mod figures;
 mod firmware;
+mod front_end;
 mod fuzz;
 mod header;
 mod hosts;
@@ -12,6 +13,7 @@ mod law_cost;
 mod nightly;
 mod output;
 mod properties;
+mod release;
 mod reproduce;
 mod sbom;
 mod setup;
@@ -65,6 +67,11 @@ const CHORES: &[Chore] = &[
         does: "runs what takes longer than tests may: hosts, header, examples, pages",
         run: nightly::run,
     },
+    Chore {
+        name: "front-end",
+        does: "checks the front end's sheets, drawings and list, and has ngspice try them [draw]",
+        run: front_end::run,
+    },
     Chore { name: "house", does: "checks file lengths, the direction of dependencies, stray paths", run: house::run },
     Chore {
         name: "figures",
@@ -83,6 +90,11 @@ const CHORES: &[Chore] = &[
         run: properties::run,
     },
     Chore { name: "deny", does: "checks licences, sources and banned crates (cargo-deny)", run: deny::run },
+    Chore {
+        name: "release",
+        does: "builds a release's files, with check sums, list of parts and how to flash [firmware]",
+        run: release::run,
+    },
     Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
     Chore {
         name: "reproduce",

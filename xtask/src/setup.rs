@@ -47,6 +47,13 @@ const NEEDS: &[Need] = &[
         install: || apt(&["qemu-system-arm"]),
     },
     Need {
+        name: "ngspice",
+        used_for: "the front end's circuits (`cargo xtask front-end`)",
+        from: "apt",
+        present: || works(&["ngspice", "--version"]),
+        install: || apt(&["ngspice"]),
+    },
+    Need {
         name: "gcc, clang and cmake",
         used_for: "the core called from C (`cargo xtask hosts`)",
         from: "apt",
