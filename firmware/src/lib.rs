@@ -17,9 +17,12 @@ pub mod converters;
 pub mod defaults;
 pub mod desk;
 pub mod limits;
+#[cfg(all(target_os = "none", feature = "board"))]
+mod logged;
 pub mod output;
 pub mod queues;
 pub mod store;
+pub mod tick;
 mod wires;
 
 pub use control_loop::{Codes, Events, Loop, News, OpenRelay, Outcome};

@@ -1,6 +1,7 @@
 //! The firmware image: builds it, flashes it, runs it against the plant on an emulated processor.
 
 use crate::output::say;
+use crate::setup::{self, QEMU};
 use crate::shell::{Problem, command, no_words, run as execute, top, works};
 use crate::toolchain::{self, TARGET, Toolchain};
 
@@ -73,11 +74,14 @@ pub(crate) fn images() -> Result<(), Problem> {
     build(&[])?;
     no_panic()?;
     bare("shakedown-second-opinion", &[])?;
+    image("shakedown-hil")?;
     beside_image()
 }
 
 /// The chore: the image in the loop, all tests or those named.
 pub(crate) fn replay(words: &[String]) -> Result<(), Problem> {
+    // Named, or installed, before anything is built: a test that finds its tool missing says so much later and less plainly.
+    setup::need(&[TARGET, QEMU, GCC])?;
     images()?;
     execute(&mut command(&["cargo", "test", "--locked", "--package", "shakedown-firmware", "--lib"]))?;
     execute(&mut command(&["cargo", "build", "--locked", "--package", "shakedown", "--bin", "shakedown"]))?;
@@ -92,7 +96,7 @@ pub(crate) fn beside(words: &[String]) -> Result<(), Problem> {
 }
 
 /// Runs tests of the image, all or those named.
-fn test(names: &[String], more: &[&str]) -> Result<(), Problem> {
+pub(crate) fn test(names: &[String], more: &[&str]) -> Result<(), Problem> {
     let names: Vec<&str> = names.iter().flat_map(|name| ["--test", name.as_str()]).collect();
     // The emulator states a newer compiler than it needs.
     let cargo =
@@ -151,6 +155,7 @@ pub(crate) fn image_command(package: &str) -> Result<std::process::Command, Prob
     found()?.cargo(&["build", "--locked", "--profile", "firmware", "--package", package])
 }
 
-fn image(package: &str) -> Result<(), Problem> {
+/// Builds an image that logs.
+pub(crate) fn image(package: &str) -> Result<(), Problem> {
     execute(image_command(package)?.env("RUSTFLAGS", LINKER).current_dir(top()))
 }

@@ -9,7 +9,8 @@ mod sheet;
 use std::path::PathBuf;
 
 use crate::output::say;
-use crate::shell::{Problem, top, works};
+use crate::setup::{self, NGSPICE};
+use crate::shell::{Problem, top};
 use deck::Corner;
 use sheet::Sheet;
 
@@ -56,9 +57,7 @@ fn kept(name: &str, text: &str, write: bool) -> Result<(), Problem> {
 }
 
 fn simulated(sheets: &[Sheet]) -> Result<(), Problem> {
-    if !works(&["ngspice", "--version"]) {
-        return Err(Problem::Failed("ngspice is not here: `cargo xtask setup` installs it".into()));
-    }
+    setup::need(&[NGSPICE])?;
     let mut broken = Vec::new();
     for sheet in sheets {
         say(&format!("\n{} ({RUNS} runs)", sheet.title));

@@ -7,6 +7,7 @@ mod firmware;
 mod front_end;
 mod fuzz;
 mod header;
+mod hil;
 mod hosts;
 mod house;
 mod law_cost;
@@ -56,6 +57,7 @@ const CHORES: &[Chore] = &[
         does: "what the core's laws cost beside the same in C and beside idsp's, in instructions",
         run: firmware::beside,
     },
+    Chore { name: "hil", does: "tests the board's own code, emulated and on a board with a probe", run: hil::run },
     Chore {
         name: "hosts",
         does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...]",

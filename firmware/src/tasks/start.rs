@@ -7,7 +7,8 @@ use shakedown_firmware::queues::{LoopEnd, Queues};
 use shakedown_firmware::{Desk, Loop, defaults, store};
 use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
 
-use super::{control::Control, link::Link};
+use super::control::{Control, Stm32f407};
+use super::link::Link;
 use crate::board::{
     clock, converters::OnChip, entropy, failure, flash::Flash, line::Line, pins::Pins, ticker::Ticker,
     watchdog::Watchdog,
@@ -48,8 +49,8 @@ pub(crate) fn start(
     let desk = Desk::new(setup, stored, clock, defaults::LIMITS, entropy, desk_end);
     let link = place_link(desk, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
-    let control = Control { decide, converters, pins, ticker, watchdog };
-    control.ticker.start();
+    let control = Control::new(decide, Stm32f407 { converters, pins, ticker, watchdog });
+    control.board().ticker.start();
     (control, link)
 }
 
@@ -72,6 +73,6 @@ fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut Loop<'sta
 /// Puts the link where it stays.
 #[inline(never)]
 fn place_link(desk: Desk<'static>, line: Line, flash: Flash) -> &'static mut Link {
-    let link = singleton!(: Link = Link { desk, line, flash, assembler: Assembler::new(), answer: None });
+    let link = singleton!(: Link = Link { desk, line, flash, assembler: Assembler::new(), answer: None, logged: None });
     link.unwrap_or_else(|| failure::park())
 }

@@ -18,6 +18,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-tests", &["shakedown-core", "shakedown", "shakedown-truth"]),
     ("shakedown-no-panic", &["shakedown-core"]),
     ("shakedown-law-cost", &["shakedown-core"]),
+    ("shakedown-hil", &["shakedown-core", "shakedown-firmware"]),
     ("shakedown-beside", &["shakedown-core", "shakedown-firmware"]),
     ("shakedown-second-opinion", &["shakedown-core", "shakedown-firmware"]),
     ("shakedown-tape", &["shakedown-core"]),

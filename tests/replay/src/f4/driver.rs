@@ -73,7 +73,9 @@ pub(super) struct Lockstep<W> {
     followed: Vec<u64>,
     stack: Stack,
     silicon: Silicon,
-    tick_cost: TickCost,
+    pub(super) tick_cost: TickCost,
+    /// What the program has written to its console.
+    pub(super) console: String,
 }
 
 /// The stack, byte.
@@ -104,6 +106,7 @@ impl<W: World> Lockstep<W> {
             stack: Stack::default(),
             silicon: Silicon::default(),
             tick_cost: TickCost::default(),
+            console: String::new(),
         }
     }
 
@@ -113,11 +116,6 @@ impl<W: World> Lockstep<W> {
 
     pub(super) fn silicon(&self) -> Silicon {
         self.silicon.clone()
-    }
-
-    /// Instructions of the dearest tick.
-    pub(super) const fn dearest_tick(&self) -> u64 {
-        self.tick_cost.most()
     }
 
     pub(super) const fn stack(&self) -> Stack {
@@ -275,6 +273,10 @@ impl<W: World> Driver<Board> for Lockstep<W> {
             }
             _ => {}
         }
+    }
+
+    fn on_console(&mut self, _: VirtualNanos, _: u64, bytes: &[u8]) {
+        self.console.push_str(&String::from_utf8_lossy(bytes));
     }
 
     fn on_stop(&mut self, session: &mut Session<Board>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
