@@ -66,7 +66,7 @@ const CHORES: &[Chore] = &[
     Chore { name: "header", does: "writes the C header anew, or compares it [check]", run: header::run },
     Chore {
         name: "nightly",
-        does: "runs what takes longer than tests may: hosts, header, examples, pages",
+        does: "runs what takes longer than tests may: front end, board, hosts, header, examples, pages",
         run: nightly::run,
     },
     Chore {

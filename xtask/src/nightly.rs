@@ -2,12 +2,13 @@
 
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, run as execute};
-use crate::{front_end, header, hosts, setup};
+use crate::{front_end, header, hil, hosts, setup};
 
 type Chore = (&'static str, fn() -> Result<(), Problem>);
 
 const CHORES: &[Chore] = &[
     ("front end", || front_end::run(&[])),
+    ("board", || hil::run(&[])),
     ("hosts", || hosts::run(&[])),
     ("header", header::check),
     ("examples", hosts::examples),
