@@ -33,7 +33,7 @@ pub trait Board {
     /// A setup is in force: ticks at `rate` (Hz) from the next one on, and `zero_flow` on the output where the program fails.
     fn take_setup(&mut self, rate: u32, zero_flow: ZeroFlow);
 
-    /// Where the test stands, ticks so far and records that found no room, for the link, which is woken; the output is live from the
+    /// Publishes state and cause of the test, ticks so far and records dropped for the link server, and wakes it; the output is live from the
     /// first of these on.
     fn tell(&mut self, standing: Standing, ticks: u32, dropped: u32);
 }
@@ -72,7 +72,7 @@ impl<'l, 'q, B: Board> Control<'l, 'q, B> {
         }
     }
 
-    /// A tick whose sample the converter lost: it is set up again, and the loop is told.
+    /// A tick whose sample the converter lost: it is set up again, and the loop is notified.
     #[cold]
     pub fn tick_without_sample(&mut self) {
         self.tick_noticing(None);

@@ -88,7 +88,7 @@ impl Rehearsal {
         ]
     }
 
-    /// One tick with `output` (m) held. Without `oil`, which is to say with the relay open, the table stands.
+    /// One tick with `output` (m) held. Without `oil`, which is to say with the relay open, the table does not move.
     pub fn advance(&mut self, output: f32, oil: bool) {
         let command = match self.behind {
             Behind::Valve => output,

@@ -79,7 +79,7 @@ impl Table {
         self.set_velocity(last.clamp(-VELOCITY_LIMIT, VELOCITY_LIMIT));
     }
 
-    /// One step without oil: the table stands.
+    /// One step without oil: the table does not move.
     pub fn stand(&mut self) {
         self.lag = 0.0;
         self.set_velocity(0.0);

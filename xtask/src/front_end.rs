@@ -1,5 +1,5 @@
 //! The front end between a board and its rig: sheets of parts and nets, from which come the drawings, the list of parts and the
-//! decks that ngspice runs. `firmware/front-end` holds the sheets; what is drawn and listed stands beside them.
+//! decks that ngspice runs. `firmware/front-end` holds the sheets; drawings and list are beside them.
 
 mod deck;
 mod draw;
@@ -23,7 +23,7 @@ fn folder() -> PathBuf {
     top().join("firmware/front-end")
 }
 
-/// The chore: checks the sheets, compares drawings and list with what stands beside them, or writes them (`draw`), and has ngspice
+/// The chore: checks the sheets, compares drawings and list with those beside them, or writes them (`draw`), and has ngspice
 /// run every trial.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     let write = match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
@@ -86,7 +86,7 @@ fn simulated(sheets: &[Sheet]) -> Result<(), Problem> {
     if broken.is_empty() { Ok(()) } else { Err(Problem::Failed(broken.join("\n"))) }
 }
 
-/// The control of the trials: without the resistor that draws a broken wire to a rail, they find that it does not go there.
+/// The control of the trials: without the resistor that pulls a broken wire to a rail, they find that it does not go there.
 fn planted(sheets: &[Sheet]) -> Result<Option<String>, Problem> {
     let (bias, trial) = ("R1", "signal wire broken");
     for sheet in sheets {

@@ -1,4 +1,4 @@
-//! A sheet as a drawing. Parts stand where the sheet puts them; wires join the pins of a net by right angles, the nearest first.
+//! A sheet as a drawing. Parts are where the sheet puts them; wires join the pins of a net by right angles, the nearest first.
 //! Ground and supplies are named at each pin instead.
 
 use std::collections::BTreeMap;
@@ -104,7 +104,7 @@ fn dot(svg: &mut String, point: Point) {
     let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"#222\"/>");
 }
 
-/// Which way from `pin` there is room for a symbol: down, or up from a part that stands below its pin.
+/// Which way from `pin` there is room for a symbol: down, or up from a part that lies below its pin.
 fn downward(sheet: &Sheet, pin: Point) -> f64 {
     let below =
         |part: &&Part| part.turn % 4 == 3 && placed(part).any(|(_, at)| at == pin) && pin.1 < f64::from(part.at[1]);
