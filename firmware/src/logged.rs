@@ -1,12 +1,12 @@
 //! States and causes in the log, by name: the names stay on the host, and the device sends their numbers.
 
 use defmt::{Format, Formatter, write};
-use shakedown_core::link::Cause;
+use shakedown_core::link::StopCause;
 use shakedown_core::{State, Trip};
 
-use crate::queues::Standing;
+use crate::queues::TestStatus;
 
-impl Format for Standing {
+impl Format for TestStatus {
     fn format(&self, to: Formatter<'_>) {
         state(to, self.state);
         if let Some(because) = self.cause {
@@ -26,15 +26,15 @@ fn state(to: Formatter<'_>, state: State) {
     }
 }
 
-fn cause(to: Formatter<'_>, cause: Cause) {
+fn cause(to: Formatter<'_>, cause: StopCause) {
     match cause {
-        Cause::EmergencyStop => write!(to, ": emergency stop"),
-        Cause::Overrun => write!(to, ": tick overrun"),
-        Cause::Underrun => write!(to, ": reference ran dry"),
-        Cause::SupplyLow => write!(to, ": supply low"),
-        Cause::Restarted => write!(to, ": restarted after a failure"),
-        Cause::Asked => write!(to, ": asked for"),
-        Cause::Guard(by) => trip(to, by),
+        StopCause::EmergencyStop => write!(to, ": emergency stop"),
+        StopCause::Overrun => write!(to, ": tick overrun"),
+        StopCause::Underrun => write!(to, ": reference ran dry"),
+        StopCause::SupplyLow => write!(to, ": supply low"),
+        StopCause::Restarted => write!(to, ": restarted after a failure"),
+        StopCause::Asked => write!(to, ": asked for"),
+        StopCause::Guard(by) => trip(to, by),
     }
 }
 

@@ -2,10 +2,10 @@
 //!
 //! What a port to another board supplies is a [`Board`] with its [`Converters`]; the rest of a tick is here, and the same on all.
 
-use crate::control_loop::{Codes, Events, Loop, Outcome};
+use crate::control_loop::{Codes, ControlLoop, Events, Outcome};
 use crate::converters::Converters;
 use crate::output::ZeroFlow;
-use crate::queues::Standing;
+use crate::queues::TestStatus;
 
 /// What a tick asks of a board. Everything takes bounded time, allocates nothing and waits for nothing.
 pub trait Board {
@@ -35,14 +35,14 @@ pub trait Board {
 
     /// Publishes state and cause of the test, ticks so far and records dropped for the link server, and wakes it; the output is live from the
     /// first of these on.
-    fn tell(&mut self, standing: Standing, ticks: u32, dropped: u32);
+    fn tell(&mut self, standing: TestStatus, ticks: u32, dropped: u32);
 }
 
 /// What the tick owns.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
 pub struct Control<'l, 'q, B> {
     /// What decides.
-    decide: &'l mut Loop<'q>,
+    decide: &'l mut ControlLoop<'q>,
     board: B,
     /// The last code did not reach the output.
     unwritten: bool,
@@ -50,7 +50,7 @@ pub struct Control<'l, 'q, B> {
 
 impl<'l, 'q, B: Board> Control<'l, 'q, B> {
     /// Ticks of `decide` on `board`.
-    pub const fn new(decide: &'l mut Loop<'q>, board: B) -> Self {
+    pub const fn new(decide: &'l mut ControlLoop<'q>, board: B) -> Self {
         Self { decide, board, unwritten: false }
     }
 

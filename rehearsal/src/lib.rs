@@ -9,8 +9,8 @@ mod table;
 
 pub use table::{Table, VELOCITY_LIMIT};
 
-use shakedown_core::control::InnerLoop;
 use shakedown_core::link::Scale;
+use shakedown_core::settings::InnerLoop;
 use shakedown_core::{Mode, Settings};
 
 /// Proportional gain of the existing position controller, in guard and modifier mode, 1/1: the paper's.

@@ -2,9 +2,9 @@
 
 use shakedown_core::Relay;
 
-use super::{Codes, Loop, Outcome};
+use super::{Codes, ControlLoop, Outcome};
 
-impl Loop<'_> {
+impl ControlLoop<'_> {
     /// The codes that converters at the simulated table read.
     #[inline(never)]
     pub(super) fn rehearsed_codes(&self) -> Codes {

@@ -1,7 +1,7 @@
 //! The tick's board: an STM32F407.
 
 use shakedown_firmware::output::ZeroFlow;
-use shakedown_firmware::queues::Standing;
+use shakedown_firmware::queues::TestStatus;
 use shakedown_firmware::tick::{self, Board};
 
 use crate::board::{converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog};
@@ -60,7 +60,7 @@ impl Board for Stm32f407 {
     }
 
     #[inline]
-    fn tell(&mut self, standing: Standing, ticks: u32, dropped: u32) {
+    fn tell(&mut self, standing: TestStatus, ticks: u32, dropped: u32) {
         standing::publish(standing, ticks, dropped);
         self.converters.go_live();
         line::wake();

@@ -1,8 +1,8 @@
 use super::*;
 use crate::defaults;
-use crate::queues::{DeskEnd, Order, Queues};
-use shakedown_core::link::Cause;
-use shakedown_core::{Request, State, Trip};
+use crate::queues::{LoopCommand, Queues, ServerEnd};
+use shakedown_core::link::StopCause;
+use shakedown_core::{OperatorRequest, State, Trip};
 
 /// Converters whose readings, and whose failures, are a test's.
 struct Pair {
@@ -38,7 +38,7 @@ struct Bench {
     late: bool,
     relay: bool,
     fed: u32,
-    told: Option<Standing>,
+    told: Option<TestStatus>,
 }
 
 impl Board for Bench {
@@ -70,22 +70,22 @@ impl Board for Bench {
 
     fn take_setup(&mut self, _: u32, _: ZeroFlow) {}
 
-    fn tell(&mut self, standing: Standing, _: u32, _: u32) {
+    fn tell(&mut self, standing: TestStatus, _: u32, _: u32) {
         self.told = Some(standing);
     }
 }
 
 /// An armed device after 100 ticks; `spoil` breaks something, and 200 ticks later the standing and the board are judged.
-fn after(spoil: impl FnOnce(&mut Bench), judge: impl FnOnce(Standing, &Bench)) {
+fn after(spoil: impl FnOnce(&mut Bench), judge: impl FnOnce(TestStatus, &Bench)) {
     let mut queues = Queues::new();
-    let (loop_end, mut desk): (_, DeskEnd<'_>) = queues.split();
-    let mut decide = Loop::new(&defaults::setup(), loop_end, false).unwrap();
+    let (loop_end, mut server): (_, ServerEnd<'_>) = queues.split();
+    let mut decide = ControlLoop::new(&defaults::setup(), loop_end, false).unwrap();
     let pair = Pair { codes: [2048; 4], reads: true, writes: true, written: 0, recovered: 0 };
     let board = Bench { pair, stop: false, low: false, late: false, relay: false, fed: 0, told: None };
     let mut control = Control::new(&mut decide, board);
     for tick in 0..100 {
         if tick == 50 {
-            desk.orders.enqueue(Order::Ask(Request::Arm)).unwrap();
+            server.orders.enqueue(LoopCommand::Ask(OperatorRequest::Arm)).unwrap();
         }
         control.tick();
     }
@@ -99,9 +99,9 @@ fn after(spoil: impl FnOnce(&mut Bench), judge: impl FnOnce(Standing, &Bench)) {
     assert!(fed > 0, "the watchdog was never fed");
 }
 
-fn trips(spoil: impl FnOnce(&mut Bench), cause: Cause) {
+fn trips(spoil: impl FnOnce(&mut Bench), cause: StopCause) {
     after(spoil, |standing, board| {
-        assert_eq!((standing, board.relay), (Standing { state: State::Tripped, cause: Some(cause) }, false));
+        assert_eq!((standing, board.relay), (TestStatus { state: State::Tripped, cause: Some(cause) }, false));
         assert_eq!(board.told, Some(standing));
     });
 }
@@ -121,14 +121,14 @@ fn a_board_on_which_all_is_well_stays_armed() {
 
 #[test]
 fn whatever_a_board_notices_opens_its_relay() {
-    trips(|board| board.stop = true, Cause::EmergencyStop);
-    trips(|board| board.low = true, Cause::SupplyLow);
-    trips(|board| board.late = true, Cause::Overrun);
+    trips(|board| board.stop = true, StopCause::EmergencyStop);
+    trips(|board| board.low = true, StopCause::SupplyLow);
+    trips(|board| board.late = true, StopCause::Overrun);
 }
 
 #[test]
 fn converters_that_fail_are_set_up_again_and_trip_in_the_end() {
-    trips(|board| board.pair.reads = false, Cause::Guard(Trip::SensorLost));
-    trips(|board| board.pair.writes = false, Cause::Guard(Trip::SensorLost));
+    trips(|board| board.pair.reads = false, StopCause::Guard(Trip::SensorLost));
+    trips(|board| board.pair.writes = false, StopCause::Guard(Trip::SensorLost));
     after(|board| board.pair.reads = false, |_, board| assert_eq!(board.pair.recovered, 200));
 }

@@ -14,8 +14,8 @@ use shakedown::plant::{
     Plant as _,
     paper::{FixedStep, Paper},
 };
-use shakedown_core::control::InnerLoop;
-use shakedown_core::link::{Cause, Record, Setup, Source};
+use shakedown_core::link::{Record, Setup, Source, StopCause};
+use shakedown_core::settings::InnerLoop;
 use shakedown_core::{Mode, State};
 use shakedown_firmware::store::{InMemory, save};
 use shakedown_rehearsal::Table;
@@ -144,7 +144,7 @@ fn a_stop_that_is_pressed_trips_a_rehearsal() {
     });
     let ran = on_board(rehearsing(Mode::Controller, InnerLoop::Absent), &near_field(12), pressed);
     let stopped =
-        matches!(ran.world.progress, Progress::Failed(DriveError::Stopped { cause: Cause::EmergencyStop, .. }));
+        matches!(ran.world.progress, Progress::Failed(DriveError::Stopped { cause: StopCause::EmergencyStop, .. }));
     assert!(stopped, "{:?}", ran.world.progress);
     let last = ran.world.drive.telemetry().rows().last().unwrap();
     assert_eq!(last.state, State::Tripped);
