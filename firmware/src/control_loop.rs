@@ -6,12 +6,14 @@
 
 use shakedown_core::link::{MAX_BATCH, Setup, StopCause};
 use shakedown_core::{Controller, OperatorRequest, Relay, Sample, SettingsError, State, Trip};
+use shakedown_rehearsal::{Behind, Rehearsal};
 
 mod housekeeping;
 mod open_relay;
 mod orders;
 mod outcome;
 mod prepared;
+mod rehearsed;
 
 pub use open_relay::OpenRelay;
 pub use outcome::{Codes, Events, Notifications, Outcome};
@@ -58,6 +60,8 @@ pub struct ControlLoop<'a> {
     /// Control rate, Hz.
     rate: f32,
     zero_flow: ZeroFlow,
+    /// The table that a rehearsal moves.
+    rehearsal: Rehearsal,
 }
 
 /// Ticks of a round at `rate`, Hz.
@@ -94,6 +98,7 @@ impl<'a> ControlLoop<'a> {
             every: setup.telemetry_every,
             rate: setup.control.rate,
             zero_flow: ZeroFlow::new(setup),
+            rehearsal: Rehearsal::new(setup.control.rate, Behind::of(&setup.control)),
         }
     }
 
@@ -129,9 +134,9 @@ impl<'a> ControlLoop<'a> {
         self.news
     }
 
-    /// Whether the relay of the hydraulic block is closed.
+    /// Whether the relay of the hydraulic block is closed. Never in a rehearsal: whatever table is wired to the board gets no oil.
     pub fn relay(&self) -> bool {
-        self.controller.relay() == Relay::Closed && !self.lent
+        self.controller.relay() == Relay::Closed && !self.lent && !self.wires.rehearses
     }
 
     /// The control rate in force, Hz.
@@ -157,12 +162,14 @@ impl<'a> ControlLoop<'a> {
         } else if events.supply_low {
             self.trip(StopCause::SupplyLow);
         }
+        let inputs = if self.wires.rehearses { self.rehearsed_codes() } else { inputs };
         let mut sample = self.sample(inputs.each());
         if events.no_sample {
             let reference = if self.wires.streamed { sample.reference } else { f32::NAN };
             sample = Sample { external: f32::NAN, ..Sample::new(reference, f32::NAN, f32::NAN) };
         }
-        self.decide(inputs, sample, new_setup)
+        let outcome = self.decide(inputs, sample, new_setup);
+        if self.wires.rehearses { self.rehearse(outcome) } else { outcome }
     }
 
     /// What the core decides, and what is due beside it: now and then in the middle of a test, and at every tick else.

@@ -2,6 +2,8 @@
 
 pub mod outboard;
 
+use crate::control_loop::Codes;
+
 /// Inputs of a tick, in order: reference, displacement, acceleration, the existing controller's command.
 pub const INPUTS: usize = 4;
 
@@ -20,8 +22,11 @@ pub trait Converters {
     const FULL_SCALE: u16;
 
     /// The codes sampled for this tick.
-    fn read(&mut self) -> Result<[u16; INPUTS], Self::Error>;
+    fn read(&mut self) -> Result<Codes, Self::Error>;
 
     /// Puts `code` on the output.
     fn write(&mut self, code: u16) -> Result<(), Self::Error>;
+
+    /// Sets the converters up again after a failure, so that a later tick may read.
+    fn recover(&mut self);
 }

@@ -2,6 +2,7 @@
 
 use shakedown_core::Mode;
 use shakedown_core::link::{Scale, Setup, Source};
+use shakedown_rehearsal::Inputs;
 
 use crate::output::Output;
 
@@ -20,6 +21,8 @@ pub(crate) struct InputScaling {
     pub(crate) streamed: bool,
     /// Whether the existing command is read.
     pub(crate) guards: bool,
+    /// Whether a simulated table takes the place of the converters.
+    pub(crate) rehearses: bool,
 }
 
 impl InputScaling {
@@ -28,7 +31,6 @@ impl InputScaling {
         let wiring = &setup.wiring;
         let full = u32::from(wiring.full_scale);
         let (low, span) = if wiring.rails_are_faults { (1, full.saturating_sub(2)) } else { (0, u32::from(u16::MAX)) };
-        let streamed = wiring.source == Source::Streamed;
         Self {
             low,
             span,
@@ -37,14 +39,26 @@ impl InputScaling {
             external: wiring.external,
             reference: wiring.reference,
             output: Output::new(wiring),
-            streamed,
+            streamed: wiring.source.streamed(),
             guards: setup.control.mode == Mode::Guard,
+            rehearses: wiring.source == Source::Rehearsal,
         }
     }
 
     /// Whether the codes mean the same under both, whatever the mode reads of them.
     pub(crate) fn same_board(&self, other: &Self) -> bool {
         Self { guards: other.guards, ..*self } == *other
+    }
+
+    /// The inputs' scales, for a simulated table.
+    pub(crate) const fn inputs(&self) -> Inputs {
+        Inputs {
+            reference: self.reference,
+            displacement: self.displacement,
+            acceleration: self.acceleration,
+            external: self.external,
+            full_scale: self.output.full_scale(),
+        }
     }
 
     /// Whether `code` tells anything.

@@ -18,9 +18,12 @@ pub mod defaults;
 mod input_scaling;
 pub mod limits;
 pub mod link_server;
+#[cfg(all(target_os = "none", feature = "board"))]
+mod logged;
 pub mod output;
 pub mod queues;
 pub mod store;
+pub mod tick;
 
 pub use control_loop::{Codes, ControlLoop, Events, Notifications, OpenRelay, Outcome};
 pub use link_server::LinkServer;

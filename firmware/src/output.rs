@@ -23,6 +23,16 @@ impl Output {
         Self { per_unit: 1.0 / wiring.output.per_code, zero: wiring.output.zero, full_scale: wiring.full_scale }
     }
 
+    /// Largest code.
+    pub(crate) const fn full_scale(&self) -> u16 {
+        self.full_scale
+    }
+
+    /// What `code` stands for, m.
+    pub(crate) fn to_si(self, code: u16) -> f32 {
+        (f32::from(code) - self.zero) / self.per_unit
+    }
+
     /// The code nearest to `code` that the converter has.
     pub fn nearest(&self, code: u16) -> u16 {
         code.min(self.full_scale)

@@ -1,6 +1,7 @@
 //! The firmware image: builds it, flashes it, runs it against the plant on an emulated processor.
 
 use crate::output::say;
+use crate::setup::{self, QEMU};
 use crate::shell::{Problem, command, no_words, run as execute, top, works};
 use crate::toolchain::{self, TARGET, Toolchain};
 
@@ -8,7 +9,41 @@ use crate::toolchain::{self, TARGET, Toolchain};
 pub(crate) const LINKER: &str = "-C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 /// The image, from the top of the workspace.
 const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-firmware";
-const CHIP: &str = "STM32F407VGTx";
+
+/// A board that an image is built for.
+pub(crate) struct Board {
+    /// Its name in files.
+    pub(crate) name: &'static str,
+    /// Its name for people.
+    pub(crate) title: &'static str,
+    /// The package that is built.
+    pub(crate) package: &'static str,
+    /// Its features.
+    pub(crate) features: &'static [&'static str],
+    /// The part, as `probe-rs` calls it.
+    pub(crate) chip: &'static str,
+    /// Where its flash begins.
+    pub(crate) flash: u32,
+}
+
+/// All of them; the first is the one that is flashed and replayed by default.
+pub(crate) const BOARDS: &[Board] = &[Board {
+    name: "stm32f407",
+    title: "STM32F407 with its own converters",
+    package: "shakedown-firmware",
+    features: &["board"],
+    chip: "STM32F407VGTx",
+    flash: 0x0800_0000,
+}];
+
+impl Board {
+    /// The command that builds its image, without its flags.
+    pub(crate) fn command(&self) -> Result<std::process::Command, Problem> {
+        let features = self.features.join(",");
+        let words = ["build", "--locked", "--profile", "firmware", "--package", self.package];
+        found()?.cargo(&[&words[..], &["--no-default-features", "--features", &features]].concat())
+    }
+}
 /// The C compiler for the target.
 pub(crate) const GCC: &str = "arm-none-eabi-gcc";
 
@@ -31,7 +66,7 @@ pub(crate) fn flash(words: &[String]) -> Result<(), Problem> {
     if !works(&["probe-rs", "--version"]) {
         return Err(Problem::Failed("probe-rs is not here: `cargo install probe-rs-tools --locked`".into()));
     }
-    execute(&mut command(&["probe-rs", "run", "--chip", CHIP, IMAGE]))
+    execute(&mut command(&["probe-rs", "run", "--chip", BOARDS[0].chip, IMAGE]))
 }
 
 /// Builds everything that the tests of the image in the loop run.
@@ -39,11 +74,14 @@ pub(crate) fn images() -> Result<(), Problem> {
     build(&[])?;
     no_panic()?;
     bare("shakedown-second-opinion", &[])?;
+    image("shakedown-hil")?;
     beside_image()
 }
 
 /// The chore: the image in the loop, all tests or those named.
 pub(crate) fn replay(words: &[String]) -> Result<(), Problem> {
+    // Named, or installed, before anything is built: a test that finds its tool missing says so much later and less plainly.
+    setup::need(&[TARGET, QEMU, GCC])?;
     images()?;
     execute(&mut command(&["cargo", "test", "--locked", "--package", "shakedown-firmware", "--lib"]))?;
     execute(&mut command(&["cargo", "build", "--locked", "--package", "shakedown", "--bin", "shakedown"]))?;
@@ -58,7 +96,7 @@ pub(crate) fn beside(words: &[String]) -> Result<(), Problem> {
 }
 
 /// Runs tests of the image, all or those named.
-fn test(names: &[String], more: &[&str]) -> Result<(), Problem> {
+pub(crate) fn test(names: &[String], more: &[&str]) -> Result<(), Problem> {
     let names: Vec<&str> = names.iter().flat_map(|name| ["--test", name.as_str()]).collect();
     // The emulator states a newer compiler than it needs.
     let cargo =
@@ -117,6 +155,7 @@ pub(crate) fn image_command(package: &str) -> Result<std::process::Command, Prob
     found()?.cargo(&["build", "--locked", "--profile", "firmware", "--package", package])
 }
 
-fn image(package: &str) -> Result<(), Problem> {
+/// Builds an image that logs.
+pub(crate) fn image(package: &str) -> Result<(), Problem> {
     execute(image_command(package)?.env("RUSTFLAGS", LINKER).current_dir(top()))
 }

@@ -4,14 +4,17 @@ mod benchmarks;
 mod deny;
 mod figures;
 mod firmware;
+mod front_end;
 mod fuzz;
 mod header;
+mod hil;
 mod hosts;
 mod house;
 mod law_cost;
 mod nightly;
 mod output;
 mod properties;
+mod release;
 mod reproduce;
 mod sbom;
 mod setup;
@@ -54,6 +57,7 @@ const CHORES: &[Chore] = &[
         does: "what the core's laws cost beside the same in C and beside idsp's, in instructions",
         run: firmware::beside,
     },
+    Chore { name: "hil", does: "tests the board's own code, emulated and on a board with a probe", run: hil::run },
     Chore {
         name: "hosts",
         does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...]",
@@ -62,8 +66,13 @@ const CHORES: &[Chore] = &[
     Chore { name: "header", does: "writes the C header anew, or compares it [check]", run: header::run },
     Chore {
         name: "nightly",
-        does: "runs what takes longer than tests may: hosts, header, examples, pages",
+        does: "runs what takes longer than tests may: front end, board, hosts, header, examples, pages",
         run: nightly::run,
+    },
+    Chore {
+        name: "front-end",
+        does: "checks the front end's sheets, drawings and list, and has ngspice try them [draw]",
+        run: front_end::run,
     },
     Chore { name: "house", does: "checks file lengths, the direction of dependencies, stray paths", run: house::run },
     Chore {
@@ -83,6 +92,11 @@ const CHORES: &[Chore] = &[
         run: properties::run,
     },
     Chore { name: "deny", does: "checks licences, sources and banned crates (cargo-deny)", run: deny::run },
+    Chore {
+        name: "release",
+        does: "builds a release's files, with check sums, list of parts and how to flash [firmware]",
+        run: release::run,
+    },
     Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
     Chore {
         name: "reproduce",

@@ -2,12 +2,18 @@
 
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, run as execute};
-use crate::{header, hosts, setup};
+use crate::{front_end, header, hil, hosts, setup};
 
 type Chore = (&'static str, fn() -> Result<(), Problem>);
 
-const CHORES: &[Chore] =
-    &[("hosts", || hosts::run(&[])), ("header", header::check), ("examples", hosts::examples), ("pages", pages)];
+const CHORES: &[Chore] = &[
+    ("front end", || front_end::run(&[])),
+    ("board", || hil::run(&[])),
+    ("hosts", || hosts::run(&[])),
+    ("header", header::check),
+    ("examples", hosts::examples),
+    ("pages", pages),
+];
 
 /// The chore: all of them.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {

@@ -82,7 +82,7 @@ fn in_folder<'c>(cargo: &'c mut Command, folder: &Path) -> &'c mut Command {
 }
 
 /// Compiler flags that write `/shakedown` and `/cargo` for this machine's folders.
-fn remap(sources: &Path, target: &Path) -> String {
+pub(crate) fn remap(sources: &Path, target: &Path) -> String {
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
     let folders = [

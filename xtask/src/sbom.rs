@@ -5,16 +5,24 @@ use crate::shell::{Problem, metadata, top};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// What is shipped of this workspace.
+const SHIPPED: [&str; 3] = ["shakedown", "shakedown-core", "shakedown-firmware"];
+
 /// The chore: writes the list to a file, or prints it.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
-    let text = serde_json::to_string_pretty(&list(&metadata(true)?, &checksums()?))
-        .map_err(|e| Problem::Failed(e.to_string()))?;
+    let text = of(&SHIPPED)?;
     match words {
-        [] => say(&text),
-        [path] => std::fs::write(path, text + "\n").map_err(|e| Problem::Failed(format!("{path}: {e}")))?,
+        [] => say(text.trim_end()),
+        [path] => std::fs::write(path, text).map_err(|e| Problem::Failed(format!("{path}: {e}")))?,
         _ => return Err(Problem::Usage("sbom takes one file name, or none".into())),
     }
     Ok(())
+}
+
+/// The list of what is built into the packages named, as text.
+pub(crate) fn of(shipped: &[&str]) -> Result<String, Problem> {
+    let list = list(&metadata(true)?, &checksums()?, shipped);
+    serde_json::to_string_pretty(&list).map(|text| text + "\n").map_err(|e| Problem::Failed(e.to_string()))
 }
 
 /// Every package's SHA-256 as `Cargo.lock` pins it, by name and version.
@@ -29,10 +37,9 @@ fn checksums() -> Result<BTreeMap<(String, String), String>, Problem> {
 }
 
 /// The list from `cargo metadata`: what the shipped packages need to run, tests and build-time chores left out.
-fn list(metadata: &Value, checksums: &BTreeMap<(String, String), String>) -> Value {
+fn list(metadata: &Value, checksums: &BTreeMap<(String, String), String>, shipped: &[&str]) -> Value {
     let needs = needs(metadata);
     let mut reached: BTreeSet<&str> = BTreeSet::new();
-    let shipped = ["shakedown", "shakedown-core", "shakedown-firmware"];
     let mut open: Vec<&str> = packages(metadata)
         .filter(|p| p["source"].is_null() && shipped.contains(&text(p, "name")))
         .map(|p| text(p, "id"))
@@ -109,7 +116,7 @@ mod tests {
 
     #[test]
     fn what_is_built_in_is_listed_with_its_licence_and_hash() {
-        let list = list(&metadata(true).unwrap(), &checksums().unwrap());
+        let list = list(&metadata(true).unwrap(), &checksums().unwrap(), &SHIPPED);
         let parts = list["components"].as_array().unwrap();
         let named = |name: &str| parts.iter().find(|p| p["name"] == name);
         let libm = named("libm").expect("core's one dependency for functions");

@@ -17,6 +17,11 @@ struct Need {
     install: fn() -> Result<(), Problem>,
 }
 
+/// The second emulator.
+pub(crate) const QEMU: &str = "qemu-system-arm";
+/// The circuit simulator.
+pub(crate) const NGSPICE: &str = "ngspice";
+
 const NEEDS: &[Need] = &[
     Need {
         name: "rustfmt and clippy",
@@ -40,11 +45,18 @@ const NEEDS: &[Need] = &[
         install: toolchain::install,
     },
     Need {
-        name: "qemu-system-arm",
+        name: QEMU,
         used_for: "a second opinion on the bits that the firmware computes",
         from: "apt",
-        present: || works(&["qemu-system-arm", "--version"]),
-        install: || apt(&["qemu-system-arm"]),
+        present: || works(&[QEMU, "--version"]),
+        install: || apt(&[QEMU]),
+    },
+    Need {
+        name: NGSPICE,
+        used_for: "the front end's circuits (`cargo xtask front-end`)",
+        from: "apt",
+        present: || works(&[NGSPICE, "--version"]),
+        install: || apt(&[NGSPICE]),
     },
     Need {
         name: "gcc, clang and cmake",
@@ -88,10 +100,26 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
 
 /// Installs what is missing, as far as it can be had and is wanted.
 pub(crate) fn install() -> Vec<LeftOut> {
-    let missing: Vec<&Need> = NEEDS.iter().filter(|need| !(need.present)()).collect();
-    if missing.is_empty() {
+    let left_out = install_of(|_| true);
+    if left_out.is_none() {
         say("Everything the tests need is here.");
-        return Vec::new();
+    }
+    left_out.unwrap_or_default()
+}
+
+/// Installs what of `names` is missing, or says what a chore that needs it cannot do without.
+pub(crate) fn need(names: &[&str]) -> Result<(), Problem> {
+    let left_out = install_of(|name| names.contains(&name)).unwrap_or_default();
+    let line = |one: &LeftOut| format!("{} is not here (for {}): {}", one.name, one.used_for, one.why);
+    let lines: Vec<String> = left_out.iter().map(line).collect();
+    if lines.is_empty() { Ok(()) } else { Err(Problem::Failed(lines.join("\n"))) }
+}
+
+/// Installs what is missing among the needs of such names; what could not be, or none where nothing is missing.
+fn install_of(wanted: impl Fn(&str) -> bool) -> Option<Vec<LeftOut>> {
+    let missing: Vec<&Need> = NEEDS.iter().filter(|need| wanted(need.name) && !(need.present)()).collect();
+    if missing.is_empty() {
+        return None;
     }
     say("The tests need what this machine does not have yet:");
     for need in &missing {
@@ -100,7 +128,7 @@ pub(crate) fn install() -> Vec<LeftOut> {
     let wanted = agreed();
     let left_out = |need: &&Need, why: String| LeftOut { name: need.name, used_for: need.used_for, why };
     let outcome = |need: &&Need| if wanted { (need.install)().err().map(message) } else { Some("not wanted".into()) };
-    missing.iter().filter_map(|need| outcome(need).map(|why| left_out(need, why))).collect()
+    Some(missing.iter().filter_map(|need| outcome(need).map(|why| left_out(need, why))).collect())
 }
 
 /// Says what is missing for good.

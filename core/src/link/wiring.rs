@@ -14,6 +14,8 @@ pub enum Source {
     Analog,
     /// The host, through the link, ahead of time.
     Streamed,
+    /// The same, in a rehearsal: the device reads and moves a simulated table, and keeps its relay open.
+    Rehearsal,
 }
 
 /// What the converters' codes mean.
@@ -112,6 +114,13 @@ impl core::fmt::Display for SetupError {
 }
 
 impl core::error::Error for SetupError {}
+
+impl Source {
+    /// Whether the reference comes from the host.
+    pub const fn streamed(self) -> bool {
+        matches!(self, Self::Streamed | Self::Rehearsal)
+    }
+}
 
 impl Setup {
     /// Checks every field. A device takes a setup only when all of it holds.

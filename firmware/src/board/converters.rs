@@ -5,6 +5,7 @@
 
 use core::cell::UnsafeCell;
 
+use shakedown_firmware::Codes;
 use shakedown_firmware::converters::{Converters, INPUTS};
 use stm32f4xx_hal::{
     pac::{ADC_COMMON, ADC1, DAC, DMA2, Interrupt, NVIC},
@@ -113,18 +114,19 @@ impl Converters for OnChip {
     const FULL_SCALE: u16 = 4095;
 
     #[inline]
-    fn read(&mut self) -> Result<[u16; INPUTS], Fault> {
-        if self.failed() | self.adc.sr().read().ovr().bit_is_set() {
-            self.arm();
-            return Err(Fault::Lost);
-        }
-        Ok(core::array::from_fn(sampled))
+    fn read(&mut self) -> Result<Codes, Fault> {
+        if self.failed() { Err(Fault::Lost) } else { Ok(Codes::of(sampled)) }
     }
 
     #[inline]
     fn write(&mut self, code: u16) -> Result<(), Fault> {
         self.dac.dhr12r(0).write(|w| unsafe { w.bits(u32::from(code)) });
         Ok(())
+    }
+
+    #[cold]
+    fn recover(&mut self) {
+        self.arm();
     }
 }
 

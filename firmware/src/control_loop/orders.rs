@@ -3,6 +3,8 @@
 use shakedown_core::link::StopCause;
 use shakedown_core::{OperatorRequest, Refused, Relay, State};
 
+use shakedown_rehearsal::{Behind, Rehearsal};
+
 use super::{ControlLoop, OpenRelay, round};
 use crate::input_scaling::InputScaling;
 use crate::queues::{LoopCommand, Verdict};
@@ -42,7 +44,7 @@ impl ControlLoop<'_> {
     fn take_setup(&mut self) -> bool {
         let open = self.open_relay();
         let Some(prepared) = self.queues.setups.peek() else { return false };
-        let (wires, rate) = (*prepared.zero_flow.wires(), prepared.rate);
+        let (wires, rate, behind) = (*prepared.zero_flow.wires(), prepared.rate, prepared.behind);
         let same_board = wires.same_board(&self.wires) && rate == self.rate;
         let verdict = if !same_board && open.is_none() {
             Verdict::Refused(self.controller.state())
@@ -54,6 +56,7 @@ impl ControlLoop<'_> {
                 Some(open) => self.rewire(wires, rate, &open),
                 None => self.wires.guards = wires.guards,
             }
+            self.rehearsal.rewire(behind);
             self.record_at = self.counts().0;
             Verdict::Taken
         };
@@ -63,11 +66,12 @@ impl ControlLoop<'_> {
         taken
     }
 
-    /// Changes what the codes mean and how fast the ticks come: never with oil behind the valve.
+    /// Changes what the codes mean and how fast the ticks come: never with oil behind the valve. A rehearsal's table begins anew.
     fn rewire(&mut self, wires: InputScaling, rate: f32, _: &OpenRelay) {
         self.wires = wires;
         self.rate = rate;
         self.round = round(rate);
+        self.rehearsal = Rehearsal::new(rate, Behind::Valve);
     }
 
     /// Tells the server, and has it woken in this tick. Returns whether there was room.

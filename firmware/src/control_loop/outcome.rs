@@ -18,6 +18,13 @@ impl Codes {
     }
 }
 
+impl From<[u16; 4]> for Codes {
+    fn from([reference, displacement, acceleration, external]: [u16; 4]) -> Self {
+        let word = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
+        Self(word(reference, displacement), word(acceleration, external))
+    }
+}
+
 /// What the board noticed since the last tick; the default is nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Events {

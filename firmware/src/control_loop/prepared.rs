@@ -3,6 +3,8 @@
 use shakedown_core::link::Setup;
 use shakedown_core::{SettingsError, Tuning};
 
+use shakedown_rehearsal::Behind;
+
 use crate::output::ZeroFlow;
 
 /// Everything that a tick needs of a [`Setup`], and nothing left to work out.
@@ -15,6 +17,8 @@ pub struct Prepared {
     pub(super) rate: f32,
     /// A record of telemetry every so many ticks.
     pub(super) every: u16,
+    /// What a rehearsal's table is wired to.
+    pub(super) behind: Behind,
 }
 
 impl Prepared {
@@ -27,6 +31,7 @@ impl Prepared {
             zero_flow: ZeroFlow::new(setup),
             rate: setup.control.rate,
             every: setup.telemetry_every,
+            behind: Behind::of(&setup.control),
         })
     }
 }

@@ -13,6 +13,7 @@
 use embedded_hal::spi::{Operation, SpiDevice};
 
 use super::{Converters, INPUTS};
+use crate::control_loop::Codes;
 
 const RANGE_REGISTER: u8 = 0x05;
 const RANGE_10V: u8 = 0x00;
@@ -58,15 +59,7 @@ pub struct Outboard<A, D> {
 impl<A: SpiDevice, D: SpiDevice> Outboard<A, D> {
     /// Sets both converters to +/-10 V and checks that the input converter heard it.
     pub fn new(mut input: A, mut output: D) -> Result<Self, Error<A::Error, D::Error>> {
-        for channel in 0..INPUTS as u8 {
-            let register = RANGE_REGISTER + channel;
-            let mut frame = [register << 1 | 1, RANGE_10V, 0];
-            input.transaction(&mut [Operation::TransferInPlace(&mut frame)]).map_err(Error::Input)?;
-            let [_, _, read] = frame;
-            if read != RANGE_10V {
-                return Err(Error::ReadBack { register, read });
-            }
-        }
+        set_ranges(&mut input)?;
         output.write(&dac_frame(DAC_RESET, 0)).map_err(Error::Output)?;
         output.write(&dac_frame(DAC_CONTROL, DAC_SETTING)).map_err(Error::Output)?;
         Ok(Self { input, output })
@@ -87,18 +80,37 @@ impl<A: SpiDevice, D: SpiDevice> Converters for Outboard<A, D> {
 
     const FULL_SCALE: u16 = u16::MAX;
 
-    fn read(&mut self) -> Result<[u16; INPUTS], Self::Error> {
+    fn read(&mut self) -> Result<Codes, Self::Error> {
         let mut codes = [0; INPUTS];
         self.exchange(0)?;
         for (channel, code) in (1..).zip(&mut codes) {
             *code = self.exchange(channel % INPUTS as u16)?;
         }
-        Ok(codes)
+        Ok(codes.into())
     }
 
     fn write(&mut self, code: u16) -> Result<(), Self::Error> {
         self.output.write(&dac_frame(DAC_WRITE, code)).map_err(Error::Output)
     }
+
+    /// The inputs' ranges anew. The output converter is left as it is: a reset of it would let go of the last code.
+    fn recover(&mut self) {
+        let _ = set_ranges::<A, D::Error>(&mut self.input);
+    }
+}
+
+/// Sets every input to +/-10 V and checks that the converter heard it.
+fn set_ranges<A: SpiDevice, D>(input: &mut A) -> Result<(), Error<A::Error, D>> {
+    for channel in 0..INPUTS as u8 {
+        let register = RANGE_REGISTER + channel;
+        let mut frame = [register << 1 | 1, RANGE_10V, 0];
+        input.transaction(&mut [Operation::TransferInPlace(&mut frame)]).map_err(Error::Input)?;
+        let [_, _, read] = frame;
+        if read != RANGE_10V {
+            return Err(Error::ReadBack { register, read });
+        }
+    }
+    Ok(())
 }
 
 const fn dac_frame(command: u8, value: u16) -> [u8; 3] {

@@ -1,16 +1,16 @@
-//! The tick.
+//! The tick's board: an STM32F407.
 
-use shakedown_firmware::converters::Converters;
-use shakedown_firmware::{Codes, ControlLoop, Events, Outcome};
+use shakedown_firmware::output::ZeroFlow;
+use shakedown_firmware::queues::TestStatus;
+use shakedown_firmware::tick::{self, Board};
 
-use crate::board::{
-    converters, converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog,
-};
+use crate::board::{converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog};
 
-/// What the tick owns.
-pub(crate) struct Control {
-    /// What decides.
-    pub(crate) decide: &'static mut ControlLoop<'static>,
+/// The tick.
+pub(crate) type Control = tick::Control<'static, 'static, Stm32f407>;
+
+/// What the tick owns of the board.
+pub(crate) struct Stm32f407 {
     /// Inputs and output.
     pub(crate) converters: OnChip,
     /// Relay, emergency stop, supply.
@@ -21,69 +21,48 @@ pub(crate) struct Control {
     pub(crate) watchdog: Watchdog,
 }
 
-impl Control {
-    /// One tick: codes in, the loop's decision, a code out. What happens now and then is a call away.
+impl Board for Stm32f407 {
+    type Pair = OnChip;
+
     #[inline]
-    pub(crate) fn tick(&mut self) {
-        let failed = self.converters.failed();
-        if failed | self.pins.emergency_stop() | self.pins.supply_low() {
-            return self.tick_noticing(failed);
-        }
-        let outcome = self.decide.tick_with(Codes::of(converters::sampled), Events::default());
-        self.housekeeping(outcome);
+    fn pair(&mut self) -> &mut OnChip {
+        &mut self.converters
     }
 
-    /// A tick whose sample the converter lost: it is set up again, and the loop is told.
-    #[cold]
-    pub(crate) fn tick_without_sample(&mut self) {
-        self.tick_noticing(true);
+    #[inline]
+    fn emergency_stop(&self) -> bool {
+        self.pins.emergency_stop()
     }
 
-    /// One tick when the board has something to say.
-    #[cold]
-    #[inline(never)]
-    fn tick_noticing(&mut self, no_sample: bool) {
-        let events =
-            Events { emergency_stop: self.pins.emergency_stop(), supply_low: self.pins.supply_low(), no_sample };
-        if no_sample {
-            self.converters.arm();
-        }
-        let inputs = Codes::of(|input| if no_sample { 0 } else { converters::sampled(input) });
-        let outcome = self.decide.tick_with(inputs, events);
-        self.housekeeping(outcome);
+    #[inline]
+    fn supply_low(&self) -> bool {
+        self.pins.supply_low()
     }
 
-    /// The code goes out.
-    #[inline(always)]
-    fn put(&mut self, output: u16) {
-        let _ = self.converters.write(output);
-        if OnChip::late() {
-            self.decide.overrun();
-        }
+    #[inline]
+    fn set_relay(&mut self, closed: bool) {
+        self.pins.set_relay(closed);
     }
 
-    /// The same, and what follows now and then. The first tick is news, so that the output is out from then on.
-    fn housekeeping(&mut self, outcome: Outcome) {
-        self.put(outcome.output);
-        if outcome.news {
-            self.pins.set_relay(self.decide.relay());
-            self.watchdog.feed();
-            let news = self.decide.news();
-            if news.new_setup {
-                self.take_setup();
-            }
-            if news.tell {
-                let (ticks, dropped) = self.decide.counts();
-                standing::publish(self.decide.standing(), ticks, dropped);
-                self.converters.go_live();
-                line::wake();
-            }
-        }
+    #[inline]
+    fn late(&self) -> bool {
+        OnChip::late()
     }
 
-    /// What else a setup changes: the rate, and what a failing program leaves on the output.
-    fn take_setup(&mut self) {
-        self.ticker.set_rate(self.decide.rate() as u32);
-        failure::prepare(self.decide.zero_flow());
+    #[inline]
+    fn feed_watchdog(&mut self) {
+        self.watchdog.feed();
+    }
+
+    fn take_setup(&mut self, rate: u32, zero_flow: ZeroFlow) {
+        self.ticker.set_rate(rate);
+        failure::prepare(zero_flow);
+    }
+
+    #[inline]
+    fn tell(&mut self, standing: TestStatus, ticks: u32, dropped: u32) {
+        standing::publish(standing, ticks, dropped);
+        self.converters.go_live();
+        line::wake();
     }
 }

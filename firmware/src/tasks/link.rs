@@ -3,6 +3,7 @@
 use shakedown_core::link::{Assembler, HostRequest, MAX_FRAME, Report, encode};
 use shakedown_firmware::OpenRelay;
 use shakedown_firmware::link_server::{Action, LinkServer, LoopStatus};
+use shakedown_firmware::queues::TestStatus;
 use shakedown_firmware::store;
 
 use crate::board::{flash::Flash, line::Line, pins, standing, watchdog};
@@ -16,9 +17,20 @@ pub(crate) struct Link {
     pub(crate) flash: Flash,
     pub(crate) assembler: Assembler,
     pub(crate) answer: Option<Report>,
+    /// What was logged last.
+    pub(crate) logged: Option<TestStatus>,
 }
 
 impl Link {
+    /// Logs where the test stands, when that has changed.
+    fn log(&mut self) {
+        let (standing, _, _) = standing::read();
+        if self.logged != Some(standing) {
+            self.logged = Some(standing);
+            log(standing);
+        }
+    }
+
     /// Reads requests as long as their answers can leave, then sends what is due.
     pub(crate) fn serve(&mut self) {
         self.line.acknowledge();
@@ -34,6 +46,7 @@ impl Link {
         if self.line.ready() {
             self.speak();
         }
+        self.log();
         watchdog::served();
     }
 
@@ -82,6 +95,12 @@ impl Link {
         self.line.send(|buffer: &mut [u8; MAX_FRAME]| encode(report, buffer).unwrap_or(0));
         self.answer = None;
     }
+}
+
+#[cold]
+#[inline(never)]
+fn log(standing: TestStatus) {
+    defmt::info!("{}", standing);
 }
 
 fn seen() -> LoopStatus {

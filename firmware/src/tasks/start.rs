@@ -7,7 +7,8 @@ use shakedown_firmware::queues::{LoopEnd, Queues};
 use shakedown_firmware::{ControlLoop, LinkServer, defaults, store};
 use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
 
-use super::{control::Control, link::Link};
+use super::control::{Control, Stm32f407};
+use super::link::Link;
 use crate::board::{
     clock, converters::OnChip, entropy, failure, flash::Flash, line::Line, pins::Pins, ticker::Ticker,
     watchdog::Watchdog,
@@ -48,8 +49,8 @@ pub(crate) fn start(
     let server = LinkServer::new(setup, stored, clock, defaults::LIMITS, entropy, server_end);
     let link = place_link(server, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
-    let control = Control { decide, converters, pins, ticker, watchdog };
-    control.ticker.start();
+    let control = Control::new(decide, Stm32f407 { converters, pins, ticker, watchdog });
+    control.board().ticker.start();
     (control, link)
 }
 
@@ -72,6 +73,7 @@ fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut ControlLo
 /// Puts the link where it stays.
 #[inline(never)]
 fn place_link(server: LinkServer<'static>, line: Line, flash: Flash) -> &'static mut Link {
-    let link = singleton!(: Link = Link { server, line, flash, assembler: Assembler::new(), answer: None });
+    let link =
+        singleton!(: Link = Link { server, line, flash, assembler: Assembler::new(), answer: None, logged: None });
     link.unwrap_or_else(|| failure::park())
 }

@@ -1,26 +1,17 @@
-//! The table and what else is wired to the board: Eq. 7 with the limiter, an LVDT, an accelerometer, and where the mode
-//! has one, an existing proportional controller.
+//! The table and what else is wired to the board: that of a rehearsal, which is Eq. 7 with the limiter, an LVDT, an accelerometer,
+//! and where the mode has one, an existing proportional controller.
 
-use shakedown_core::Mode;
-use shakedown_core::link::Setup;
-
-const B0: f64 = 138.0;
-const B1: f64 = 0.69;
-const A1: f64 = 57.65;
-const LIMIT: f64 = 0.242;
-/// Integration steps a tick.
-const STEPS: usize = 4;
+use shakedown_core::link::{Setup, Wiring};
+use shakedown_rehearsal::{Behind, Inputs, Rehearsal};
 
 /// A bench that turns output codes into input codes.
 #[derive(Debug, Clone)]
 pub struct Bench {
-    setup: Setup,
+    wiring: Wiring,
     record: Vec<f32>,
-    z: f64,
-    x: f64,
-    v: f64,
-    a: f64,
-    external: f64,
+    rehearsal: Rehearsal,
+    /// What the existing controller follows, m.
+    target: f32,
     /// Ticks since the record began.
     pub played: Option<usize>,
 }
@@ -28,54 +19,28 @@ pub struct Bench {
 impl Bench {
     /// At rest in the middle; `record` is what the existing controller follows in guard mode.
     pub fn new(setup: Setup, record: Vec<f32>) -> Self {
-        Self { setup, record, z: 0.0, x: 0.0, v: 0.0, a: 0.0, external: 0.0, played: None }
+        let rehearsal = Rehearsal::new(setup.control.rate, Behind::of(&setup.control));
+        Self { wiring: setup.wiring, record, rehearsal, target: 0.0, played: None }
     }
 
     /// One tick under the output `code`; with the relay open no oil flows.
     pub fn advance(&mut self, code: u16, relay: bool) {
-        let out = f64::from(self.setup.wiring.output.to_si(code));
-        let u = match self.setup.control.mode {
-            // The device hands on a reference; the existing controller behind it closes the loop.
-            Mode::Modifier => 3.7 * (out - self.x),
-            _ => out,
-        };
-        let dt = 1.0 / f64::from(self.setup.control.rate);
-        let before = self.v;
-        if relay {
-            for _ in 0..STEPS {
-                let h = dt / STEPS as f64;
-                self.z += h * (-A1 * self.z + (B0 - B1 * A1) * u);
-                self.v = (self.z + B1 * u).clamp(-LIMIT, LIMIT);
-                self.x += h * self.v;
-            }
-        } else {
-            (self.z, self.v) = (0.0, 0.0);
-        }
-        self.a = (self.v - before) / dt;
+        self.rehearsal.advance(self.wiring.output.to_si(code), relay);
         if let Some(played) = &mut self.played {
-            let target = f64::from(self.record.get(*played).copied().unwrap_or(0.0));
-            self.external = 3.7 * (target - self.x);
+            self.target = self.record.get(*played).copied().unwrap_or(0.0);
             *played += 1;
         }
     }
 
     /// The codes at the converter now.
     pub fn codes(&self) -> [u16; 4] {
-        let wiring = &self.setup.wiring;
-        let code = |scale: &shakedown_core::link::Scale, si: f64| {
-            (si / f64::from(scale.per_code) + f64::from(scale.zero)).round().clamp(0.0, 4095.0) as u16
-        };
-        [
-            code(&wiring.reference, 0.0),
-            code(&wiring.displacement, self.x),
-            code(&wiring.acceleration, self.a),
-            code(&wiring.external, self.external),
-        ]
+        let Wiring { reference, displacement, acceleration, external, full_scale, .. } = self.wiring;
+        self.rehearsal.codes(&Inputs { reference, displacement, acceleration, external, full_scale }, self.target)
     }
 
     /// Where the table is, m.
     pub fn displacement(&self) -> f64 {
-        self.x
+        f64::from(self.rehearsal.table().displacement())
     }
 }
 

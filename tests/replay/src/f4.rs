@@ -9,6 +9,7 @@ mod board;
 mod count;
 mod driver;
 mod silicon;
+mod tick_cost;
 mod wire;
 
 use std::path::Path;
@@ -47,6 +48,12 @@ pub struct Ran<W> {
     pub stack: Stack,
     /// What the program did that an emulator forgives and the silicon does not.
     pub silicon: Silicon,
+    /// Instructions of the dearest tick, from the register access that begins it to the last that it makes.
+    pub dearest_tick: u64,
+    /// What the program wrote to its console.
+    pub console: String,
+    /// The status that it ended with; none where it did not end by itself.
+    pub status: Option<u32>,
     /// What [`follow`] followed.
     pub followed: Vec<u64>,
 }
@@ -86,19 +93,26 @@ fn start<W: World>(
     let board = Box::new(Board::new(Arc::clone(&wire)).map_err(|error| emulator(&error))?);
     let until = VirtualNanos(BOOT_LIMIT * 1_000_000);
     let session = Session::new(board, 0, until).map_err(|error| emulator(&error))?;
-    let finished = emulator::run(session, &Start::new(&images), driver(wire)).map_err(|error| emulator(&error))?;
-    let stop = finished.stop;
+    let mut start = Start::new(&images);
+    start.semihosting = true;
+    let finished = emulator::run(session, &start, driver(wire)).map_err(|error| emulator(&error))?;
+    let (stop, status) = (finished.stop, finished.exit_status);
     if !finished.driver.ticked() {
         return Err(ReplayError::NoTick(BOOT_LIMIT));
     }
     let (resets, blind_spots) = (finished.session.resets(), blind_spots(&finished.session));
     let resets = resets.iter().map(|reset| reset.at.0).collect();
     let (stack, silicon) = (finished.driver.stack(), finished.driver.silicon());
+    let dearest_tick = finished.driver.tick_cost.most();
+    let console = finished.driver.console.clone();
     let (world, followed) = finished.driver.into_world();
     Ok(Ran {
         world,
         stack,
         silicon,
+        dearest_tick,
+        console,
+        status,
         followed,
         resets,
         blind_spots,

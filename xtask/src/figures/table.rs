@@ -26,6 +26,7 @@ const FIT_BENCH: &str = "cargo bench -p shakedown --bench identify";
 const LAW_COST: &str = "cargo xtask law-cost";
 const FAULTS: &str =
     "cargo run --release -- faults --seed 2036 --runs 100000 --records ../shared/data/records --out faults";
+const REHEARSAL: &str = "cargo test --ignore-rust-version -p shakedown-replay --test rehearsal -- --nocapture";
 const NONE: &str = "";
 
 pub(super) const FIGURES: &[Figure] = &[
@@ -66,6 +67,9 @@ pub(super) const FIGURES: &[Figure] = &[
     figure(FIT, "the same on Table 1's records, beside its rows", "at most 1.05", TABLE1),
     figure(DEVICE, "command codes, emulated image against host, 60 s near field, each mode", "all the same", BITS),
     figure(DEVICE, "the same from another emulator", "all the same", "cargo xtask replay second_opinion"),
+    figure(DEVICE, "rehearsal: telemetry, image against host, 60 s in every mode", "the same bits", REHEARSAL),
+    figure(DEVICE, "rehearsal: dearest tick at 6 cycles an instruction, share of 1 ms", "at most 40 %", REHEARSAL),
+    figure(DEVICE, "front end: levels in ten runs over the tolerances", "within 0.5 %", "cargo xtask front-end"),
     figure(
         DEVICE,
         "retired instructions of the core's step: controller; guard",

@@ -65,7 +65,7 @@ fn each_input_arrives_at_its_own_place() {
     let adc = MockAdc { volts: [-10.24, 0.0, 5.12, 10.239], ranges: [9; INPUTS], ..MockAdc::default() };
     let mut pair = Outboard::new(adc, MockDac { written: Some(&log) }).unwrap();
     for _ in 0..3 {
-        assert_eq!(pair.read().unwrap(), [0, 32768, 49152, 65532]);
+        assert_eq!(pair.read().unwrap().each(), [0, 32768, 49152, 65532]);
     }
     assert_eq!(pair.input.ranges, [RANGE_10V; INPUTS]);
 }

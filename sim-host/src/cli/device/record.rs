@@ -91,7 +91,7 @@ impl Run {
     fn planned(&self, setup: &Setup) -> Result<Planned, Failure> {
         let new = self.setup.is_some().then_some(*setup);
         match (&self.file, self.seconds, setup.wiring.source) {
-            (Some(file), _, Source::Streamed) => {
+            (Some(file), _, Source::Streamed | Source::Rehearsal) => {
                 let record = resampled(file, &self.column, f64::from(setup.control.rate))?;
                 let total = record.len() as u64;
                 Ok(Planned { drive: Drive::new(new, record), what: "points", total })
@@ -108,7 +108,7 @@ impl Run {
                  its setup, or play the record into the converter and give `--seconds`",
                 file.display()
             ))),
-            (None, _, Source::Streamed) => Err(Failure::Input(
+            (None, _, Source::Streamed | Source::Rehearsal) => Err(Failure::Input(
                 "--seconds: the device takes its reference through the link; give a FILE with one, or set \
                  `wiring.source = \"analog\"` in its setup"
                     .into(),

@@ -13,6 +13,7 @@ use rigless::time::VirtualNanos;
 
 use super::board::Board;
 use super::silicon::Silicon;
+use super::tick_cost::TickCost;
 use crate::{Line, Tick, World};
 
 const TIM2_CR1: u64 = 0x4000_0000;
@@ -72,6 +73,9 @@ pub(super) struct Lockstep<W> {
     followed: Vec<u64>,
     stack: Stack,
     silicon: Silicon,
+    pub(super) tick_cost: TickCost,
+    /// What the program has written to its console.
+    pub(super) console: String,
 }
 
 /// The stack, byte.
@@ -101,6 +105,8 @@ impl<W: World> Lockstep<W> {
             followed: Vec::new(),
             stack: Stack::default(),
             silicon: Silicon::default(),
+            tick_cost: TickCost::default(),
+            console: String::new(),
         }
     }
 
@@ -246,6 +252,7 @@ impl<W: World> Driver<Board> for Lockstep<W> {
     fn on_settled(&mut self, session: &mut Session<Board>, host: &mut dyn Host, settled: Settled) {
         match settled {
             Settled::Access { access, value } => {
+                self.tick_cost.settled(access);
                 self.silicon.settled(session, host, self.world.oscillator(), access, value);
                 if access.kind == AccessKind::Write {
                     if access.address == DAC_DHR12R1
@@ -266,6 +273,10 @@ impl<W: World> Driver<Board> for Lockstep<W> {
             }
             _ => {}
         }
+    }
+
+    fn on_console(&mut self, _: VirtualNanos, _: u64, bytes: &[u8]) {
+        self.console.push_str(&String::from_utf8_lossy(bytes));
     }
 
     fn on_stop(&mut self, session: &mut Session<Board>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {

@@ -37,7 +37,7 @@ pub(crate) fn run(
     let mut bench = Bench::new(setup, record.to_vec());
     let mut points = record.iter().filter_map(|&point| Point::new(point)).chain([Point::END]);
     let mut twin = Twin { codes: Vec::new(), entries: Vec::new() };
-    let mut relay = false;
+    let (mut relay, mut armed) = (false, false);
     for tick in 0..ticks {
         for &(_, before, after) in changes.iter().filter(|(at, ..)| *at as usize == tick) {
             let request = match (before, after) {
@@ -48,7 +48,7 @@ pub(crate) fn run(
             };
             server.orders.enqueue(LoopCommand::Ask(request)).unwrap();
         }
-        if relay
+        if armed
             && server.points.ready()
             && let Some(point) = points.next()
         {
@@ -67,6 +67,7 @@ pub(crate) fn run(
             bench.played = Some(0);
         }
         relay = closed;
+        armed = !matches!(decide.standing().state, State::Off | State::Tripped);
     }
     twin
 }

@@ -6,7 +6,7 @@ use crate::cli::output::print;
 use shakedown::device::{Drive, Port, Row, Session, SessionError};
 use shakedown::faults::limit_switches;
 use shakedown::files::Unfinished;
-use shakedown_core::link::{HostRequest, Report, Setup, Source, answer};
+use shakedown_core::link::{HostRequest, Report, Setup, answer};
 use shakedown_core::settings::InnerLoop;
 use shakedown_core::{Mode, State};
 use std::fmt::Write as _;
@@ -35,7 +35,7 @@ impl Oil<'_> {
     /// All of the steps, as far as they are agreed to.
     pub(super) fn walk(&mut self, text: &mut String) -> Result<(), Failure> {
         let guards = self.setup.control.mode == Mode::Guard;
-        let streamed = self.setup.wiring.source == Source::Streamed;
+        let streamed = self.setup.wiring.source.streamed();
         self.limit_switches(text);
         if !agreed(text, "9", "Pressure at its least, a soft stop either side. Arm, and hold for three seconds")? {
             return Ok(());

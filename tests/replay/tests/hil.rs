@@ -1,0 +1,45 @@
+//! The tests that run on a board, unchanged on the emulated one, with a wire from output to input.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests and their helpers")]
+
+use std::path::PathBuf;
+
+use shakedown_replay::{Ran, Tick, World};
+
+/// Ticks after which it ends in any case.
+const LIMIT: u64 = 5000;
+
+/// A wire from the output to the LVDT's input, or one that adds so many codes.
+struct Looped {
+    off: u16,
+}
+
+impl World for Looped {
+    fn tick(&mut self, tick: Tick<'_>) -> bool {
+        tick.inputs[1] = tick.output.unwrap_or(0).saturating_add(self.off).min(4095);
+        tick.index < LIMIT
+    }
+}
+
+fn run(off: u16) -> Ran<Looped> {
+    let image =
+        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware/shakedown-hil");
+    assert!(image.exists(), "{} is missing: run `cargo xtask hil`", image.display());
+    shakedown_replay::run(&image, Looped { off }).unwrap()
+}
+
+#[test]
+fn the_boards_own_tests_pass_on_the_emulated_board() {
+    let ran = run(0);
+    print!("{}", ran.console);
+    assert_eq!((ran.status, ran.resets.len()), (Some(0), 1), "{}", ran.console);
+    let passed = ran.console.lines().filter(|line| line.contains("... ok")).count();
+    assert_eq!(passed, 10, "{}", ran.console);
+}
+
+/// The control: a converter that is 40 codes off.
+#[test]
+fn a_converter_that_is_off_fails_them() {
+    let ran = run(40);
+    assert_eq!(ran.status, Some(1), "{}", ran.console);
+    assert!(ran.console.contains("largest difference ... FAILED"), "{}", ran.console);
+}
