@@ -5,6 +5,7 @@
 
 mod c;
 mod fmu;
+pub(crate) mod page;
 mod rust;
 mod tape;
 mod venv;

@@ -59,6 +59,7 @@ const CHORES: &[Chore] = &[
         does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...]",
         run: hosts::run,
     },
+    Chore { name: "page", does: "builds the page that does the host tool's work in a browser", run: hosts::page::run },
     Chore { name: "header", does: "writes the C header anew, or compares it [check]", run: header::run },
     Chore {
         name: "nightly",
