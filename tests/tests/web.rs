@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// What a command says of itself, of its files and of the time it took.
-const OWN: [&str; 5] = ["version", "inputs", "seconds", "out", "times_real_time"];
+const OWN: [&str; 7] = ["version", "inputs", "seconds", "out", "times_real_time", "command_line", "written"];
 /// Relative difference that numbers may have.
 const NEAR: f64 = 1e-9;
 
@@ -57,7 +57,10 @@ impl Shown {
 
     /// Drops files and waits for what comes of them.
     fn drop_files(&mut self, form: &str, files: &[&Path]) {
-        self.script("last.status = last.trouble = null");
+        // A browser says nothing where the same files are chosen again.
+        self.script(&format!(
+            "last.status = last.trouble = null; document.querySelector('#{form} input[type=file]').value = ''"
+        ));
         self.browser.choose(&format!("#{form} input[type=file]"), files).unwrap();
     }
 
@@ -157,7 +160,7 @@ fn a_record_that_is_dropped_is_fitted_as_the_command_line_fits_it() {
         shown.drop_files("fit", &[&path]);
         assert_eq!(shown.wait(), None, "{method}");
         let ours = shown.json();
-        let theirs = shown.native(&["modify", "record.csv", "--method", method]);
+        let theirs = shown.native(&["modify", "record.csv", "--method", method, "--out", "drive.csv"]);
         same(method, &ours, &theirs);
         eprintln!("modify {method}: {:.2} s", shown.seconds());
         let report = shown.script("document.querySelector('#result iframe').srcdoc.length");
@@ -173,7 +176,7 @@ fn a_record_that_is_dropped_is_fitted_as_the_command_line_fits_it() {
 #[test]
 #[ignore = "needs the page: cargo xtask nightly"]
 fn kobe_is_fitted_while_one_waits() {
-    let Some(kobe) = data("records/KJM000.AT2") else { return };
+    let Some(kobe) = data("records/RSN1106_KOBE_KJM000.AT2") else { return };
     let Some(mut shown) = Shown::new() else { return };
     for (method, most) in [("taut", 0.5), ("convex", 8.0)] {
         shown.fill("fit", &[("method", method)]);
@@ -182,11 +185,11 @@ fn kobe_is_fitted_while_one_waits() {
             shown.drop_files("fit", &[&kobe]);
             assert_eq!(shown.wait(), None, "{method}");
         }
-        let seconds = shown.seconds();
-        eprintln!("Kobe by {method}: {seconds:.2} s");
-        assert!(seconds <= most, "{method}: {seconds} s, more than {most}");
         let ours = shown.json();
-        let theirs = shown.native(&["modify", kobe.to_str().unwrap(), "--method", method]);
+        let (fit, whole) = (ours["seconds"].as_f64().unwrap(), shown.seconds());
+        eprintln!("Kobe by {method}: {fit:.2} s, with its indices and its report {whole:.2} s");
+        assert!(fit <= most, "{method}: {fit} s, more than {most}");
+        let theirs = shown.native(&["modify", kobe.to_str().unwrap(), "--method", method, "--out", "drive.csv"]);
         same(method, &ours, &theirs);
     }
 }

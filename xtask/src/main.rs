@@ -56,7 +56,7 @@ const CHORES: &[Chore] = &[
     },
     Chore {
         name: "hosts",
-        does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...]",
+        does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...|cost]",
         run: hosts::run,
     },
     Chore { name: "page", does: "builds the page that does the host tool's work in a browser", run: hosts::page::run },

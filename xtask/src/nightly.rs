@@ -6,8 +6,14 @@ use crate::{header, hosts, setup};
 
 type Chore = (&'static str, fn() -> Result<(), Problem>);
 
-const CHORES: &[Chore] =
-    &[("hosts", || hosts::run(&[])), ("header", header::check), ("examples", hosts::examples), ("pages", pages)];
+const CHORES: &[Chore] = &[
+    ("hosts", || hosts::run(&[])),
+    ("header", header::check),
+    ("examples", hosts::examples),
+    ("notebooks", hosts::notebooks),
+    ("page", || hosts::page::run(&[]).and_then(|()| shown("web"))),
+    ("pages", || shown("pages")),
+];
 
 /// The chore: all of them.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
@@ -24,8 +30,8 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     if failed.is_empty() { Ok(()) } else { Err(Problem::Failed(failed.join("\n"))) }
 }
 
-/// The pages of every command as pictures.
-fn pages() -> Result<(), Problem> {
-    let line = "cargo test --locked --release --package shakedown-tests --test pages -- --include-ignored";
+/// Tests that a browser shows: of what the tool does in a page, or the pages of every command as pictures.
+fn shown(test: &str) -> Result<(), Problem> {
+    let line = format!("cargo test --locked --release --package shakedown-tests --test {test} -- --include-ignored");
     execute(&mut command(&line.split(' ').collect::<Vec<_>>()))
 }
