@@ -11,6 +11,7 @@ mod house;
 mod law_cost;
 mod nightly;
 mod output;
+mod packages;
 mod properties;
 mod reproduce;
 mod sbom;
@@ -61,6 +62,11 @@ const CHORES: &[Chore] = &[
     },
     Chore { name: "page", does: "builds the page that does the host tool's work in a browser", run: hosts::page::run },
     Chore { name: "header", does: "writes the C header anew, or compares it [check]", run: header::run },
+    Chore {
+        name: "packages",
+        does: "packages what is published, as `cargo publish` would, or compares interfaces with the last version's [semver]",
+        run: packages::run,
+    },
     Chore {
         name: "nightly",
         does: "runs what takes longer than tests may: hosts, header, examples, pages",

@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, run as execute};
-use crate::{header, hosts, setup};
+use crate::{header, hosts, packages, setup};
 
 type Chore = (&'static str, fn() -> Result<(), Problem>);
 
@@ -11,6 +11,7 @@ const CHORES: &[Chore] = &[
     ("header", header::check),
     ("examples", hosts::examples),
     ("notebooks", hosts::notebooks),
+    ("packages", || packages::run(&[]).and_then(|()| packages::run(&["semver".into()]))),
     ("page", || hosts::page::run(&[]).and_then(|()| shown("web"))),
     ("pages", || shown("pages")),
 ];
