@@ -149,6 +149,7 @@ fn compare(tape: &Tape, played: &[(&str, Result<Played, Problem>)]) -> Result<()
 pub(crate) fn examples() -> Result<(), Problem> {
     let work = Work::new()?;
     c::example(&work)?;
+    c::bare_example(&work)?;
     rust::examples(&work)
 }
 
