@@ -30,6 +30,10 @@ pub(super) struct Calibration {
     pub(super) modest: f64,
     /// Share of a named effect's excess beyond which what is left and follows the motion is said to be missing too.
     pub(super) simple: f64,
+    /// Share of the stated model's excess that names must explain to be given where more is missing beside them.
+    pub(super) most: f64,
+    /// How many times as much any other set of their size must leave for that.
+    pub(super) lead: f64,
     /// Probability of names that explain a part where more is missing.
     pub(super) beside_more: f64,
     /// Probability that nothing of the library is right where what was selected failed on the runs held out.
@@ -52,6 +56,8 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     negligible: 0.06,
     modest: 2.5,
     simple: 0.03,
+    most: 0.8,
+    lead: 4.0,
     beside_more: 0.8,
     failed: 0.9,
     tie: 3.0,

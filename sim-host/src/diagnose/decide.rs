@@ -9,7 +9,7 @@ use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
-use super::standing::{outside, stands};
+use super::standing::{outside, stands, strained};
 use crate::identify::fit::Fit;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -113,7 +113,22 @@ fn weigh(
         after = before.clone();
     }
     let more_missing = follows.is_certain() && more_is_missing(&before, &after, CALIBRATION.negligible);
-    Ok(Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise })
+    let mut decision =
+        Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise };
+    if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.before, partial, &decision.candidates)) {
+        decision.name_beside_more(&leader.added);
+        decision.after = Judged { probability: CALIBRATION.beside_more, ..leader };
+    }
+    Ok(decision)
+}
+
+/// Whether names explain most of the mismatch and no other set of their size comes near: what they leave is then something beside
+/// them, not what they are mistaken for.
+fn leads(before: &Judged, names: &Judged, candidates: &[Judged]) -> bool {
+    let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
+    let rivals = candidates.iter().filter(|c| c.added.len() == names.added.len() && c.added != names.added);
+    let next = rivals.map(left).fold(f64::INFINITY, f64::min);
+    !strained(names) && left(names) < (1.0 - CALIBRATION.most) * left(before) && next > CALIBRATION.lead * left(names)
 }
 
 /// Spreads belief over the candidates of the accepted size and finds what is not told apart.

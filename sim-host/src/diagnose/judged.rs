@@ -3,7 +3,7 @@
 use super::calibration::CALIBRATION;
 use super::split::Weighing;
 use crate::identify::fit::Fit;
-use crate::identify::judge::{Score, score};
+use crate::identify::judge::Score;
 use crate::identify::model::Model;
 use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
@@ -29,7 +29,7 @@ impl Judged {
     pub(super) fn of(fit: Fit, weighing: &Weighing) -> Result<Self, SimulateError> {
         let added = fit.model.ids_beside(&weighing.model().ids());
         let disbelief = disbelief(weighing.model(), &fit.model);
-        Ok(Self { hold: score(&fit.model, weighing.weighed())?, fit, added, probability: 0.0, disbelief })
+        Ok(Self { hold: weighing.score(&fit)?, fit, added, probability: 0.0, disbelief })
     }
 
     /// Squares on what fitted it and on what judges it.

@@ -3,7 +3,7 @@
 use super::judged::{Judged, disbelief};
 use super::split::Weighing;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::{gains, score};
+use crate::identify::judge::gains;
 use crate::identify::model::{Placed, Prior, Yardsticks};
 use crate::plant::effects::{Entry, Role, remainder};
 use crate::plant::simulate::SimulateError;
@@ -80,7 +80,7 @@ pub fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<
     looks.extend(alone);
     let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<Judged, SimulateError> {
         fit.improve(weighing.fitted(), FULL)?;
-        let hold = score(&fit.model, weighing.weighed())?;
+        let hold = weighing.score(&fit)?;
         let disbelief = disbelief(weighing.model(), &fit.model);
         Ok(Judged { fit, hold, added, probability: 0.0, disbelief })
     };

@@ -45,6 +45,9 @@ pub(super) fn spectrum(series: &[f64], size: usize) -> Vec<f64> {
     power
 }
 
+/// Power over the median of the neighbourhood from which a bin is a line: one of 10^9 bins of white noise exceeds it.
+const PROMINENT: f64 = 30.0;
+
 /// The strongest line in the accelerometer's residual, Hz: where a hum would start from.
 pub(super) fn strongest_line(runs: &[Run], baseline: &Fit) -> Result<f64, SimulateError> {
     let Some((run, local)) = runs.iter().zip(&baseline.locals).max_by_key(|(r, _)| r.len()) else { return Ok(50.0) };
@@ -64,6 +67,10 @@ pub(super) fn strongest_line(runs: &[Run], baseline: &Fit) -> Result<f64, Simula
         sorted.sort_by(f64::total_cmp);
         power[i] / sorted[sorted.len() / 2].max(1e-300)
     };
-    let line = (lowest.min(power.len())..power.len()).max_by(|&a, &b| prominence(a).total_cmp(&prominence(b)));
+    let bins = || lowest.min(power.len())..power.len();
+    // Among lines the strongest, for a harmonic may rise higher above its quieter neighbourhood.
+    let lines: Vec<usize> = bins().filter(|&i| prominence(i) > PROMINENT).collect();
+    let strongest = lines.into_iter().max_by(|&a, &b| power[a].total_cmp(&power[b]));
+    let line = strongest.or_else(|| bins().max_by(|&a, &b| prominence(a).total_cmp(&prominence(b))));
     Ok(line.map_or(50.0, |i| i as f64 * hz))
 }

@@ -7,7 +7,6 @@ use super::Options;
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::score;
 use crate::identify::model::{Model, Placed, Yardsticks};
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
@@ -185,23 +184,23 @@ fn explains(fit: &Fit) -> bool {
 
 /// Whether a model leaves little on the runs held back too: what shows there alone is worth another effect.
 struct Foresight<'a> {
-    runs: &'a [Run],
+    weighing: &'a Weighing,
     /// Excess of chi2 over one that is little.
     little: f64,
 }
 
 impl<'a> Foresight<'a> {
     fn of(weighing: &'a Weighing, baseline: &Fit) -> Result<Self, SimulateError> {
-        let foresight = Self { runs: weighing.weighed(), little: 0.02 };
+        let foresight = Self { weighing, little: 0.02 };
         Ok(Self { little: (FORESEEN * foresight.excess(baseline)?).max(foresight.little), ..foresight })
     }
 
     fn excess(&self, fit: &Fit) -> Result<f64, SimulateError> {
-        Ok(score(&fit.model, self.runs)?.chi2 - 1.0)
+        Ok(self.weighing.score(fit)?.chi2 - 1.0)
     }
 
     fn reaches(&self, fit: &Fit) -> Result<bool, SimulateError> {
-        Ok(self.runs.is_empty() || self.excess(fit)? < self.little)
+        Ok(self.weighing.weighed().is_empty() || self.excess(fit)? < self.little)
     }
 }
 

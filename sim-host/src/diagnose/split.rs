@@ -6,13 +6,16 @@
 //! method for dependent data", Biometrika 81 (1994) 351-358.
 
 use crate::identify::data::Run;
+use crate::identify::fit::Fit;
+use crate::identify::judge::{Score, score, score_from};
 use crate::identify::model::{Model, Yardsticks};
 use crate::identify::prepare::Prepared;
+use crate::plant::simulate::SimulateError;
 
 /// Length of a stretch, s: a loop forgets where it was within a few tenths of a second.
-const STRETCH: f64 = 2.0;
+const STRETCH: f64 = 0.7;
 /// Stretches of a run, at least: a motion that shows an effect once must show it to both kinds.
-const STRETCHES: usize = 12;
+const STRETCHES: usize = 36;
 /// One stretch of so many weighs.
 const EVERY: usize = 3;
 
@@ -75,6 +78,12 @@ impl Weighing {
     /// The runs with the stretches that fit.
     pub fn fitted(&self) -> &[Run] {
         &self.training.0.fit
+    }
+
+    /// How a fitted model predicts the stretches that weigh.
+    pub(super) fn score(&self, fit: &Fit) -> Result<Score, SimulateError> {
+        let same = fit.locals.len() == self.weighed().len();
+        if same { score_from(fit, self.weighed()) } else { score(&fit.model, self.weighed()) }
     }
 
     /// The runs with the stretches that weigh.

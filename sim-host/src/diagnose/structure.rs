@@ -25,7 +25,7 @@ const FEATURES: usize = 8;
 pub(super) struct Structure {
     /// Mean square that is foretold, in units of the noise's.
     pub(super) foretold: f64,
-    /// The same over its standard error.
+    /// The same over its standard error, as deviations of a normal variable with the same chance of being exceeded.
     pub(super) certainty: f64,
 }
 
@@ -82,12 +82,22 @@ fn of_channel(runs: &[Run], predicted: &[Predicted], channel: Channel) -> Option
     let n = means.len() as f64;
     let mean = means.iter().sum::<f64>() / n;
     let spread = (means.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let certainty = mean / (spread / n.sqrt()).max(f64::MIN_POSITIVE);
+    let certainty = normal_deviate(mean / (spread / n.sqrt()).max(f64::MIN_POSITIVE), n - 1.0);
     // A few stretches that hold nearly all of it are as good as many: their size speaks, not their number.
     let whole = gains.iter().sum::<f64>() / counts.iter().sum::<f64>();
     let power = rows.iter().map(|row| row.residual.powi(2)).sum::<f64>() / rows.len() as f64;
     let overwhelming = whole > 0.3 * power && whole > 1.0;
     Some(Structure { foretold: whole, certainty: if overwhelming { certainty.max(2.0 * CERTAIN) } else { certainty } })
+}
+
+/// The normal deviate that is exceeded as often as this value of Student's t with `freedom` degrees of freedom: a few stretches
+/// scatter by chance as a normal variable does not.
+///
+/// Source: D. L. Wallace, "Bounds on normal approximations to Student's and the chi-square distributions", Annals of
+/// Mathematical Statistics 30 (1959) 1121-1130.
+fn normal_deviate(t: f64, freedom: f64) -> f64 {
+    let factor = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
+    (factor * (freedom * (t * t / freedom).ln_1p()).sqrt()).copysign(t)
 }
 
 /// The rows of one run, thinned to what is looked at.
@@ -219,6 +229,15 @@ mod tests {
             };
             assert!(!case(coloured, seed).is_certain(), "{seed}");
         }
+    }
+
+    #[test]
+    fn a_value_of_student_s_t_is_worth_its_tail() {
+        // Upper tails of 0.1 %: t = 5.893, 4.144 and 3.174 with 5, 10 and 100 degrees of freedom; 3.090 for a normal variable.
+        for (t, freedom) in [(5.893, 5.0), (4.144, 10.0), (3.174, 100.0)] {
+            assert!((normal_deviate(t, freedom) - 3.09).abs() < 0.02, "{t}");
+        }
+        assert!(normal_deviate(-3.0, 10.0) < 0.0);
     }
 
     #[test]

@@ -24,6 +24,8 @@ const LAST: Effort = Effort { steps: 12, tolerance: 1e-6 };
 const CHANCE: f64 = 4.0;
 /// Deviations that an effect's size must be away from none.
 const SIZE: f64 = 2.0;
+/// What is more than one half is the larger part.
+const LARGER_PART: f64 = 0.5;
 /// Share of the misfit on the runs held out, below which what is left of the runs fitted is nothing to speak of.
 const NOTHING: f64 = 0.1;
 
@@ -39,7 +41,7 @@ pub enum Refusal {
         /// Its residual power over that of the stated model.
         ratio: f64,
     },
-    /// A judged channel is predicted worse than by its own mean.
+    /// A judged channel is predicted worse than by its own mean, and no better than by the stated model.
     NoSkill {
         /// The channel.
         channel: &'static str,
@@ -105,10 +107,13 @@ impl Conclusion {
         (self.after.hold.chi2 - 1.0).max(0.0) / (self.before.hold.chi2 - 1.0).max(1e-9)
     }
 
-    /// True where the runs held out miss much that the runs fitted do not show.
+    /// True where the runs held out miss much that the runs fitted do not show, or refuse what those showed.
     pub(super) fn unforeseen(&self) -> bool {
         let (fit, held) = (self.after.fit.chi2() - 1.0, self.after.hold.chi2 - 1.0);
-        self.held_out && outside(&self.before, &self.after).0 && fit < NOTHING * held
+        let hidden = outside(&self.before, &self.after).0 && fit < NOTHING * held;
+        let refused =
+            matches!(self.refusal, Some(Refusal::Worse { .. } | Refusal::NoSkill { .. } | Refusal::NoGain { .. }));
+        self.held_out && (hidden || refused)
     }
 }
 
@@ -129,7 +134,7 @@ pub(super) fn verdict(
     let beside = if decision.more_missing && decision.after.added.is_empty() { curve.clone() } else { None };
     let selected = (!decision.after.added.is_empty()).then(|| last(&decision.after)).transpose()?;
     let named = selected.or(beside);
-    let refusal = named.as_ref().and_then(|named| refusal(&before, named, &judging));
+    let refusal = named.as_ref().and_then(|named| refusal(&before, named, &judging, most_left(&decision)));
     let (mut unlisted, mut more_missing) = (decision.unlisted, decision.more_missing);
     let mut after = before.clone();
     match named {
@@ -139,14 +144,20 @@ pub(super) fn verdict(
             decision.take_back(CALIBRATION.failed);
             partial = Some(named);
         }
+        // The curve that names were given beside predicts the runs held out worse than the stated model: neither holds there.
+        None if more_missing => {
+            (unlisted, more_missing) = (true, false);
+            decision.take_back(CALIBRATION.failed);
+        }
         None => {}
     }
     if !unlisted && follows(&judging, &after) {
         // What shows on the runs held out alone: more than the names explain, or anything at all.
-        if after.added.is_empty() {
-            unlisted = outside(&before, &after).0;
-        } else {
+        if !after.added.is_empty() {
             more_missing |= more_is_missing(&before, &after, CALIBRATION.negligible);
+        } else if outside(&before, &after).0 {
+            unlisted = true;
+            decision.take_back(CALIBRATION.failed);
         }
     }
     // Without a curve the nearest that the library has foresees better than the stated model, whatever its names are worth.
@@ -191,8 +202,13 @@ fn follows(judging: &[Run], judged: &Judged) -> bool {
     structure(judging, &judged.hold.predicted).is_certain()
 }
 
+/// Share of the misfit on the runs held out that names may leave: those beside which more is missing explain the larger part.
+fn most_left(decision: &Decision) -> f64 {
+    if decision.more_missing { LARGER_PART } else { 1.0 - CALIBRATION.credible }
+}
+
 /// Why these names cannot stand.
-fn refusal(before: &Judged, named: &Judged, judging: &[Run]) -> Option<Refusal> {
+fn refusal(before: &Judged, named: &Judged, judging: &[Run], most_left: f64) -> Option<Refusal> {
     let channels = judging.iter().flat_map(|run| run.measured.iter().filter(|m| m.judged).map(|m| m.channel));
     let mut channels: Vec<Channel> = channels.collect();
     channels.sort_unstable();
@@ -206,16 +222,20 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run]) -> Option<Refusal> 
         if ratio > 1.0 + chance {
             return Some(Refusal::Worse { channel: channel.name(), ratio });
         }
-        let (r2, stated_r2) = (1.0 - found * found, 1.0 - stated * stated);
-        if r2 < 0.0 && stated_r2 < r2 {
+        let r2 = 1.0 - found * found;
+        if r2 < 0.0 && ratio > 1.0 - chance {
             return Some(Refusal::NoSkill { channel: channel.name(), r2 });
         }
     }
     let lacks =
         before.hold.chi2 - 1.0 > CALIBRATION.negligible + CHANCE * (2.0 / before.hold.samples.max(1) as f64).sqrt();
     let share_left = (named.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9);
-    if lacks && share_left > 1.0 - CALIBRATION.credible {
+    if lacks && share_left > most_left {
         return Some(Refusal::NoGain { share_left });
+    }
+    // One effect that takes half of the misfit away is told from none by that, however its parameters correlate with the others.
+    if named.added.len() == 1 && lacks && share_left < LARGER_PART {
+        return None;
     }
     // Beside a curve an effect's size is not told from the curve's: that it is needed was.
     if named.fit.model.effects.iter().any(|p| curves::entries().any(|e| e.id == p.entry.id)) {

@@ -46,9 +46,22 @@ impl Score {
 
 /// Scores a model on runs, its shared parameters as they are.
 pub fn score(model: &Model, runs: &[Run]) -> Result<Score, SimulateError> {
+    scored(Fit::begin(fixed(model), runs)?, runs)
+}
+
+/// The same on other samples of the runs that a model was fitted to: where each run starts is known from the fit.
+pub fn score_from(fit: &Fit, runs: &[Run]) -> Result<Score, SimulateError> {
+    scored(Fit::resume(fixed(&fit.model), fit.locals.clone(), runs)?, runs)
+}
+
+/// A model of which nothing is free but where its runs start.
+fn fixed(model: &Model) -> Model {
     let mut fixed = model.clone();
     fixed.values_mut().for_each(|v| v.free = false);
-    let mut fit = Fit::begin(fixed, runs)?;
+    fixed
+}
+
+fn scored(mut fit: Fit, runs: &[Run]) -> Result<Score, SimulateError> {
     fit.improve(runs, Effort { steps: 6, tolerance: 1e-5 })?;
     let predicted: Result<Vec<_>, _> =
         runs.par_iter().zip(&fit.locals).map(|(run, local)| predict(&fit.model, run, local)).collect();

@@ -89,6 +89,7 @@ mod tests {
             controller_rate_hz: None,
             purpose: Fit,
             cut: false,
+            error_before: 0.0,
             clock: Clock::default(),
         }
     }

@@ -3,6 +3,7 @@
 use super::channel::{Channel, PerChannel};
 use super::clock::Clock;
 use super::law::{Law, Shaping};
+use super::signal::filled;
 use std::path::PathBuf;
 
 /// What a run is used for.
@@ -41,6 +42,9 @@ pub struct Run {
     pub purpose: Use,
     /// True where the run is a part of its file that does not begin with the file: it need not start at rest.
     pub cut: bool,
+    /// Integral of reference less displacement from the start of the file to where this run begins, m s: what a controller's
+    /// integral holds there. Zero for a run that begins with its file.
+    pub error_before: f64,
     /// What the time stamps were like.
     pub clock: Clock,
 }
@@ -76,6 +80,17 @@ impl Run {
         }
         let mut clock = self.clock.clone();
         clock.offsets = clock.offsets.get(from..to).unwrap_or_default().to_vec();
-        Self { time: self.time[from..to].to_vec(), channels, cut: self.cut || from > 0, clock, ..self.clone() }
+        let error_before = self.error_before + self.error_until(from);
+        let time = self.time[from..to].to_vec();
+        Self { time, channels, cut: self.cut || from > 0, error_before, clock, ..self.clone() }
+    }
+
+    /// Integral of reference less displacement over the samples before this one, m s; zero where either is not recorded.
+    fn error_until(&self, sample: usize) -> f64 {
+        let of = |channel| self.channel(channel).map(filled);
+        let (Some(reference), Some(displacement)) = (of(Channel::Reference), of(Channel::Displacement)) else {
+            return 0.0;
+        };
+        reference.iter().zip(&displacement).take(sample).map(|(r, x)| (r - x) * self.dt).sum()
     }
 }

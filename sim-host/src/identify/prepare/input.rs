@@ -16,15 +16,19 @@ pub(super) fn with_pressure_feedback(mut added: Vec<f64>, run: &recording::Run) 
 /// What stands around a run's controller, in ticks.
 pub(super) fn shaping(run: &recording::Run, ticks: usize) -> Shaping {
     let recording::Shaping { kvf, notch, late_command, late_displacement, .. } = run.shaping;
-    let integral = if run.cut { integral_at_start(run).unwrap_or(0.0) } else { 0.0 };
+    let summed = match run.law {
+        recording::Law::ProportionalIntegral { ki, .. } => ki * run.error_before,
+        _ => 0.0,
+    };
+    let integral = if run.cut { integral_at_start(run).unwrap_or(summed) } else { 0.0 };
     Shaping { kvf, notch, late_command: late_command * ticks, late_displacement: late_displacement * ticks, integral }
 }
 
 /// Samples over which the integral's part of the command is averaged where a run begins.
 const BEGINNING: usize = 64;
 
-/// What the integral holds where a part of a recording begins: the recorded command less what the law makes of the samples since;
-/// none without a recorded command.
+/// What the integral holds where a part of a recording begins, in units of the command: the recorded command less what the law
+/// makes of the samples since; none without a recorded command, where the errors recorded before the part say it.
 fn integral_at_start(run: &recording::Run) -> Option<f64> {
     use recording::Channel as C;
     let recording::Law::ProportionalIntegral { kp, ki } = run.law else { return None };

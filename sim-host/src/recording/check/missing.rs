@@ -15,6 +15,12 @@ const MANY: f64 = 0.05;
 /// The same of one channel alone: what is missing of it is not judged.
 const MANY_OF_ONE: f64 = 0.15;
 
+/// The same of a sensor that neither drives a simulation nor closes its loop, however long its gaps are: nothing is bridged.
+const MANY_OF_A_WITNESS: f64 = 0.5;
+
+/// Sensors that are compared and nothing else.
+const WITNESSES: [Channel; 3] = [Channel::Acceleration, Channel::PressureDifference, Channel::SpecimenAcceleration];
+
 /// Looks for stretches of NaN in every channel; one stretch in all channels is one finding, about time.
 pub(super) fn check(run: &Run) -> Vec<Finding> {
     let channels: Vec<Channel> = run.channels.iter().map(|(c, _)| c).collect();
@@ -35,20 +41,26 @@ fn finding(run: &Run, channel: Channel, missing: &[bool]) -> Option<Finding> {
         return None;
     }
     let (from, length) = longest(missing);
-    let many = if channel == Channel::Time { MANY } else { MANY_OF_ONE };
-    let gap = length as f64 * run.dt > BRIDGED && length >= STRETCH;
+    let witness = WITNESSES.contains(&channel);
+    let many = match channel {
+        Channel::Time => MANY,
+        _ if witness => MANY_OF_A_WITNESS,
+        _ => MANY_OF_ONE,
+    };
+    let gap = !witness && length as f64 * run.dt > BRIDGED && length >= STRETCH;
     let bad = gap || total as f64 > many * run.len() as f64;
     let severity = if bad { Severity::BadData } else { Severity::Remark };
     let finding = Finding::whole(run, channel, Fault::MissingStretch, severity).between(run, from, from + length);
+    let bridged = if witness { String::new() } else { format!("stretches up to {BRIDGED} s and ") };
     let problem = format!(
-        "{total} of {} samples are missing, the longest stretch {length} samples ({:.3} s); stretches up to {BRIDGED} s and \
-         {:.0} % of the samples are bridged",
+        "{total} of {} samples are missing, the longest stretch {length} samples ({:.3} s); {bridged}{:.0} % of the samples are \
+         allowed",
         run.len(),
         length as f64 * run.dt,
         100.0 * many,
     );
     let remedy = if !bad {
-        "nothing to do: they are bridged, and not judged"
+        "nothing to do: they are not judged"
     } else if total == run.len() {
         "name the column that holds this channel, or leave the channel out of the experiment"
     } else {

@@ -141,6 +141,7 @@ fn run_of([reference, displacement, acceleration, command]: [Vec<f64>; 4], dt: f
         controller_rate_hz: None,
         purpose: Use::Fit,
         cut: false,
+        error_before: 0.0,
         clock: Clock::default(),
     }
 }

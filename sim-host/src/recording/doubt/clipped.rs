@@ -1,7 +1,8 @@
 //! Samples of a sensor cut off at the end of its range.
 //!
-//! A few peaks that a range cuts off are dropped and the rest of the recording serves. Where more is cut off, the recording
-//! is bad, which the quality checks say. The displacement is left to them: a loop closed over a sensor at its end is another.
+//! Peaks that a range cuts off are dropped and the rest of the recording serves: the sensor closes no loop, so the samples between
+//! are as good as any. Where most is cut off, the recording is bad, which the quality checks say. The displacement is left to them:
+//! a loop closed over a sensor at its end is another.
 
 use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
@@ -9,7 +10,7 @@ use crate::recording::check::clipped_stretches;
 use crate::recording::experiment::Experiment;
 
 /// Largest share of a run's samples that may be cut off.
-const MOST: f64 = 0.04;
+const MOST: f64 = 0.4;
 
 /// Drops what is cut off.
 pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {

@@ -6,7 +6,7 @@ use crate::recording::channel::{Channel, PerChannel};
 use crate::recording::clock::{self, Clock, Grid, NoGrid};
 use crate::recording::error::{Place, Problem, RecordingError};
 use crate::recording::run::{Run, Use};
-use crate::recording::signal::slope;
+use crate::recording::signal::{filled, slope};
 use crate::recording::table::{Heading, Table};
 use crate::recording::{file, unit};
 use std::collections::BTreeMap;
@@ -137,8 +137,20 @@ fn run(
         controller_rate_hz: entry.controller_rate_hz,
         purpose: entry.stated.unwrap_or(Use::Fit),
         cut: from > 0,
+        error_before: error_before(wanted, table, from) * dt,
         clock: Clock { ..clock },
     })
+}
+
+/// Sum of reference less displacement, m, over the rows before the first that is used.
+fn error_before(wanted: &[Wanted<'_>], table: &Table, from: usize) -> f64 {
+    let of = |channel| {
+        let is = |(wanted, column): &(&Wanted<'_>, &Vec<f64>)| wanted.channel == channel && !column.is_empty();
+        let (wanted, column) = wanted.iter().zip(&table.columns).find(is)?;
+        Some(filled(&column[..from]).into_iter().map(|value| value * wanted.unit.factor))
+    };
+    let both = of(Channel::Reference).zip(of(Channel::Displacement));
+    both.map_or(0.0, |(reference, displacement)| reference.zip(displacement).map(|(r, x)| r - x).sum())
 }
 
 fn part_name(entry: &RunEntry, time: &[f64], dt: f64) -> String {

@@ -43,6 +43,7 @@ fn run(seed: u64, acceleration_noise: &[f64], resting: bool) -> Run {
         controller_rate_hz: None,
         purpose: Use::Fit,
         cut: false,
+        error_before: 0.0,
         clock: Clock::default(),
     }
 }

@@ -52,8 +52,9 @@ const SLOW: f64 = 8.0;
 /// Power below this part of the strongest line's is not used.
 const RANGE: f64 = 1e-5;
 
-/// How far above its noise the first channel's power must stand.
-const ABOVE_NOISE: f64 = 10.0;
+/// How far above the floor of its upper half band a channel's power must stand to be motion. A sensor's noise rises towards low
+/// frequencies, flicker tenfold a decade, and a loop carries it to the table, where it is coherent with all that the table does.
+const ABOVE_NOISE: f64 = 300.0;
 
 /// Fewest coherent bins from which anything is said.
 const FEWEST: usize = 3;
@@ -77,11 +78,14 @@ pub(in crate::recording::check) fn coherent_bins(
     };
     let (input_floor, output_floor) = (floor(&spectra.input), floor(&spectra.output));
     let derived = |k: usize| spectra.input[k] * (2.0 * PI * spectra.frequency[k]).powi(2 * order.cast_signed());
-    // Far below the strongest lines a window's own leakage is all there is.
+    // Far below the strongest lines a window's own leakage is all there is: of Hann's a tenth of m^-6 in power, m bins away.
     let used = |k: &usize| *k >= 2 && (LOWEST..0.35 / dt).contains(&spectra.frequency[*k]);
     let strongest = (0..spectra.frequency.len())
         .filter(used)
         .fold((0.0f64, 0.0f64), |(a, b), k| (a.max(derived(k)), b.max(spectra.output[k])));
+    let loudest =
+        (1..spectra.input.len()).fold(0, |best, k| if spectra.input[k] > spectra.input[best] { k } else { best });
+    let leaked = |k: usize| spectra.input[loudest] / (k.abs_diff(loudest).max(3) as f64).powi(6);
     let threshold = threshold(spectra.segments);
     let (mut bins, mut strange, mut signal) = (Vec::new(), 0, 0);
     for k in (0..spectra.frequency.len()).filter(used) {
@@ -89,11 +93,11 @@ pub(in crate::recording::check) fn coherent_bins(
             continue;
         }
         // A loop carries its sensor's noise to the table: where displacement is noise, what follows it is no motion.
-        if spectra.input[k] < ABOVE_NOISE * input_floor {
+        if spectra.input[k] < ABOVE_NOISE * input_floor || spectra.input[k] < leaked(k) {
             continue;
         }
         let coherence = spectra.coherence(k);
-        if spectra.input[k] > 20.0 * input_floor && spectra.output[k] > 20.0 * output_floor {
+        if spectra.output[k] > ABOVE_NOISE * output_floor {
             signal += 1;
             strange += usize::from(coherence < 0.15);
         }
@@ -169,18 +173,20 @@ fn typical_gain(bins: &[Bin]) -> f64 {
     quantile(&logs, 0.5).exp()
 }
 
-/// Slope of the gain over frequency, both logarithmic; zero where the band is too narrow to tell.
+/// Slope of the gain over frequency, both logarithmic, by Theil and Sen; zero where the band is too narrow to tell.
 fn slope(bins: &[Bin]) -> f64 {
     let (Some(first), Some(last)) = (bins.first(), bins.last()) else { return 0.0 };
     if last.frequency < 2.5 * first.frequency || bins.len() < 6 {
         return 0.0;
     }
-    let points: Vec<(f64, f64)> = bins.iter().map(|b| (b.frequency.ln(), b.gain.ln())).collect();
-    let n = points.len() as f64;
-    let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-    let (xx, xy) =
-        points.iter().fold((0.0, 0.0), |(xx, xy), p| (xx + (p.0 - mx).powi(2), xy + (p.0 - mx) * (p.1 - my)));
-    xy / xx
+    // A line of hum is one bin: the median over all pairs far enough apart does not follow it.
+    let apart = |a: &Bin, b: &Bin| b.frequency > 1.5 * a.frequency;
+    let pairs = bins.iter().enumerate().flat_map(|(i, a)| bins[i + 1..].iter().map(move |b| (a, b)));
+    let slopes: Vec<f64> = pairs
+        .filter(|(a, b)| apart(a, b))
+        .map(|(a, b)| (b.gain / a.gain).ln() / (b.frequency / a.frequency).ln())
+        .collect();
+    quantile(&slopes, 0.5)
 }
 
 /// Whether the signs differ, and the delay of the second after the first, s: the pair that lines the phases up best,
