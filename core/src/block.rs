@@ -20,6 +20,16 @@ use crate::scalar::Scalar;
 pub const RANGE: f32 = 1e9;
 
 /// An output, and whether it is of this tick.
+///
+/// ```
+/// use shakedown_core::blocks::filter::{Lag, LagState};
+/// use shakedown_core::blocks::{Block, Held};
+///
+/// let lag = Lag::<f32>::new(0.0, 1e-3)?;
+/// let mut state = LagState::at(0.5);
+/// assert_eq!(lag.step(&mut state, f32::NAN), Held::Last(0.5));
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Held<T> {
     /// Computed from this tick's input.
@@ -70,6 +80,13 @@ pub fn within_range<S: Scalar>(input: S) -> bool {
 }
 
 /// Why a block's configuration was refused.
+///
+/// ```
+/// use shakedown_core::blocks::filter::Lag;
+///
+/// let error = Lag::<f32>::new(-1.0, 1e-3).unwrap_err();
+/// assert_eq!((error.field, error.value), ("time", -1.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlockError {
     /// Which quantity.

@@ -3,23 +3,30 @@
 //! Signs: an error is reference less measurement; a positive command moves the table toward positive displacement.
 //! Every loop's output is a command in m, and the loops add up.
 
-pub mod acceleration;
-pub mod cancellation;
-pub mod displacement;
-pub mod tracking;
-pub mod velocity;
+pub(crate) mod acceleration;
+pub(crate) mod cancellation;
+pub(crate) mod displacement;
+pub(crate) mod tracking;
+pub(crate) mod velocity;
 
-pub use acceleration::{AccelerationLoop, AccelerationState};
+pub(crate) use acceleration::{AccelerationLoop, AccelerationState};
 pub use cancellation::InnerLoop;
-pub use displacement::{DisplacementLoop, DisplacementState};
-pub use tracking::{Tracking, TrackingSettings, TrackingState};
-pub use velocity::{VelocityLoop, VelocityState};
+pub(crate) use displacement::{DisplacementLoop, DisplacementState};
+pub(crate) use tracking::{Tracking, TrackingState};
+pub(crate) use velocity::{VelocityLoop, VelocityState};
 
 use crate::scalar::Scalar;
 
 /// The direction in which more command moves nothing: the valve or the command is at its limit there.
 ///
 /// Integrators stop for errors that push farther that way and go on for errors that lead back.
+///
+/// ```
+/// use shakedown_core::blocks::control::Blocked;
+///
+/// assert!(!Blocked::Positive.allows(0.01));
+/// assert!(Blocked::Positive.allows(-0.01)); // leads back
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Blocked {
     /// Neither.
@@ -44,6 +51,13 @@ impl Blocked {
 }
 
 /// Gains of one loop in the number type of the law, with their ranges checked.
+///
+/// ```
+/// use shakedown_core::blocks::control::{DisplacementLoop, LoopGains};
+///
+/// let law = DisplacementLoop::new(LoopGains { proportional: 3.7, integral: 0.6 }, 1e-3, 0.1_f32);
+/// assert!((law.advance(&mut Default::default(), 0.01, Default::default()) - 0.037).abs() < 1e-5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopGains<S = f32> {
     /// Proportional gain, 1.

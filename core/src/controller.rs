@@ -24,7 +24,7 @@ use monitors::{MonitorInput, Monitors};
 pub use tuning::Tuning;
 
 use crate::control::{Blocked, TrackingState};
-use crate::guard::{Refused, Request, State, Supervisor, Trip};
+use crate::guard::{OperatorRequest, Refused, State, Supervisor, Trip};
 use crate::modifier::{Modifier, ModifierState};
 use crate::sample::{Channels, Command, Relay, Sample, Status};
 use crate::scalar::Scalar;
@@ -111,28 +111,29 @@ impl Controller {
         }
     }
 
-    /// Asks for a change of state, for instance [`Request::Arm`] and then [`Request::Start`].
-    pub fn request(&mut self, request: Request) -> Result<(), Refused> {
+    /// Asks for a change of state, for instance [`OperatorRequest::Arm`] and then [`OperatorRequest::Start`].
+    pub fn request(&mut self, request: OperatorRequest) -> Result<(), Refused> {
         if self.config.ramps.is_none() {
             return Err(Refused::NoGuard);
         }
-        if let (Request::Arm, Some(cause)) = (request, self.monitors.cause()) {
+        if let (OperatorRequest::Arm, Some(cause)) = (request, self.monitors.cause()) {
             return Err(Refused::Cause(cause));
         }
         let whole = self.supervisor.whole();
         self.supervisor.request(request)?;
         match request {
-            Request::Arm => {
+            OperatorRequest::Arm => {
                 self.monitors.arm();
                 self.start_at(self.readings.displacement);
             }
-            Request::Hold | Request::Stop if whole => self.anchor = self.target,
+            OperatorRequest::Hold | OperatorRequest::Stop if whole => self.anchor = self.target,
             _ => {}
         }
         Ok(())
     }
 
-    /// Puts the law at rest with the reference standing at `displacement` (m).
+    /// Puts the law at rest with the reference at `displacement` (m).
+    #[cold]
     fn start_at(&mut self, displacement: f32) {
         (self.anchor, self.target, self.reference) = (displacement, displacement, displacement);
         self.three_variable = ThreeVariableState::at(displacement);
@@ -213,18 +214,14 @@ impl Controller {
         let Some(ramps) = self.config.ramps else { return };
         if let Some(cause) = cause {
             self.supervisor.doubt(cause);
-            if self.zero_flow_is_unknown(missing, cause) {
+            // What is behind the device subtracts the LVDT (Fig. 2, or an existing position controller): with its reading lost or
+            // stuck the zero-flow output is not known, and a ramp would end at some command.
+            let lost = cause == Trip::SensorLost && missing.intersects(Channels::DISPLACEMENT);
+            if self.config.cancellation != 0.0 && (lost || cause == Trip::DisplacementStuck) {
                 self.supervisor.open_relay_at_once();
             }
         }
         self.supervisor.advance(ramps);
-    }
-
-    /// Whether the zero-flow output cannot be known: what stands behind the device subtracts the LVDT (Fig. 2, or an existing
-    /// position controller), and its reading is lost or stuck. A ramp would then end at some command, not at zero flow.
-    fn zero_flow_is_unknown(&self, missing: Channels, cause: Trip) -> bool {
-        let lost = cause == Trip::SensorLost && missing.any(Channels::DISPLACEMENT);
-        self.config.cancellation != 0.0 && (lost || cause == Trip::DisplacementStuck)
     }
 
     /// The output at which no oil flows, m.
@@ -245,7 +242,7 @@ impl Controller {
         if self.supervisor.steady() {
             reference
         } else {
-            self.anchor + self.supervisor.presence() * (reference - self.anchor)
+            self.anchor + self.supervisor.test_weight() * (reference - self.anchor)
         }
     }
 
@@ -292,13 +289,20 @@ impl Controller {
         }
     }
 
-    /// Limits and output: what was `asked` for, faded and blended where the test or a change of settings says so.
+    /// Limits and output: what was `asked` for. The ramps of the test fade an existing controller's command, and what is left of
+    /// the output before a change of settings is blended out.
     fn put_out(&mut self, asked: Asked) {
         let zero = self.zero_flow();
-        let flow = self.fade(asked.flow, zero);
+        let fades = matches!(self.config.mode, ModeConfig::Guard) && !self.supervisor.steady();
+        let faded = if fades { self.supervisor.test_weight() * asked.flow } else { asked.flow };
+        let flow = self.blend.step(faded, self.output - zero, self.config.blend_step);
         self.limited = !self.config.within.holds(flow);
         if flow.is_nan() {
-            self.reset_law();
+            // No input makes the law's state other than a number, but a flipped bit might.
+            self.start_at(self.readings.displacement);
+            if self.config.ramps.is_some() {
+                self.supervisor.trip(Trip::Internal);
+            }
         } else if self.limited {
             self.flow_command = flow.bounded(self.config.command_limit);
             self.output = zero + self.flow_command;
@@ -306,23 +310,6 @@ impl Controller {
             self.flow_command = flow;
             self.output = if flow == asked.flow { asked.output } else { zero + flow };
         }
-    }
-
-    /// No input makes the law's state other than a number, but a flipped bit might: it is put at rest.
-    #[cold]
-    fn reset_law(&mut self) {
-        self.start_at(self.readings.displacement);
-        if self.config.ramps.is_some() {
-            self.supervisor.trip(Trip::Internal);
-        }
-    }
-
-    /// Lets through what the state of the test lets through of an existing controller's command, and what is left of
-    /// the output before a change of settings.
-    fn fade(&mut self, asked: f32, zero: f32) -> f32 {
-        let fades = matches!(self.config.mode, ModeConfig::Guard) && !self.supervisor.steady();
-        let faded = if fades { self.supervisor.presence() * asked } else { asked };
-        self.blend.step(faded, self.output - zero, self.config.blend_step)
     }
 
     /// The command, and what happened in the tick that `missing` is from.

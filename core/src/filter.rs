@@ -1,13 +1,13 @@
 //! Filters: one recurrence a file, coefficients worked out once.
 
-pub mod differentiator;
-pub mod lag;
-pub mod observer;
-pub mod second_order;
-pub mod washout;
+pub(crate) mod differentiator;
+pub(crate) mod lag;
+pub(crate) mod observer;
+pub(crate) mod second_order;
+pub(crate) mod washout;
 
-pub use differentiator::Differentiator;
-pub use lag::Lag;
-pub use observer::{MotionObserver, MotionState};
-pub use second_order::SecondOrder;
-pub use washout::Washout;
+pub(crate) use differentiator::Differentiator;
+pub(crate) use lag::Lag;
+pub(crate) use observer::{MotionObserver, MotionState};
+pub(crate) use second_order::SecondOrder;
+pub(crate) use washout::Washout;

@@ -1,25 +1,36 @@
-//! The guard: what stands between any law, ours or another's, and the actuator.
+//! The guard: what lies between any law, ours or another's, and the actuator.
 
-pub mod envelope;
+pub(crate) mod envelope;
 mod gain;
-pub mod inputs;
-pub mod noise;
-pub mod plausibility;
-pub mod supervisor;
-pub mod valve;
-pub mod walls;
-pub mod witness;
+pub(crate) mod input_gate;
+pub(crate) mod inputs;
+pub(crate) mod noise;
+pub(crate) mod plausibility;
+pub(crate) mod supervisor;
+mod test_state;
+pub(crate) mod valve;
+pub(crate) mod witness;
 
-pub use envelope::{Envelope, EnvelopeSettings};
-pub use inputs::{InputMonitor, InputSettings, InputState};
-pub use noise::{NoiseMonitor, NoiseState};
-pub use plausibility::{Plausibility, PlausibilitySettings};
-pub use supervisor::{Refused, Request, State, Supervisor};
-pub use valve::{Creep, ValveMonitor, ValveMonitorSettings, ValveMonitorState};
-pub use walls::Walls;
-pub use witness::{DisplacementWitness, WitnessSettings, WitnessState};
+pub(crate) use envelope::{Envelope, EnvelopeSettings};
+pub(crate) use input_gate::InputGate;
+pub(crate) use inputs::{InputMonitor, InputSettings, InputState};
+pub(crate) use noise::{NoiseMonitor, NoiseState};
+pub(crate) use plausibility::{Plausibility, PlausibilitySettings};
+pub(crate) use supervisor::Supervisor;
+pub use test_state::{OperatorRequest, Refused, State};
+pub(crate) use valve::{Creep, ValveMonitor, ValveMonitorSettings, ValveMonitorState};
+pub(crate) use witness::{DisplacementWitness, WitnessSettings, WitnessState};
 
 /// Everything the guard needs to be told.
+///
+/// ```
+/// use shakedown_core::Settings;
+/// use shakedown_core::settings::{EnvelopeSettings, GuardSettings};
+///
+/// let envelope = EnvelopeSettings { velocity: 0.25, ..EnvelopeSettings::default() };
+/// let guard = GuardSettings { envelope, ..GuardSettings::default() };
+/// assert!(Settings { guard: Some(guard), ..Settings::default() }.validate().is_ok());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct GuardSettings {
@@ -38,6 +49,14 @@ pub struct GuardSettings {
 }
 
 /// How long things take.
+///
+/// ```
+/// use shakedown_core::settings::{GuardSettings, RampSettings};
+///
+/// // Fade a test in and out over 5 s.
+/// let guard = GuardSettings { ramps: RampSettings { test: 5.0, ..RampSettings::default() }, ..GuardSettings::default() };
+/// assert_eq!(guard.ramps.safe, 0.05);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct RampSettings {
@@ -54,6 +73,18 @@ impl Default for RampSettings {
 }
 
 /// Why the guard tripped.
+///
+/// ```
+/// use shakedown_core::settings::GuardSettings;
+/// use shakedown_core::{Controller, OperatorRequest, Sample, Settings, Trip};
+///
+/// let guarded = Settings { guard: Some(GuardSettings::default()), ..Settings::default() };
+/// let mut controller = Controller::new(&guarded)?;
+/// controller.step(&Sample::default());
+/// controller.request(OperatorRequest::Trip).unwrap(); // the emergency stop
+/// assert_eq!(controller.trip(), Some(Trip::External));
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[repr(u8)]

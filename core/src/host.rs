@@ -11,7 +11,7 @@
 //! Each record is answered by four u32: a [`code`] and three zeros, or to a sample the bits of valve, reference and velocity
 //! limit, and a word of status. A host is judged by its answers to the same tape, byte by byte, and by their [`Digest`].
 
-use crate::guard::{Refused, Request};
+use crate::guard::{OperatorRequest, Refused};
 use crate::sample::{Command, Sample};
 use crate::settings::{NameError, Settings, SettingsError};
 use crate::{Controller, Relay};
@@ -70,18 +70,28 @@ pub const fn name_code(error: NameError) -> i32 {
 }
 
 /// Every request; its place here is its number on every host.
-pub const REQUESTS: [Request; 8] = [
-    Request::Arm,
-    Request::Start,
-    Request::Hold,
-    Request::Resume,
-    Request::Stop,
-    Request::Off,
-    Request::Reset,
-    Request::Trip,
+pub const REQUESTS: [OperatorRequest; 8] = [
+    OperatorRequest::Arm,
+    OperatorRequest::Start,
+    OperatorRequest::Hold,
+    OperatorRequest::Resume,
+    OperatorRequest::Stop,
+    OperatorRequest::Off,
+    OperatorRequest::Reset,
+    OperatorRequest::Trip,
 ];
 
 /// Asks `controller` for the request of this number.
+///
+/// ```
+/// use shakedown_core::host::{self, code};
+/// use shakedown_core::{Controller, Settings};
+///
+/// let mut controller = Controller::new(&Settings::default())?;
+/// assert_eq!(host::request(&mut controller, 0), code::REFUSED_NO_GUARD); // there is none to arm
+/// assert_eq!(host::request(&mut controller, 99), code::UNKNOWN_REQUEST);
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 pub fn request(controller: &mut Controller, number: u32) -> i32 {
     match REQUESTS.get(number as usize) {
         None => code::UNKNOWN_REQUEST,
@@ -90,6 +100,13 @@ pub fn request(controller: &mut Controller, number: u32) -> i32 {
 }
 
 /// Settings from the text of a begin or retune, over the defaults.
+///
+/// ```
+/// use shakedown_core::host::{self, code};
+///
+/// assert_eq!(host::settings("rate = 500").map(|settings| settings.rate), Ok(500.0));
+/// assert_eq!(host::settings("rat = 500").unwrap_err(), code::UNKNOWN_NAME);
+/// ```
 pub fn settings(text: &str) -> Result<Settings, i32> {
     let mut settings = Settings::default();
     settings.read(text).map_err(name_code)?;
@@ -141,6 +158,15 @@ impl core::fmt::Display for Damaged {
 impl core::error::Error for Damaged {}
 
 /// Plays a tape to a controller, one record at a time.
+///
+/// ```
+/// use shakedown_core::host::{Player, code};
+///
+/// let mut player = Player::new();
+/// assert_eq!(player.play(1, b"rate = 500")?, [code::OK as u32, 0, 0, 0]); // begin
+/// assert!(player.play(9, b"").is_err()); // no such record
+/// # Ok::<(), shakedown_core::host::Damaged>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Player {
     controller: Controller,
@@ -213,6 +239,14 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 /// FNV-1a over bytes, 64 bits.
+///
+/// ```
+/// use shakedown_core::host::Digest;
+///
+/// let mut digest = Digest::new();
+/// digest.bytes(b"a");
+/// assert_eq!(digest.to_string(), "af63dc4c8601ec8c");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Digest(pub u64);
 

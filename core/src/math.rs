@@ -5,6 +5,13 @@
 
 /// A limit on the magnitude of a number, kept so that what is within it is told by one comparison of whole numbers: bits
 /// without the sign are in the order of the magnitudes, and what is no number lies beyond all of them.
+///
+/// ```
+/// use shakedown_core::blocks::math::Magnitude;
+///
+/// let limit = Magnitude::new(0.1);
+/// assert!(limit.holds(-0.1) && !limit.holds(0.11) && !limit.holds(f32::NAN));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Magnitude(u32);
 

@@ -1,9 +1,20 @@
 //! The record modifier that the settings name, behind one call.
 
-use crate::record::{Limits, causal, clip, preview};
+use crate::record::{ReferenceLimits, causal, clip, preview};
 use crate::settings::{Settings, SettingsError};
 
 /// How the reference is modified on its way in.
+///
+/// ```
+/// use shakedown_core::{Controller, Modification, Sample, Settings};
+///
+/// let mut controller = Controller::new(&Settings { modification: Modification::Causal, ..Settings::default() })?;
+/// controller.step(&Sample::default());
+/// // 1 m/s asked for, 0.242 m/s let through.
+/// let command = controller.step(&Sample::new(0.001, 0.0, 0.0));
+/// assert!((command.reference - 0.242e-3).abs() < 1e-6);
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
@@ -13,9 +24,9 @@ pub enum Modification {
     Off,
     /// The paper's Eq. 10: velocity clipped, then integrated. It drifts, and is kept for comparison.
     Clip,
-    /// Inside velocity and stroke, without drift and without preview ([`causal`]).
+    /// Inside velocity and stroke, without drift and without preview ([`causal`](crate::blocks::record::causal)).
     Causal,
-    /// The same, with the reference known ahead of time: the modified one lags it by the preview ([`preview`]).
+    /// The same, with the reference known ahead of time: the modified one lags it by the preview ([`preview`](crate::blocks::record::preview)).
     Preview {
         /// How far ahead, s; at most [`PREVIEW_WINDOW`] less one ticks.
         seconds: f32,
@@ -48,16 +59,18 @@ pub(crate) enum ModifierState {
 impl Modifier {
     /// The modifier that `settings` name, at their limits.
     pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        let limits = Limits::new(settings.rate, settings.velocity_limit, settings.stroke);
+        let limits = ReferenceLimits::new(settings.rate, settings.velocity_limit, settings.stroke);
         Ok(match settings.modification {
             Modification::Off => Self::Off,
             Modification::Clip => Self::Clip(clip::Config::new(&limits)?),
             Modification::Causal => {
-                Self::Causal(causal::Config::new(&limits, &causal::Config::WASHOUT, causal::Config::MEMORY)?)
+                Self::Causal(causal::Config::new(&limits, &causal::Config::DRIFT_RECOVERY, causal::Config::MEMORY)?)
             }
-            Modification::Preview { seconds } => {
-                Self::Preview(preview::Config::new::<PREVIEW_WINDOW>(&limits, &preview::Config::WASHOUT, seconds)?)
-            }
+            Modification::Preview { seconds } => Self::Preview(preview::Config::new::<PREVIEW_WINDOW>(
+                &limits,
+                &preview::Config::DRIFT_RECOVERY,
+                seconds,
+            )?),
         })
     }
 

@@ -18,18 +18,25 @@
 //!
 //! Velocities are kept in metres a tick, where the limits are the integrator's own increments and cost no rounding.
 
-pub mod causal;
-pub mod clip;
+pub(crate) mod causal;
+pub(crate) mod clip;
 mod input;
-pub mod preview;
+pub(crate) mod preview;
 mod travel;
 
 use crate::settings::SettingsError;
 
 /// What the table allows, as the modifiers need it.
+///
+/// ```
+/// use shakedown_core::blocks::record::ReferenceLimits;
+///
+/// // 1 kHz, 0.242 m/s, 120 mm to either side.
+/// assert!(ReferenceLimits::new(1000.0, 0.242, 0.12).validate().is_ok());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Limits {
+pub struct ReferenceLimits {
     /// Control rate, Hz.
     pub rate: f32,
     /// Largest speed, m/s. What [`causal::step`] and the others are told later may lower it, never raise it.
@@ -42,8 +49,8 @@ pub struct Limits {
     pub leap: f32,
 }
 
-impl Limits {
-    /// Limits with the project's braking (1 m/s2: 29 mm of stroke at 0.242 m/s) and leap (5 m/s, above any ground
+impl ReferenceLimits {
+    /// ReferenceLimits with the project's braking (1 m/s2: 29 mm of stroke at 0.242 m/s) and leap (5 m/s, above any ground
     /// motion on record).
     pub const fn new(rate: f32, velocity: f32, stroke: f32) -> Self {
         Self { rate, velocity, stroke, braking: 1.0, leap: 5.0 }
@@ -61,16 +68,22 @@ impl Limits {
 
 /// How what was given up is made good: the displacement error e obeys e'' + 2 zeta w e' + w^2 e = 0 wherever no limit
 /// acts, so the drift it leaves at the end is zero.
+///
+/// ```
+/// use shakedown_core::blocks::record::{DriftRecovery, causal};
+///
+/// assert_eq!(causal::Config::DRIFT_RECOVERY, DriftRecovery { frequency: 0.4, damping: 0.8 });
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Washout {
+pub struct DriftRecovery {
     /// Natural frequency w / 2 pi, Hz.
     pub frequency: f32,
     /// Damping ratio zeta, 1.
     pub damping: f32,
 }
 
-impl Washout {
+impl DriftRecovery {
     /// Checks every field against the control rate, Hz.
     pub fn validate(self, rate: f32) -> Result<(), SettingsError> {
         within("frequency", self.frequency, 1e-3, rate / 100.0)?;

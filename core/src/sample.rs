@@ -4,6 +4,14 @@ use crate::guard::{State, Trip};
 
 /// What the sensors and the reference say at one tick. Plain numbers in SI, as they come: the controller decides what
 /// it can believe. Which of the optional ones are read is a matter of the settings; the others may hold anything.
+///
+/// ```
+/// use shakedown_core::Sample;
+///
+/// // The reference asks for 10 mm, the LVDT reads 9 mm, and a pressure sensor is fitted.
+/// let sample = Sample { pressure_difference: 2e6, ..Sample::new(0.01, 0.009, 0.3) };
+/// assert_eq!(sample.displacement, 0.009);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
     /// Reference displacement, m. Read in modifier and controller mode.
@@ -50,6 +58,14 @@ impl Sample {
 }
 
 /// A set of the channels of a [`Sample`].
+///
+/// ```
+/// use shakedown_core::Channels;
+///
+/// let sensors = Channels::DISPLACEMENT.union(Channels::ACCELERATION);
+/// assert!(sensors.intersects(Channels::DISPLACEMENT));
+/// assert!(!sensors.intersects(Channels::REFERENCE));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Channels(u8);
 
@@ -75,7 +91,7 @@ impl Channels {
 
     /// Whether any channel of `other` is in this set.
     #[inline]
-    pub const fn any(self, other: Self) -> bool {
+    pub const fn intersects(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }
 
@@ -85,10 +101,10 @@ impl Channels {
         self.0 == 0
     }
 
-    /// Both sets together.
+    /// The channels of either set.
     #[inline]
     #[must_use]
-    pub const fn and(self, other: Self) -> Self {
+    pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
@@ -99,6 +115,16 @@ impl Channels {
 }
 
 /// What the relay of the hydraulic block is to do.
+///
+/// ```
+/// use shakedown_core::settings::GuardSettings;
+/// use shakedown_core::{Controller, Relay, Settings};
+///
+/// // A guarded controller opens its relay until it is armed.
+/// let guarded = Settings { guard: Some(GuardSettings::default()), ..Settings::default() };
+/// assert_eq!(Controller::new(&guarded)?.relay(), Relay::Open);
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Relay {
     /// De-energised: no oil reaches the valve.
@@ -109,6 +135,16 @@ pub enum Relay {
 }
 
 /// What happened during a tick, beside the command itself.
+///
+/// ```
+/// use shakedown_core::{Channels, Controller, Sample, Settings};
+///
+/// let mut controller = Controller::new(&Settings::default())?;
+/// controller.step(&Sample::new(0.01, 0.0, 0.0));
+/// let held = controller.step(&Sample::new(0.01, f32::NAN, 0.0)).status;
+/// assert!(held.held && held.missing == Channels::DISPLACEMENT);
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Status {
     /// The table's velocity is at its limit.
@@ -117,7 +153,7 @@ pub struct Status {
     pub held: bool,
     /// Which inputs.
     pub missing: Channels,
-    /// The command stands at its limit.
+    /// The command is at its limit.
     pub limited: bool,
     /// The velocity limit now in force, m/s: the set one, or less where saturation showed less.
     pub velocity_limit: f32,
@@ -156,6 +192,15 @@ impl Status {
 }
 
 /// What the valve is told.
+///
+/// ```
+/// use shakedown_core::{Controller, Sample, Settings};
+///
+/// let command = Controller::new(&Settings::default())?.step(&Sample::new(0.01, 0.0, 0.0));
+/// assert_eq!(command.reference, 0.01);
+/// assert!(command.valve > 0.0); // toward the reference
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Command {
     /// What goes out, m: the valve command; in modifier mode the reference handed to the existing controller.

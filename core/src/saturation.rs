@@ -13,22 +13,30 @@
 //! ```
 //! a is the observer's acceleration, low-passed (m/s2); e the displacement error (m; in guard mode the external command
 //! beyond zero flow), d the speed that is asked for (m/s): the command times the valve's gain, or in modifier mode what the
-//! [`existing`] controller is found to make of its error; lag the valve's (s). At the crest of an unsaturated swing the
+//! [`external_loop`] controller is found to make of its error; lag the valve's (s). At the crest of an unsaturated swing the
 //! acceleration also passes zero, but there d - lag a equals v: wanting is what tells.
 //!
 //! The limit in force is estimated for each direction by itself (m/s): while saturated it moves to |v| with time
 //! constant `follow`; a speed above it raises it at once; otherwise it recovers to the set limit V0 with time constant
 //! `recovery`, as an accumulator refills. It never leaves `floor V0` to V0.
 
-pub mod existing;
+mod external_loop;
 
-pub use existing::{Existing, ExistingState};
+use external_loop::{ExternalLoopEstimator, ExternalLoopState};
 
 use crate::block::{BlockError, require, whole_ticks};
 use crate::control::Blocked;
 use crate::math::Magnitude;
 
 /// How saturation is looked for.
+///
+/// ```
+/// use shakedown_core::Settings;
+/// use shakedown_core::settings::Detection;
+///
+/// let detection = Detection { plateau: 0.3, ..Detection::default() };
+/// assert!(Settings { saturation: Some(detection), ..Settings::default() }.validate().is_ok());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct Detection {
@@ -68,15 +76,30 @@ pub struct Evidence {
 }
 
 /// The detector's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::control::Blocked;
+/// use shakedown_core::blocks::guard::{Detector, Evidence};
+/// use shakedown_core::settings::Detection;
+///
+/// let detector = Detector::new(&Detection::default(), 0.242, 0.017, 1e-3)?;
+/// let mut state = detector.start();
+/// // 0.24 m/s, no acceleration, 50 mm behind, 0.6 m/s asked for: the valve is wide open.
+/// for _ in 0..20 {
+///     detector.advance(&mut state, Evidence { velocity: 0.24, acceleration: 0.0, error: 0.05, demand: 0.6 });
+/// }
+/// assert_eq!(state.blocked(), Blocked::Positive);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detector {
     plateau: Magnitude,
     error: f32,
-    excess: f32,
+    demand_ratio: f32,
     slowest: f32,
     limit: f32,
     lag: f32,
-    existing: Existing,
+    external_loop: ExternalLoopEstimator,
     hold: u32,
     follow: f32,
     recovery: f32,
@@ -89,7 +112,7 @@ pub struct DetectorState {
     positive: f32,
     negative: f32,
     blocked: Blocked,
-    existing: ExistingState,
+    external_loop: ExternalLoopState,
 }
 
 impl DetectorState {
@@ -100,7 +123,7 @@ impl DetectorState {
             positive: limit,
             negative: limit,
             blocked: Blocked::Neither,
-            existing: ExistingState::default(),
+            external_loop: ExternalLoopState::default(),
         }
     }
 
@@ -133,11 +156,11 @@ impl Detector {
         Ok(Self {
             plateau: Magnitude::new(require("saturation.plateau", settings.plateau, 1e-3, 100.0)?),
             error: require("saturation.error", settings.error, 0.0, 1.0)?,
-            excess: 1.0 + require("saturation.shortfall", settings.shortfall, 0.0, 10.0)?,
+            demand_ratio: 1.0 + require("saturation.shortfall", settings.shortfall, 0.0, 10.0)?,
             slowest: floor * limit,
             limit,
             lag,
-            existing: Existing::new(lag, settings.plateau, dt),
+            external_loop: ExternalLoopEstimator::new(lag, settings.plateau, dt),
             hold: whole_ticks(hold, dt),
             follow: (dt / follow).min(1.0),
             recovery: (dt / recovery).min(1.0),
@@ -151,8 +174,8 @@ impl Detector {
 
     /// The speed that an existing controller asks for of a table with this `velocity` (m/s), `acceleration` (m/s2) and
     /// displacement `error` (m), as far as it is known yet, m/s.
-    pub fn existing(&self, state: &mut DetectorState, velocity: f32, acceleration: f32, error: f32) -> f32 {
-        self.existing.advance(&mut state.existing, velocity, acceleration, error)
+    pub fn external_demand(&self, state: &mut DetectorState, velocity: f32, acceleration: f32, error: f32) -> f32 {
+        self.external_loop.advance(&mut state.external_loop, velocity, acceleration, error)
     }
 
     /// One tick.
@@ -167,7 +190,7 @@ impl Detector {
             (-seen.error, -demand, &mut state.negative)
         };
         let pushed = error > self.error && self.plateau.holds(seen.acceleration) && speed >= self.slowest;
-        if pushed && (speed >= 0.92 * *limit || demand > self.excess * speed) {
+        if pushed && (speed >= 0.92 * *limit || demand > self.demand_ratio * speed) {
             state.lasted = state.lasted.saturating_add(1);
         } else {
             state.lasted = 0;

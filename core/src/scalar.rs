@@ -11,6 +11,13 @@ use core::ops::{Add, Mul, Neg, Sub};
 /// A real number, as far as a linear recurrence is concerned.
 ///
 /// Order compares the value alone: where a limit acts, a dual's derivative is that of the branch taken.
+///
+/// ```
+/// use shakedown_core::blocks::Scalar;
+///
+/// assert_eq!(0.3_f32.bounded(0.1), 0.1);
+/// assert_eq!((-0.3_f64).within(-0.2, 0.1), -0.2);
+/// ```
 pub trait Scalar:
     Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {

@@ -8,153 +8,41 @@ mod consistency;
 mod error;
 mod findings;
 mod named;
+mod parts;
 mod validate;
 
-pub use error::SettingsError;
+pub use error::{NameError, SettingsError};
 pub use findings::Finding;
-pub use named::NameError;
+pub use parts::{Gains, Mode, ObserverSettings, Ranges, ReferenceRates, ValveSettings, VelocitySource};
 
-use crate::control::{InnerLoop, TrackingSettings};
-use crate::guard::GuardSettings;
+pub use crate::control::InnerLoop;
+pub use crate::control::tracking::flow::FlowSettings;
+pub use crate::control::tracking::friction::FrictionSettings;
+pub use crate::control::tracking::oil::OilSettings;
+pub use crate::control::tracking::pressure::PressureSettings;
+pub use crate::control::tracking::{NoiseSettings, NotchSettings, TrackingSettings};
+pub use crate::guard::envelope::{EnvelopeSettings, ForceSettings};
+pub use crate::guard::inputs::InputSettings;
+pub use crate::guard::plausibility::PlausibilitySettings;
+pub use crate::guard::valve::ValveMonitorSettings;
+pub use crate::guard::witness::WitnessSettings;
+pub use crate::guard::{GuardSettings, RampSettings};
 pub use crate::modifier::{Modification, PREVIEW_PLACES, PREVIEW_WINDOW};
-use crate::saturation::Detection;
-
-/// Proportional and integral gain of one feedback loop of Fig. 12.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Gains {
-    /// Proportional gain, 1.
-    pub proportional: f32,
-    /// Integral gain, 1/s.
-    pub integral: f32,
-}
-
-impl Gains {
-    /// `proportional` (1) and `integral` (1/s).
-    pub const fn new(proportional: f32, integral: f32) -> Self {
-        Self { proportional, integral }
-    }
-
-    /// Whether the loop does anything.
-    pub(crate) fn act(self) -> bool {
-        self.proportional != 0.0 || self.integral != 0.0
-    }
-}
-
-/// Where the device sits in the valve command path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum Mode {
-    /// Behind an existing controller: passes its command on, detects saturation, enforces limits.
-    Guard,
-    /// In front of an existing controller: reference in, reference that the table can follow out.
-    Modifier,
-    /// Instead of one: reference and sensors in, valve command out.
-    #[default]
-    Controller,
-}
-
-/// Where the velocity and acceleration of the reference come from, for the loops that track them.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum ReferenceRates {
-    /// Differentiated from the modified reference ([`crate::filter::Differentiator`]).
-    Derived {
-        /// Band of the differentiators, Hz; from rate / pi on they are backward differences.
-        frequency: f32,
-    },
-    /// Backward differences of the modified reference.
-    #[default]
-    Differences,
-    /// With each sample, as [`crate::Sample::reference_velocity`] and [`crate::Sample::reference_acceleration`]; not
-    /// modified.
-    Supplied,
-    /// Zero: pure feedback, which damps instead of tracking.
-    Zero,
-}
-
-/// Where the measured velocity comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum VelocitySource {
-    /// The observer ([`crate::filter::MotionObserver`]).
-    #[default]
-    Observer,
-    /// A velocity sensor, as [`crate::Sample::velocity`].
-    Sensor,
-}
-
-/// The observer of the table's velocity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
-pub struct ObserverSettings {
-    /// Below this the LVDT is believed, above it the accelerometer, Hz.
-    pub frequency: f32,
-    /// Whether an accelerometer is fitted; without one [`crate::Sample::acceleration`] is not read.
-    pub accelerometer: bool,
-    /// Time constant of the low-pass on the acceleration that saturation detection and guard look at, s.
-    pub smoothing: f32,
-}
-
-impl Default for ObserverSettings {
-    fn default() -> Self {
-        Self { frequency: 2.0, accelerometer: true, smoothing: 0.006 }
-    }
-}
-
-/// What is known of the servovalve and its actuator, for what must know how the table will answer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
-pub struct ValveSettings {
-    /// Velocity per command at rest, 1/s: b0 / a1 of Eq. 7.
-    pub gain: f32,
-    /// Time constant of the velocity, s: 1 / a1 of Eq. 7.
-    pub lag: f32,
-    /// Command at which no oil flows, m, beside what the inner loop asks for.
-    pub null_bias: f32,
-    /// Largest command either way, beyond the one at which no oil flows, m.
-    pub command_limit: f32,
-}
-
-impl Default for ValveSettings {
-    fn default() -> Self {
-        Self { gain: 138.0 / 57.65, lag: 1.0 / 57.65, null_bias: 0.0, command_limit: 10.0 }
-    }
-}
-
-/// Largest readings that can be true, either way from zero. A reading beyond is not used: the last good output is held.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
-pub struct Ranges {
-    /// Reference displacement, m.
-    pub reference: f32,
-    /// LVDT, m.
-    pub displacement: f32,
-    /// Velocity sensor and supplied reference velocity, m/s.
-    pub velocity: f32,
-    /// Accelerometer and supplied reference acceleration, m/s2.
-    pub acceleration: f32,
-    /// Existing controller's command, m.
-    pub external: f32,
-    /// Pressure difference, Pa.
-    pub pressure_difference: f32,
-}
-
-impl Default for Ranges {
-    fn default() -> Self {
-        Self {
-            reference: 10.0,
-            displacement: 10.0,
-            velocity: 20.0,
-            acceleration: 1000.0,
-            external: 100.0,
-            pressure_difference: 1e8,
-        }
-    }
-}
+pub use crate::saturation::Detection;
 
 /// Everything a user may set. What is left out of a file has the default's value: the paper's current controller,
 /// bare, at 1 kHz.
+///
+/// ```
+/// use shakedown_core::settings::Gains;
+/// use shakedown_core::{Mode, Settings};
+///
+/// let mut settings = Settings { displacement: Gains::new(5.0, 0.5), ..Settings::default() };
+/// settings.read("velocity_limit = 0.2\n[valve]\nnull_bias = 0.001").unwrap();
+/// assert_eq!((settings.mode, settings.valve.null_bias), (Mode::Controller, 0.001));
+/// settings.validate()?;
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct Settings {

@@ -16,6 +16,14 @@ pub struct Code(pub u16);
 pub struct Volt(pub f32);
 
 /// A converter: code 0 is `low`, the largest code is `high`.
+///
+/// ```
+/// use shakedown_core::units::{Code, Converter, Volt};
+///
+/// let converter = Converter::new(Code(4095), Volt(0.0), Volt(3.3))?;
+/// assert_eq!(converter.to_code(Volt(3.3)), Some(Code(4095)));
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Converter {
     low: f32,
@@ -47,6 +55,15 @@ impl Converter {
 }
 
 /// What a voltage means: a straight line through `zero`.
+///
+/// ```
+/// use shakedown_core::units::{Channel, Code, Converter, Volt};
+///
+/// // An LVDT of 100 mm/V around 1.65 V.
+/// let lvdt = Channel::new(Volt(1.65), 0.1)?;
+/// assert!((lvdt.to_si(Volt(2.65)) - 0.1).abs() < 1e-6);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Channel {
     zero: f32,
@@ -81,6 +98,13 @@ impl Channel {
 }
 
 /// A straight line between converter codes and SI units.
+///
+/// ```
+/// use shakedown_core::units::Scale;
+///
+/// let scale = Scale { zero: 2048.0, per_code: 1e-4 };
+/// assert!((scale.to_si(3048) - 0.1).abs() < 1e-6);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Scale {

@@ -2,15 +2,16 @@
 
 #![allow(clippy::unwrap_used, reason = "the lint knows test functions, not helpers")]
 
-use shakedown_core::filter::MotionObserver;
-use shakedown_core::filter::MotionState;
-use shakedown_core::guard::envelope::{Envelope, EnvelopeSettings, EnvelopeState, ForceSettings, Motion};
-use shakedown_core::guard::plausibility::{Plausibility, PlausibilitySettings, PlausibilityState};
-use shakedown_core::guard::supervisor::{Ramps, Supervisor};
-use shakedown_core::guard::valve::{Creep, ValveMonitor, ValveMonitorSettings, ValveMonitorState};
-use shakedown_core::guard::{NoiseMonitor, NoiseState, RampSettings, Refused, Request, State, Trip, Walls};
-use shakedown_core::settings::{ReferenceRates, VelocitySource};
-use shakedown_core::{Channels, Mode, Relay, Sample, Settings};
+use shakedown_core::blocks::filter::{MotionObserver, MotionState};
+use shakedown_core::blocks::guard::{
+    Creep, DebouncedSignals, Envelope, EnvelopeState, InputGate, NoiseMonitor, NoiseState, Plausibility,
+    PlausibilityState, Ramps, Supervisor, ValveMonitor, ValveMonitorState,
+};
+use shakedown_core::settings::{
+    EnvelopeSettings, ForceSettings, PlausibilitySettings, RampSettings, ReferenceRates, ValveMonitorSettings,
+    VelocitySource,
+};
+use shakedown_core::{Channels, Mode, OperatorRequest, Refused, Relay, Sample, Settings, State, Trip};
 
 const DT: f32 = 0.003;
 
@@ -70,12 +71,12 @@ fn the_envelope_is_left_where_the_table_could_not_stop() {
 
 #[test]
 fn what_may_last_trips_one_tick_after_its_time() {
-    let quiet = Motion { acceleration: 0.0, pressure_difference: 0.0, error: 0.0 };
+    let quiet = DebouncedSignals { acceleration: 0.0, pressure_difference: 0.0, error: 0.0 };
     for (motion, cause) in [
-        (Motion { pressure_difference: 100_100.0, ..quiet }, Trip::Force),
-        (Motion { pressure_difference: -100_100.0, ..quiet }, Trip::Force),
-        (Motion { error: 0.0501, ..quiet }, Trip::Tracking),
-        (Motion { error: -0.0501, ..quiet }, Trip::Tracking),
+        (DebouncedSignals { pressure_difference: 100_100.0, ..quiet }, Trip::Force),
+        (DebouncedSignals { pressure_difference: -100_100.0, ..quiet }, Trip::Force),
+        (DebouncedSignals { error: 0.0501, ..quiet }, Trip::Tracking),
+        (DebouncedSignals { error: -0.0501, ..quiet }, Trip::Tracking),
     ] {
         let mut state = EnvelopeState::default();
         // 9.1 ms are three turns of 3 ms: the fourth trips.
@@ -87,7 +88,7 @@ fn what_may_last_trips_one_tick_after_its_time() {
     }
     for good in [100_000.0, -100_000.0] {
         let mut state = EnvelopeState::default();
-        let motion = Motion { pressure_difference: good, error: 0.05, ..quiet };
+        let motion = DebouncedSignals { pressure_difference: good, error: 0.05, ..quiet };
         assert!((0..20).all(|_| envelope().advance(&mut state, &motion).is_none()));
     }
 }
@@ -96,7 +97,7 @@ fn what_may_last_trips_one_tick_after_its_time() {
 fn acceleration_and_its_steps_are_told_apart() {
     let run = |accelerations: &[f32]| {
         let mut state = EnvelopeState::default();
-        let motion = |a: &f32| Motion { acceleration: *a, pressure_difference: 0.0, error: 0.0 };
+        let motion = |a: &f32| DebouncedSignals { acceleration: *a, pressure_difference: 0.0, error: 0.0 };
         accelerations.iter().filter_map(|a| envelope().advance(&mut state, &motion(a))).collect::<Vec<_>>()
     };
     // 1000 m/s3 are 3 m/s2 from turn to turn.
@@ -297,32 +298,32 @@ fn a_supervisor_ramps_in_as_many_ticks_as_its_time_has() {
     let ramps = Ramps::new(&RampSettings { test: 0.01, safe: 0.005 }, 0.001).unwrap();
     let mut supervisor = Supervisor::off();
     assert_eq!((supervisor.state(), supervisor.relay(), supervisor.moves()), (State::Off, Relay::Open, false));
-    supervisor.request(Request::Arm).unwrap();
+    supervisor.request(OperatorRequest::Arm).unwrap();
     assert_eq!((supervisor.relay(), supervisor.moves()), (Relay::Closed, true));
-    supervisor.request(Request::Start).unwrap();
+    supervisor.request(OperatorRequest::Start).unwrap();
     let ticks = (1..100).find(|&k| {
         supervisor.advance(ramps);
         let p = (0.1 * k as f32).min(1.0);
         let smooth = p * p * (3.0 - 2.0 * p);
-        assert!((supervisor.presence() - smooth).abs() < 1e-6, "{k}: {}", supervisor.presence());
+        assert!((supervisor.test_weight() - smooth).abs() < 1e-6, "{k}: {}", supervisor.test_weight());
         assert_eq!(supervisor.whole(), k >= 10);
         supervisor.steady()
     });
     assert_eq!(ticks, Some(10));
     // Held, it falls as it rose, and resumed it rises again.
-    supervisor.request(Request::Hold).unwrap();
+    supervisor.request(OperatorRequest::Hold).unwrap();
     supervisor.advance(ramps);
-    assert!(!supervisor.steady() && (supervisor.presence() - 0.972).abs() < 1e-6, "{}", supervisor.presence());
-    supervisor.request(Request::Resume).unwrap();
+    assert!(!supervisor.steady() && (supervisor.test_weight() - 0.972).abs() < 1e-6, "{}", supervisor.test_weight());
+    supervisor.request(OperatorRequest::Resume).unwrap();
     supervisor.advance(ramps);
-    assert!(supervisor.steady() && supervisor.presence() == 1.0);
+    assert!(supervisor.steady() && supervisor.test_weight() == 1.0);
     let changes = supervisor.changes();
     supervisor.doubt(Trip::Velocity);
     assert_eq!((supervisor.changes(), supervisor.command()), (changes.wrapping_add(1), 1.0));
     // The first cause stands.
     supervisor.trip(Trip::Jerk);
     assert_eq!(supervisor.cause(), Some(Trip::Velocity));
-    assert_eq!(supervisor.request(Request::Reset), Err(Refused::StillMoving(Trip::Velocity)));
+    assert_eq!(supervisor.request(OperatorRequest::Reset), Err(Refused::StillMoving(Trip::Velocity)));
     let left: Vec<f32> = (0..5)
         .map(|_| {
             assert_eq!(supervisor.relay(), Relay::Closed);
@@ -334,12 +335,12 @@ fn a_supervisor_ramps_in_as_many_ticks_as_its_time_has() {
         assert!((left - expected).abs() < 1e-6, "{left} {expected}");
     }
     assert_eq!(supervisor.relay(), Relay::Open);
-    supervisor.request(Request::Reset).unwrap();
+    supervisor.request(OperatorRequest::Reset).unwrap();
     assert_eq!((supervisor.state(), supervisor.cause()), (State::Off, None));
     // What monitors say of a table without oil is no reason; an order is.
     supervisor.doubt(Trip::Velocity);
     assert_eq!(supervisor.state(), State::Off);
-    supervisor.request(Request::Trip).unwrap();
+    supervisor.request(OperatorRequest::Trip).unwrap();
     assert_eq!((supervisor.state(), supervisor.command()), (State::Tripped, 0.0));
 }
 
@@ -349,8 +350,8 @@ fn no_length_of_a_ramp_costs_a_tick_to_rounding() {
         let time = 0.001 * f32::from(ticks);
         let ramps = Ramps::new(&RampSettings { test: time, safe: time }, 0.001).unwrap();
         let mut supervisor = Supervisor::off();
-        supervisor.request(Request::Arm).unwrap();
-        supervisor.request(Request::Start).unwrap();
+        supervisor.request(OperatorRequest::Arm).unwrap();
+        supervisor.request(OperatorRequest::Start).unwrap();
         let count = |supervisor: &mut Supervisor, done: fn(&Supervisor) -> bool| {
             (1..1000).find(|_| {
                 supervisor.advance(ramps);
@@ -358,9 +359,9 @@ fn no_length_of_a_ramp_costs_a_tick_to_rounding() {
             })
         };
         assert_eq!(count(&mut supervisor, Supervisor::whole), Some(ticks));
-        supervisor.request(Request::Stop).unwrap();
+        supervisor.request(OperatorRequest::Stop).unwrap();
         assert_eq!(count(&mut supervisor, |s| s.state() == State::Ready), Some(ticks));
-        assert_eq!(supervisor.presence(), 0.0);
+        assert_eq!(supervisor.test_weight(), 0.0);
         supervisor.trip(Trip::External);
         assert_eq!(count(&mut supervisor, |s| s.relay() == Relay::Open), Some(ticks));
     }
@@ -369,7 +370,7 @@ fn no_length_of_a_ramp_costs_a_tick_to_rounding() {
 #[test]
 fn a_trip_of_the_valve_opens_the_relay_at_the_same_tick() {
     let mut supervisor = Supervisor::off();
-    supervisor.request(Request::Arm).unwrap();
+    supervisor.request(OperatorRequest::Arm).unwrap();
     supervisor.trip(Trip::ValveStuck);
     assert_eq!((supervisor.relay(), supervisor.command()), (Relay::Open, 1.0));
 }
@@ -383,25 +384,25 @@ fn walls_let_through_what_is_within_and_name_what_is_not() {
     settings.ranges.velocity = 1.0;
     let take = |settings: &Settings, sample: &Sample| {
         let mut readings = Sample { reference: 0.01, displacement: 0.02, acceleration: 0.03, ..Sample::default() };
-        let missing = Walls::new(settings).take(sample, &mut readings);
+        let missing = InputGate::new(settings).take(sample, &mut readings);
         (missing, readings)
     };
     let edge = Sample::new(-0.2, 0.3, -5.0);
     assert_eq!(take(&settings, &edge), (Channels::NONE, edge));
     let beyond = Sample::new(0.21, -0.31, 5.1);
-    let all = Channels::REFERENCE.and(Channels::DISPLACEMENT).and(Channels::ACCELERATION);
+    let all = Channels::REFERENCE.union(Channels::DISPLACEMENT).union(Channels::ACCELERATION);
     let (missing, kept) = take(&settings, &beyond);
     assert_eq!((missing, kept.reference, kept.displacement, kept.acceleration), (all, 0.01, 0.02, 0.03));
     // Guard mode reads the other's command and no reference; what is not fitted is not read.
     let guard = Settings { mode: Mode::Guard, ..settings };
     let (missing, kept) = take(&guard, &Sample { external: 7.0, ..beyond });
-    assert_eq!((missing, kept.external), (Channels::DISPLACEMENT.and(Channels::ACCELERATION), 7.0));
+    assert_eq!((missing, kept.external), (Channels::DISPLACEMENT.union(Channels::ACCELERATION), 7.0));
     settings.observer.accelerometer = false;
     settings.velocity_source = VelocitySource::Sensor;
     settings.reference_rates = ReferenceRates::Supplied;
     let odd = Sample { velocity: 1.1, reference_velocity: 0.5, reference_acceleration: f32::NAN, ..edge };
     let (missing, kept) = take(&settings, &Sample { acceleration: f32::NAN, ..odd });
-    assert_eq!(missing, Channels::VELOCITY.and(Channels::REFERENCE_RATES));
+    assert_eq!(missing, Channels::VELOCITY.union(Channels::REFERENCE_RATES));
     assert_eq!((kept.velocity, kept.reference_velocity), (0.0, 0.5));
     // Two readings of one channel, both lost, are one channel lost.
     let none = Sample { reference_velocity: f32::NAN, reference_acceleration: f32::NAN, velocity: 0.5, ..edge };

@@ -2,15 +2,15 @@
 
 use proptest::prelude::*;
 use shakedown_core::SettingsError;
-use shakedown_core::record::{Limits, Washout, causal, clip, preview};
+use shakedown_core::blocks::record::{DriftRecovery, ReferenceLimits, causal, clip, preview};
 
 const RATE: f32 = 1000.0;
 const LIMIT: f32 = 0.242;
 const STROKE: f32 = 0.12;
 const WINDOW: usize = 256;
 
-fn limits() -> Limits {
-    Limits::new(RATE, LIMIT, STROKE)
+fn limits() -> ReferenceLimits {
+    ReferenceLimits::new(RATE, LIMIT, STROKE)
 }
 
 /// The three modifiers behind one face: reference, m, and limit, m/s, to modified reference, m.
@@ -20,10 +20,10 @@ struct Modifier {
     keeps_stroke: bool,
 }
 
-fn modifiers(limits: &Limits) -> Result<Vec<Modifier>, SettingsError> {
+fn modifiers(limits: &ReferenceLimits) -> Result<Vec<Modifier>, SettingsError> {
     let clip_config = clip::Config::new(limits)?;
-    let causal_config = causal::Config::new(limits, &causal::Config::WASHOUT, causal::Config::MEMORY)?;
-    let preview_config = preview::Config::new::<WINDOW>(limits, &preview::Config::WASHOUT, 0.2)?;
+    let causal_config = causal::Config::new(limits, &causal::Config::DRIFT_RECOVERY, causal::Config::MEMORY)?;
+    let preview_config = preview::Config::new::<WINDOW>(limits, &preview::Config::DRIFT_RECOVERY, 0.2)?;
     let (mut a, mut b, mut c) =
         (clip::State::at(0.0), causal::State::at(0.0), preview::State::<WINDOW, { preview::places(WINDOW) }>::at(0.0));
     Ok(vec![
@@ -73,7 +73,7 @@ fn references() -> impl Strategy<Value = Vec<f32>> {
     })
 }
 
-/// Limits in force: stretches of what saturation detection may report, nonsense included.
+/// ReferenceLimits in force: stretches of what saturation detection may report, nonsense included.
 fn limits_in_force() -> impl Strategy<Value = Vec<f32>> {
     let value = prop_oneof![
         4 => Just(LIMIT),
@@ -198,7 +198,7 @@ fn each_sees_further_than_the_last() {
 fn a_limit_lowered_mid_run_is_kept_from_that_tick_and_both_modifiers_bend_to_it() {
     let lowered = 0.6 * LIMIT;
     let run = |which: usize, delay: usize, set: f32, from: usize| {
-        let mut modifier = modifiers(&Limits::new(RATE, set, STROKE)).unwrap().swap_remove(which);
+        let mut modifier = modifiers(&ReferenceLimits::new(RATE, set, STROKE)).unwrap().swap_remove(which);
         let reference = strong_motion();
         let output: Vec<f32> = reference
             .iter()
@@ -236,7 +236,7 @@ fn a_window_keeps_no_more_than_its_runs_need() {
 
 #[test]
 fn says_when_an_input_was_not_followed() {
-    let config = causal::Config::new(&limits(), &causal::Config::WASHOUT, causal::Config::MEMORY).unwrap();
+    let config = causal::Config::new(&limits(), &causal::Config::DRIFT_RECOVERY, causal::Config::MEMORY).unwrap();
     let mut state = causal::State::at(0.01);
     causal::step(&config, &mut state, 0.01, LIMIT);
     assert!(!state.held() && !state.limited());
@@ -252,7 +252,7 @@ fn says_when_an_input_was_not_followed() {
 
 #[test]
 fn refuses_what_makes_no_sense() {
-    let refused = |edit: fn(&mut Limits)| {
+    let refused = |edit: fn(&mut ReferenceLimits)| {
         let mut limits = limits();
         edit(&mut limits);
         matches!(clip::Config::new(&limits), Err(SettingsError::OutOfRange { .. }))
@@ -263,10 +263,10 @@ fn refuses_what_makes_no_sense() {
     assert!(refused(|l| l.braking = f32::INFINITY));
     assert!(refused(|l| l.leap = 0.1));
     // A hundredth of the rate, itself included.
-    let washes = |frequency| Washout { frequency, damping: 0.5 }.validate(RATE).is_ok();
+    let washes = |frequency| DriftRecovery { frequency, damping: 0.5 }.validate(RATE).is_ok();
     assert!(washes(1e-3) && washes(10.0) && !washes(9e-4) && !washes(10.01));
-    let washout = Washout { frequency: 0.4, damping: 0.0 };
+    let washout = DriftRecovery { frequency: 0.4, damping: 0.0 };
     assert!(causal::Config::new(&limits(), &washout, 4.0).is_err());
-    assert!(causal::Config::new(&limits(), &causal::Config::WASHOUT, f32::NAN).is_err());
-    assert!(preview::Config::new::<WINDOW>(&limits(), &preview::Config::WASHOUT, 0.256).is_err());
+    assert!(causal::Config::new(&limits(), &causal::Config::DRIFT_RECOVERY, f32::NAN).is_err());
+    assert!(preview::Config::new::<WINDOW>(&limits(), &preview::Config::DRIFT_RECOVERY, 0.256).is_err());
 }

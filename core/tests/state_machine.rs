@@ -7,19 +7,19 @@
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
-use shakedown_core::guard::supervisor::Ramps;
-use shakedown_core::guard::{GuardSettings, RampSettings, Supervisor};
-use shakedown_core::{Controller, Refused, Relay, Request, Sample, Settings, State, Trip, Tuning};
+use shakedown_core::blocks::guard::{Ramps, Supervisor};
+use shakedown_core::settings::{GuardSettings, RampSettings};
+use shakedown_core::{Controller, OperatorRequest, Refused, Relay, Sample, Settings, State, Trip, Tuning};
 
-const REQUESTS: [Request; 8] = [
-    Request::Arm,
-    Request::Start,
-    Request::Hold,
-    Request::Resume,
-    Request::Stop,
-    Request::Off,
-    Request::Reset,
-    Request::Trip,
+const REQUESTS: [OperatorRequest; 8] = [
+    OperatorRequest::Arm,
+    OperatorRequest::Start,
+    OperatorRequest::Hold,
+    OperatorRequest::Resume,
+    OperatorRequest::Stop,
+    OperatorRequest::Off,
+    OperatorRequest::Reset,
+    OperatorRequest::Trip,
 ];
 
 const CAUSES: [Trip; 17] = [
@@ -45,7 +45,7 @@ const CAUSES: [Trip; 17] = [
 /// Everything that can happen to the state machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Act {
-    Request(Request),
+    Request(OperatorRequest),
     /// A monitor's finding, which counts only where something moves.
     Doubt(Trip),
     /// The law's own failure, which counts anywhere.
@@ -67,7 +67,7 @@ fn key(s: &Supervisor) -> Key {
     (
         s.state() as u8,
         s.cause().map(|cause| cause as u8),
-        s.presence().to_bits(),
+        s.test_weight().to_bits(),
         s.command().to_bits(),
         closed,
         s.whole(),
@@ -86,23 +86,23 @@ fn act(supervisor: &mut Supervisor, act: Act, ramps: Ramps) -> Result<(), Refuse
 }
 
 /// The arrows of the diagram; `ticks` is the arrow that a tick follows.
-fn arrow(from: State, request: Option<Request>) -> &'static [State] {
+fn arrow(from: State, request: Option<OperatorRequest>) -> &'static [State] {
     use State::{Hold, Off, RampDown, Ready, Running, Tripped};
     match (from, request) {
-        (Off, Some(Request::Arm)) | (RampDown, None) => &[Ready],
-        (Ready, Some(Request::Start)) | (Hold, Some(Request::Resume)) => &[Running],
-        (Running, Some(Request::Hold)) => &[Hold],
-        (Running | Hold, Some(Request::Stop)) => &[RampDown],
-        (Ready, Some(Request::Off)) | (Tripped, Some(Request::Reset)) => &[Off],
-        (_, Some(Request::Trip)) => &[Tripped],
+        (Off, Some(OperatorRequest::Arm)) | (RampDown, None) => &[Ready],
+        (Ready, Some(OperatorRequest::Start)) | (Hold, Some(OperatorRequest::Resume)) => &[Running],
+        (Running, Some(OperatorRequest::Hold)) => &[Hold],
+        (Running | Hold, Some(OperatorRequest::Stop)) => &[RampDown],
+        (Ready, Some(OperatorRequest::Off)) | (Tripped, Some(OperatorRequest::Reset)) => &[Off],
+        (_, Some(OperatorRequest::Trip)) => &[Tripped],
         _ => &[],
     }
 }
 
 /// What holds of any state by itself.
 fn holds_of_a_state(s: &Supervisor) {
-    let (state, presence, command) = (s.state(), s.presence(), s.command());
-    assert!((0.0..=1.0).contains(&presence) && (0.0..=1.0).contains(&command), "{s:?}");
+    let (state, test_weight, command) = (s.state(), s.test_weight(), s.command());
+    assert!((0.0..=1.0).contains(&test_weight) && (0.0..=1.0).contains(&command), "{s:?}");
     assert_eq!(s.cause().is_some(), state == State::Tripped, "a cause, and no trip, or none, and a trip: {s:?}");
     assert_eq!(s.moves(), !matches!(state, State::Off | State::Tripped), "{s:?}");
     assert_eq!(s.steady(), state == State::Running && s.whole(), "{s:?}");
@@ -131,14 +131,14 @@ fn holds_of_a_step(before: &Supervisor, after: &Supervisor, by: Act, answer: Res
     }
     // Oil comes by arming and by nothing else.
     if before.relay() == Relay::Open && after.relay() == Relay::Closed {
-        assert_eq!((from, by, to), (State::Off, Act::Request(Request::Arm), State::Ready), "{}", said());
+        assert_eq!((from, by, to), (State::Off, Act::Request(OperatorRequest::Arm), State::Ready), "{}", said());
     }
     // The first cause stands, and a trip is left by a reset alone, and not before the end of the ramp.
     if from == State::Tripped {
         assert!(to == State::Off || after.cause() == before.cause(), "{}", said());
         assert!(after.command() <= before.command(), "the safe ramp rises: {}", said());
         if to != State::Tripped {
-            assert_eq!((by, to), (Act::Request(Request::Reset), State::Off), "{}", said());
+            assert_eq!((by, to), (Act::Request(OperatorRequest::Reset), State::Off), "{}", said());
             assert!(before.command() <= 0.0, "{}", said());
         }
         if by == Act::Tick && before.command() > 0.0 {
@@ -157,11 +157,11 @@ fn holds_of_a_step(before: &Supervisor, after: &Supervisor, by: Act, answer: Res
         _ => {}
     }
     // A test is faded in from nothing after arming, and is not cut short by anything but a trip.
-    if by == Act::Request(Request::Arm) && answer.is_ok() {
-        assert!(after.presence() <= 0.0, "{}", said());
+    if by == Act::Request(OperatorRequest::Arm) && answer.is_ok() {
+        assert!(after.test_weight() <= 0.0, "{}", said());
     }
-    if by != Act::Tick && !matches!(by, Act::Request(Request::Arm)) {
-        assert_eq!(before.presence().to_bits(), after.presence().to_bits(), "{}", said());
+    if by != Act::Tick && !matches!(by, Act::Request(OperatorRequest::Arm)) {
+        assert_eq!(before.test_weight().to_bits(), after.test_weight().to_bits(), "{}", said());
     }
 }
 
@@ -242,7 +242,7 @@ fn every_interleaving_of_requests_causes_and_ticks_keeps_the_promises() {
 /// What can happen to a whole controller, between two ticks or in one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Event {
-    Request(Request),
+    Request(OperatorRequest),
     /// A tick with sensors that tell the truth of a table at rest.
     Tick,
     /// One in which the LVDT is no number, and as many as make it lost.
@@ -257,14 +257,14 @@ enum Event {
 }
 
 const EVENTS: [Event; 14] = [
-    Event::Request(Request::Arm),
-    Event::Request(Request::Start),
-    Event::Request(Request::Hold),
-    Event::Request(Request::Resume),
-    Event::Request(Request::Stop),
-    Event::Request(Request::Off),
-    Event::Request(Request::Reset),
-    Event::Request(Request::Trip),
+    Event::Request(OperatorRequest::Arm),
+    Event::Request(OperatorRequest::Start),
+    Event::Request(OperatorRequest::Hold),
+    Event::Request(OperatorRequest::Resume),
+    Event::Request(OperatorRequest::Stop),
+    Event::Request(OperatorRequest::Off),
+    Event::Request(OperatorRequest::Reset),
+    Event::Request(OperatorRequest::Trip),
     Event::Tick,
     Event::Deaf,
     Event::DeafForLong,
@@ -321,11 +321,11 @@ fn happen(controller: &mut Controller, event: Event, known: &mut Known, tuning: 
                 known.tripped = 0;
             }
             match (request, answer) {
-                (Request::Arm, Ok(())) => {
+                (OperatorRequest::Arm, Ok(())) => {
                     assert!(known.inside && known.deaf == 0 && before.0 == State::Off, "armed in {before:?}");
                 }
-                (Request::Reset, Ok(())) => assert_eq!((before.0, before.1), (State::Tripped, Relay::Open)),
-                (Request::Trip, Ok(())) => assert_eq!(controller.state(), State::Tripped),
+                (OperatorRequest::Reset, Ok(())) => assert_eq!((before.0, before.1), (State::Tripped, Relay::Open)),
+                (OperatorRequest::Trip, Ok(())) => assert_eq!(controller.state(), State::Tripped),
                 (_, Err(_)) => assert_eq!((controller.state(), controller.relay(), controller.trip()), before),
                 _ => assert_ne!(controller.state(), before.0),
             }
@@ -341,7 +341,7 @@ fn happen(controller: &mut Controller, event: Event, known: &mut Known, tuning: 
         }
     }
     let closed = controller.relay() == Relay::Closed;
-    let armed = event == Event::Request(Request::Arm) && before.0 == State::Off;
+    let armed = event == Event::Request(OperatorRequest::Arm) && before.0 == State::Off;
     assert!(!closed || before.1 == Relay::Closed || armed, "oil by {event:?} in {before:?}");
     if matches!(event, Event::DeafForLong | Event::Outside) {
         assert!(!matches!(controller.state(), State::Ready | State::Running | State::Hold | State::RampDown));

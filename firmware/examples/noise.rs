@@ -1,6 +1,6 @@
 //! Noise into the link: `cargo run --release -p shakedown-firmware --no-default-features --example noise [BYTES [SEED]]`.
 //!
-//! A device's assembler and desk hear so many bytes (10^9 where nothing is said) of each kind of noise, and the device must not
+//! A device's assembler and server hear so many bytes (10^9 where nothing is said) of each kind of noise, and the device must not
 //! arm: bytes of any value; frames of every request with bits flipped; whole frames that ask for arming and answer wrongly, or
 //! with the answer to an earlier challenge, as a recording of an earlier session would.
 #![allow(clippy::print_stdout, reason = "what an example has to say")]
@@ -8,12 +8,12 @@
 use std::process::ExitCode;
 
 use shakedown_core::link::{
-    Assembler, Challenge, Clock, LinkError, MAX_FRAME, Points, Report, Request, answer, encode,
+    Assembler, Challenge, Clock, HostRequest, LinkError, MAX_FRAME, Points, Report, answer, encode,
 };
-use shakedown_core::{Request as Ask, State};
+use shakedown_core::{OperatorRequest as Ask, State};
 use shakedown_firmware::defaults;
-use shakedown_firmware::desk::{Action, Desk, Seen};
-use shakedown_firmware::queues::{LoopEnd, Order, Queues, Standing, Verdict};
+use shakedown_firmware::link_server::{Action, LinkServer, LoopStatus};
+use shakedown_firmware::queues::{LoopCommand, LoopEnd, Queues, TestStatus, Verdict};
 
 /// splitmix64.
 struct Dice(u64);
@@ -56,7 +56,7 @@ struct Heard {
 
 /// A device that hears.
 struct Device<'a> {
-    desk: Desk<'a>,
+    server: LinkServer<'a>,
     orders: LoopEnd<'a>,
     assembler: Assembler,
     heard: Heard,
@@ -66,10 +66,10 @@ struct Device<'a> {
 }
 
 impl Device<'_> {
-    fn hear(&mut self, bytes: &[u8]) {
+    fn receive(&mut self, bytes: &[u8]) {
         self.heard.bytes += bytes.len() as u64;
         for &byte in bytes {
-            match self.assembler.push::<Request>(byte) {
+            match self.assembler.push::<HostRequest>(byte) {
                 Some(Ok(request)) => self.take(request),
                 Some(Err(LinkError::Garbled | LinkError::TooLong)) => self.heard.garbled += 1,
                 Some(Err(_)) => self.heard.others += 1,
@@ -78,14 +78,14 @@ impl Device<'_> {
         }
     }
 
-    fn take(&mut self, request: Request) {
+    fn take(&mut self, request: HostRequest) {
         self.heard.frames += 1;
-        self.heard.answers += u64::from(matches!(request, Request::Arm(_)));
-        let standing = Standing { state: State::Off, cause: None };
-        let seen = Seen { standing, ticks: 0, dropped: 0, cause: None };
+        self.heard.answers += u64::from(matches!(request, HostRequest::Arm(_)));
+        let standing = TestStatus { state: State::Off, cause: None };
+        let seen = LoopStatus { standing, ticks: 0, dropped: 0, cause: None };
         // A millisecond for every hundred bytes: 1 Mbit/s.
         let now = (self.heard.bytes / 100) as u32;
-        if let Action::Send(Report::Challenge(challenge)) = self.desk.take(request, seen, now) {
+        if let Action::Send(Report::Challenge(challenge)) = self.server.take(request, seen, now) {
             self.heard.challenges += 1;
             self.earlier.extend(self.last.replace(answer(challenge)));
             if self.earlier.len() > 64 {
@@ -93,54 +93,54 @@ impl Device<'_> {
             }
         }
         while let Some(order) = self.orders.orders.dequeue() {
-            self.heard.armed += u64::from(order == Order::Ask(Ask::Arm));
-            if matches!(order, Order::TakeSetup | Order::Lend) {
+            self.heard.armed += u64::from(order == LoopCommand::Ask(Ask::Arm));
+            if matches!(order, LoopCommand::TakeSetup | LoopCommand::Lend) {
                 self.orders.setups.dequeue();
                 let _ = self.orders.verdicts.enqueue(Verdict::Taken);
             }
         }
-        let _ = self.desk.heed();
+        let _ = self.server.heed();
         while self.orders.points.dequeue().is_some() {}
     }
 }
 
 /// A request; none of them the right answer but by the chance that is measured.
-fn request(kind: Kind, earlier: &[u64], dice: &mut Dice) -> Request {
+fn request(kind: Kind, earlier: &[u64], dice: &mut Dice) -> HostRequest {
     let wrong = match earlier.len() as u64 {
         0 => dice.next(),
         count if dice.below(2) == 0 => earlier[dice.below(count) as usize],
         _ => dice.next(),
     };
     match dice.below(if kind == Kind::Wrong { 4 } else { 12 }) {
-        0 => Request::RequestArming,
-        1..=3 => Request::Arm(wrong),
-        4 => Request::Start,
-        5 => Request::Stop,
-        6 => Request::Disarm,
-        7 => Request::ClearTrip,
-        8 => Request::Trip,
-        9 => Request::WriteSetup(defaults::setup()),
-        10 => Request::Probe(dice.next() as u16),
+        0 => HostRequest::RequestArming,
+        1..=3 => HostRequest::Arm(wrong),
+        4 => HostRequest::Start,
+        5 => HostRequest::Stop,
+        6 => HostRequest::Disarm,
+        7 => HostRequest::ClearTrip,
+        8 => HostRequest::Trip,
+        9 => HostRequest::WriteSetup(defaults::setup()),
+        10 => HostRequest::Probe(dice.next() as u16),
         _ => {
             let points = (0..=dice.below(64)).map(|k| 1e-3 * k as f32).collect();
-            Request::Reference(Points { first: dice.next() as u32, points, last: false })
+            HostRequest::Reference(Points { first: dice.next() as u32, points, last: false })
         }
     }
 }
 
 fn noise(kind: Kind, bytes: u64, seed: u64) -> Heard {
     let mut queues = Queues::new();
-    let (orders, desk) = queues.split();
-    let desk = Desk::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, seed, desk);
+    let (orders, server) = queues.split();
+    let server = LinkServer::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, seed, server);
     let assembler = Assembler::new();
     let (heard, earlier, last) = (Heard::default(), Vec::new(), None);
-    let mut device = Device { desk, orders, assembler, heard, earlier, last };
+    let mut device = Device { server, orders, assembler, heard, earlier, last };
     let mut dice = Dice(seed);
     while device.heard.bytes < bytes {
         if kind == Kind::Any {
             let mut block = [0; 4096];
             block.chunks_exact_mut(8).for_each(|eight| eight.copy_from_slice(&dice.next().to_le_bytes()));
-            device.hear(&block);
+            device.receive(&block);
             continue;
         }
         let request = request(kind, &device.earlier, &mut dice);
@@ -151,7 +151,7 @@ fn noise(kind: Kind, bytes: u64, seed: u64) -> Heard {
                 wire[dice.below(length as u64) as usize] ^= 1 << dice.below(8);
             }
         }
-        device.hear(&wire[..length]);
+        device.receive(&wire[..length]);
     }
     device.heard
 }
@@ -159,15 +159,15 @@ fn noise(kind: Kind, bytes: u64, seed: u64) -> Heard {
 /// That a device arms when it is answered rightly; without it the noise would show nothing.
 fn right_answer_arms() -> bool {
     let mut queues = Queues::new();
-    let (mut orders, desk) = queues.split();
-    let mut desk = Desk::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, 1, desk);
-    let standing = Standing { state: State::Off, cause: None };
-    let seen = Seen { standing, ticks: 0, dropped: 0, cause: None };
-    let Action::Send(Report::Challenge(Challenge(asked))) = desk.take(Request::RequestArming, seen, 0) else {
+    let (mut orders, server) = queues.split();
+    let mut server = LinkServer::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, 1, server);
+    let standing = TestStatus { state: State::Off, cause: None };
+    let seen = LoopStatus { standing, ticks: 0, dropped: 0, cause: None };
+    let Action::Send(Report::Challenge(Challenge(asked))) = server.take(HostRequest::RequestArming, seen, 0) else {
         return false;
     };
-    let _ = desk.take(Request::Arm(answer(Challenge(asked))), seen, 1);
-    std::iter::from_fn(|| orders.orders.dequeue()).any(|order| order == Order::Ask(Ask::Arm))
+    let _ = server.take(HostRequest::Arm(answer(Challenge(asked))), seen, 1);
+    std::iter::from_fn(|| orders.orders.dequeue()).any(|order| order == LoopCommand::Ask(Ask::Arm))
 }
 
 fn main() -> ExitCode {

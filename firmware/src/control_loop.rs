@@ -4,22 +4,22 @@
 //! relay. This file turns codes into the core's units and back, feeds it the reference, and passes on what only the
 //! board can see.
 
-use shakedown_core::link::{Cause, MAX_BATCH, Setup};
-use shakedown_core::{Controller, Relay, Request, Sample, SettingsError, State, Trip};
+use shakedown_core::link::{MAX_BATCH, Setup, StopCause};
+use shakedown_core::{Controller, OperatorRequest, Relay, Sample, SettingsError, State, Trip};
 
-mod attend;
+mod housekeeping;
 mod open_relay;
 mod orders;
 mod outcome;
 mod prepared;
 
 pub use open_relay::OpenRelay;
-pub use outcome::{Codes, Events, News, Outcome};
+pub use outcome::{Codes, Events, Notifications, Outcome};
 pub use prepared::Prepared;
 
+use crate::input_scaling::InputScaling;
 use crate::output::ZeroFlow;
-use crate::queues::{LoopEnd, Standing};
-use crate::wires::Wires;
+use crate::queues::{LoopEnd, TestStatus};
 
 /// Most ticks after which the board is given something to do even when there is no news, to tell the others and to feed its
 /// watchdog: as many as a frame of telemetry has records. And the longest time, s, well within the watchdog's.
@@ -30,8 +30,8 @@ const ROUND_TIME: f32 = 0.016;
 #[allow(missing_debug_implementations, reason = "the queues have none")]
 // In this order, so that all that a tick touches lies within reach of one base register.
 #[repr(C)]
-pub struct Loop<'a> {
-    wires: Wires,
+pub struct ControlLoop<'a> {
+    wires: InputScaling,
     queues: LoopEnd<'a>,
     /// Ticks until there is something to do beside the output, and how many there will have been then. So an ordinary tick
     /// counts down, and everything that is due now and then shares one question.
@@ -42,11 +42,11 @@ pub struct Loop<'a> {
     /// The core's count of changes when the standing was last told; none of its counts after a change of the cause.
     told: u16,
     /// What the board, the stream or a refusal has to say beside the core.
-    cause: Option<Cause>,
+    cause: Option<StopCause>,
     /// The tick of the next record.
     record_at: u32,
     dropped: u32,
-    news: News,
+    news: Notifications,
     /// Ticks of a round.
     round: u32,
     probe: Option<u16>,
@@ -65,7 +65,7 @@ fn round(rate: f32) -> u32 {
     ((rate * ROUND_TIME) as u32).clamp(1, ROUND)
 }
 
-impl<'a> Loop<'a> {
+impl<'a> ControlLoop<'a> {
     /// A loop under `setup`. `restarted` when the last reset was none that anyone asked for: it begins tripped.
     pub fn new(setup: &Setup, queues: LoopEnd<'a>, restarted: bool) -> Result<Self, SettingsError> {
         let mut new = Self::wired(setup, queues);
@@ -78,7 +78,7 @@ impl<'a> Loop<'a> {
     pub fn wired(setup: &Setup, queues: LoopEnd<'a>) -> Self {
         Self {
             controller: Controller::inert(),
-            wires: Wires::new(setup),
+            wires: InputScaling::new(setup),
             queues,
             left: 1,
             due: 1,
@@ -87,7 +87,7 @@ impl<'a> Loop<'a> {
             cause: None,
             record_at: 0,
             dropped: 0,
-            news: News::default(),
+            news: Notifications::default(),
             round: round(setup.control.rate),
             probe: None,
             lent: false,
@@ -102,20 +102,20 @@ impl<'a> Loop<'a> {
     pub fn begin(&mut self, setup: &Setup, restarted: bool) -> Result<(), SettingsError> {
         self.controller.retune(&setup.control)?;
         if restarted {
-            let _ = self.controller.request(Request::Trip);
-            self.cause = Some(Cause::Restarted);
+            let _ = self.controller.request(OperatorRequest::Trip);
+            self.cause = Some(StopCause::Restarted);
         }
         Ok(())
     }
 
     /// Where the test stands and why.
     #[inline]
-    pub const fn standing(&self) -> Standing {
+    pub const fn standing(&self) -> TestStatus {
         let cause = match self.controller.trip() {
             None | Some(Trip::External) => self.cause,
-            Some(trip) => Some(Cause::Guard(trip)),
+            Some(trip) => Some(StopCause::Guard(trip)),
         };
-        Standing { state: self.controller.state(), cause }
+        TestStatus { state: self.controller.state(), cause }
     }
 
     /// Ticks so far, and records that found no room.
@@ -125,7 +125,7 @@ impl<'a> Loop<'a> {
     }
 
     /// What the last tick left to do beside the output, where its outcome says that it did.
-    pub const fn news(&self) -> News {
+    pub const fn news(&self) -> Notifications {
         self.news
     }
 
@@ -151,11 +151,11 @@ impl<'a> Loop<'a> {
 
     /// One tick, and whatever the board has noticed.
     pub fn tick_with(&mut self, inputs: Codes, events: Events) -> Outcome {
-        let new_setup = (self.lent || self.queues.orders.ready()) && self.obey();
+        let new_setup = (self.lent || self.queues.orders.ready()) && self.apply_commands();
         if events.emergency_stop {
-            self.trip(Cause::EmergencyStop);
+            self.trip(StopCause::EmergencyStop);
         } else if events.supply_low {
-            self.trip(Cause::SupplyLow);
+            self.trip(StopCause::SupplyLow);
         }
         let mut sample = self.sample(inputs.each());
         if events.no_sample {
@@ -174,7 +174,7 @@ impl<'a> Loop<'a> {
         if self.left != 0 && !changed && !new_setup && command.status.state == State::Running {
             return Outcome { output: self.wires.output.code(command.valve), news: false };
         }
-        self.attend(inputs, &command, new_setup)
+        self.housekeeping(inputs, &command, new_setup)
     }
 
     /// Codes in SI; an input that tells nothing is no number, and the core knows what to do about that.
@@ -202,19 +202,19 @@ impl<'a> Loop<'a> {
         }
         match self.queues.points.dequeue() {
             Some(point) => point.displacement().unwrap_or_else(|| self.end_of_stream(None)),
-            None => self.end_of_stream(Some(Cause::Underrun)),
+            None => self.end_of_stream(Some(StopCause::Underrun)),
         }
     }
 
     #[inline(never)]
-    fn end_of_stream(&mut self, cause: Option<Cause>) -> f32 {
-        self.blame(cause);
-        let _ = self.controller.request(Request::Stop);
+    fn end_of_stream(&mut self, cause: Option<StopCause>) -> f32 {
+        self.attribute_trip(cause);
+        let _ = self.controller.request(OperatorRequest::Stop);
         self.reference
     }
 
     /// Keeps what the board, the stream or a refusal has to say, and has it told.
-    fn blame(&mut self, cause: Option<Cause>) {
+    fn attribute_trip(&mut self, cause: Option<StopCause>) {
         self.cause = cause;
         self.told = u16::MAX;
     }
@@ -223,13 +223,13 @@ impl<'a> Loop<'a> {
     #[cold]
     #[inline(never)]
     pub fn overrun(&mut self) {
-        self.trip(Cause::Overrun);
+        self.trip(StopCause::Overrun);
     }
 
-    fn trip(&mut self, cause: Cause) {
+    fn trip(&mut self, cause: StopCause) {
         if self.controller.state() != State::Tripped {
-            self.blame(Some(cause));
-            let _ = self.controller.request(Request::Trip);
+            self.attribute_trip(Some(cause));
+            let _ = self.controller.request(OperatorRequest::Trip);
         }
     }
 }

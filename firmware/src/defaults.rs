@@ -4,10 +4,8 @@
 //! 0.1524 m (6 in) of displacement and 2 g of acceleration over +/-10 V. The reference is streamed, so that nothing on
 //! an input can drive the output of a device that is armed by mistake.
 
-use shakedown_core::guard::GuardSettings;
 use shakedown_core::link::{Scale, Setup, Source, Wiring};
-use shakedown_core::saturation::Detection;
-use shakedown_core::settings::Ranges;
+use shakedown_core::settings::{Detection, GuardSettings, Ranges};
 use shakedown_core::{Modification, Settings};
 
 use crate::limits::Limits;

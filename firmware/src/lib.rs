@@ -1,11 +1,11 @@
 //! The parts of the firmware that no register knows of: what happens in a tick, what a request does, how a setup
-//! survives a reset. They build for the host as well, where their tests run, and where the same [`Loop`] that decides
+//! survives a reset. They build for the host as well, where their tests run, and where the same [`ControlLoop`] that decides
 //! on the target is the reference that the emulated image is held against, bit for bit.
 //!
 //! Two contexts share the work and no memory:
 //!
 //! - the **loop** runs in the highest-priority task, once a tick, and owns everything that decides the output;
-//! - the **desk** runs below it, owns the serial link, and speaks to the loop through queues that neither side
+//! - the **server** runs below it, owns the serial link, and speaks to the loop through queues that neither side
 //!   ever waits on: orders and points of the reference down, records of telemetry up.
 //!
 //! What must not happen with oil behind the valve (a flash erase, another wiring, another rate) takes an [`OpenRelay`], which
@@ -15,12 +15,12 @@
 pub mod control_loop;
 pub mod converters;
 pub mod defaults;
-pub mod desk;
+mod input_scaling;
 pub mod limits;
+pub mod link_server;
 pub mod output;
 pub mod queues;
 pub mod store;
-mod wires;
 
-pub use control_loop::{Codes, Events, Loop, News, OpenRelay, Outcome};
-pub use desk::Desk;
+pub use control_loop::{Codes, ControlLoop, Events, Notifications, OpenRelay, Outcome};
+pub use link_server::LinkServer;

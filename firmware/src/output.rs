@@ -1,9 +1,10 @@
 //! From what the core asks to the code that goes out.
 
+use shakedown_core::Mode;
 use shakedown_core::link::{Setup, Wiring};
-use shakedown_core::{Mode, control::InnerLoop};
+use shakedown_core::settings::InnerLoop;
 
-use crate::wires::Wires;
+use crate::input_scaling::InputScaling;
 
 /// 2^23: an `f32` from here to 2^24 is a whole number, and holds it in its last bits.
 const WHOLE: f32 = 8_388_608.0;
@@ -62,7 +63,7 @@ impl Output {
 /// device, the LVDT is subtracted from the output, and a zero from x = 0.1 m is an order to return at 0.21 m/s.
 #[derive(Debug, Clone, Copy)]
 pub struct ZeroFlow {
-    wires: Wires,
+    wires: InputScaling,
     /// Whether the LVDT is subtracted behind the device.
     follows: bool,
     /// Null bias of the valve, m.
@@ -74,14 +75,14 @@ impl ZeroFlow {
     pub fn new(setup: &Setup) -> Self {
         let control = &setup.control;
         Self {
-            wires: Wires::new(setup),
+            wires: InputScaling::new(setup),
             follows: control.mode == Mode::Modifier || control.inner_loop == InnerLoop::Hardwired,
             bias: if control.mode == Mode::Modifier { 0.0 } else { control.valve.null_bias },
         }
     }
 
     /// How the board is wired.
-    pub(crate) const fn wires(&self) -> &Wires {
+    pub(crate) const fn wires(&self) -> &InputScaling {
         &self.wires
     }
 
@@ -96,7 +97,7 @@ impl ZeroFlow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Loop;
+    use crate::ControlLoop;
     use crate::defaults;
     use crate::queues::Queues;
     use proptest::prelude::*;
@@ -141,7 +142,7 @@ mod tests {
             setup.control.inner_loop = if hardwired { InnerLoop::Hardwired } else { InnerLoop::Absent };
             setup.control.valve.null_bias = bias;
             let mut queues = Queues::new();
-            let mut decide = Loop::new(&setup, queues.split().0, false).unwrap();
+            let mut decide = ControlLoop::new(&setup, queues.split().0, false).unwrap();
             let outcome = decide.tick(|input| [2048, code, 2048, 2048][input]);
             prop_assert_eq!(outcome.output, ZeroFlow::new(&setup).code(code));
             prop_assert!(!decide.relay());

@@ -1,12 +1,12 @@
-//! What passes between the loop and the desk. Every queue has one sender and one receiver and never blocks.
+//! What passes between the loop and the server. Every queue has one sender and one receiver and never blocks.
 
 use heapless::spsc::{Consumer, Producer, Queue};
-use shakedown_core::link::{Cause, Record};
-use shakedown_core::{Request, State, Trip};
+use shakedown_core::link::{Record, StopCause};
+use shakedown_core::{OperatorRequest, State, Trip};
 
 use crate::control_loop::{OpenRelay, Prepared};
 
-/// Records of telemetry that wait for the desk, one place less: 127 ms at 1 kHz. A power of two, like the others, so that
+/// Records of telemetry that wait for the server, one place less: 127 ms at 1 kHz. A power of two, like the others, so that
 /// places are found by masking.
 pub const RECORDS: usize = 128;
 /// Points of the reference that wait for their tick, one place less: 1 s at 1 kHz.
@@ -14,21 +14,21 @@ pub const POINTS: usize = 1024;
 /// Orders that wait for a tick.
 pub const ORDERS: usize = 4;
 
-/// What the desk tells the loop.
+/// What the server tells the loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Order {
+pub enum LoopCommand {
     /// Take the setup that waits in the queue of setups, validated whole and worked out. There it needs room for one, and
     /// not for as many as there are orders.
     TakeSetup,
     /// Lend the proof of an open relay.
     Lend,
     /// Ask the core for this.
-    Ask(Request),
+    Ask(OperatorRequest),
     /// Put this code on the output while the test is off; none ends it.
     Probe(Option<u16>),
 }
 
-/// What the loop says of an order that the desk waits for.
+/// What the loop says of an order that the server waits for.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The setup is in force.
@@ -41,7 +41,7 @@ pub enum Verdict {
     Lent(OpenRelay),
 }
 
-/// One tick for the desk to send.
+/// One tick for the server to send.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entry {
     /// Tick since the reset.
@@ -54,11 +54,11 @@ pub struct Entry {
 
 /// Where the test stands and why, small enough to be one atomic word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Standing {
+pub struct TestStatus {
     /// Where the test stands.
     pub state: State,
     /// Why it tripped, stopped by itself or did not arm, last.
-    pub cause: Option<Cause>,
+    pub cause: Option<StopCause>,
 }
 
 const STATES: [State; 6] = [State::Off, State::Ready, State::Running, State::Hold, State::RampDown, State::Tripped];
@@ -84,19 +84,19 @@ const TRIPS: [Trip; 17] = [
     Trip::RelayAstray,
 ];
 
-impl Standing {
+impl TestStatus {
     /// As one word: the state in the low byte, the cause in the next, the guard's trip in the third.
     #[inline]
     pub const fn to_word(self) -> u32 {
         let cause = match self.cause {
             None => 0,
-            Some(Cause::EmergencyStop) => 1,
-            Some(Cause::Overrun) => 2,
-            Some(Cause::Underrun) => 3,
-            Some(Cause::SupplyLow) => 4,
-            Some(Cause::Restarted) => 5,
-            Some(Cause::Asked) => 6,
-            Some(Cause::Guard(trip)) => 7 | (trip as u32) << 8,
+            Some(StopCause::EmergencyStop) => 1,
+            Some(StopCause::Overrun) => 2,
+            Some(StopCause::Underrun) => 3,
+            Some(StopCause::SupplyLow) => 4,
+            Some(StopCause::Restarted) => 5,
+            Some(StopCause::Asked) => 6,
+            Some(StopCause::Guard(trip)) => 7 | (trip as u32) << 8,
         };
         self.state as u32 | cause << 8
     }
@@ -108,13 +108,13 @@ impl Standing {
         let trip = TRIPS.get(usize::from(trip).wrapping_sub(1)).copied().unwrap_or(Trip::Internal);
         let cause = match cause {
             0 => None,
-            1 => Some(Cause::EmergencyStop),
-            2 => Some(Cause::Overrun),
-            3 => Some(Cause::Underrun),
-            4 => Some(Cause::SupplyLow),
-            5 => Some(Cause::Restarted),
-            6 => Some(Cause::Asked),
-            _ => Some(Cause::Guard(trip)),
+            1 => Some(StopCause::EmergencyStop),
+            2 => Some(StopCause::Overrun),
+            3 => Some(StopCause::Underrun),
+            4 => Some(StopCause::SupplyLow),
+            5 => Some(StopCause::Restarted),
+            6 => Some(StopCause::Asked),
+            _ => Some(StopCause::Guard(trip)),
         };
         Self { state, cause }
     }
@@ -143,7 +143,7 @@ impl Point {
 /// The memory of the queues.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
 pub struct Queues {
-    orders: Queue<Order, ORDERS>,
+    orders: Queue<LoopCommand, ORDERS>,
     setups: Queue<Prepared, 2>,
     points: Queue<Point, POINTS>,
     records: Queue<Entry, RECORDS>,
@@ -155,31 +155,31 @@ pub struct Queues {
 #[allow(missing_debug_implementations, reason = "the queues have none")]
 pub struct LoopEnd<'a> {
     /// What to do.
-    pub orders: Consumer<'a, Order>,
-    /// What [`Order::TakeSetup`] is about.
+    pub orders: Consumer<'a, LoopCommand>,
+    /// What [`LoopCommand::TakeSetup`] is about.
     pub setups: Consumer<'a, Prepared>,
     /// The streamed reference, m.
     pub points: Consumer<'a, Point>,
     /// Telemetry.
     pub records: Producer<'a, Entry>,
-    /// What came of [`Order::TakeSetup`] or [`Order::Lend`].
+    /// What came of [`LoopCommand::TakeSetup`] or [`LoopCommand::Lend`].
     pub verdicts: Producer<'a, Verdict>,
     /// The proof, back.
     pub returned: Consumer<'a, OpenRelay>,
 }
 
-/// The desk's ends.
+/// The server's ends.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
-pub struct DeskEnd<'a> {
+pub struct ServerEnd<'a> {
     /// What the loop shall do.
-    pub orders: Producer<'a, Order>,
-    /// What [`Order::TakeSetup`] is about.
+    pub orders: Producer<'a, LoopCommand>,
+    /// What [`LoopCommand::TakeSetup`] is about.
     pub setups: Producer<'a, Prepared>,
     /// The streamed reference, m.
     pub points: Producer<'a, Point>,
     /// Telemetry.
     pub records: Consumer<'a, Entry>,
-    /// What came of [`Order::TakeSetup`] or [`Order::Lend`].
+    /// What came of [`LoopCommand::TakeSetup`] or [`LoopCommand::Lend`].
     pub verdicts: Consumer<'a, Verdict>,
     /// The proof, given back.
     pub returned: Producer<'a, OpenRelay>,
@@ -205,7 +205,7 @@ impl Queues {
     }
 
     /// The two sides.
-    pub fn split(&mut self) -> (LoopEnd<'_>, DeskEnd<'_>) {
+    pub fn split(&mut self) -> (LoopEnd<'_>, ServerEnd<'_>) {
         let (give_orders, orders) = self.orders.split();
         let (give_setups, setups) = self.setups.split();
         let (give_points, points) = self.points.split();
@@ -214,7 +214,7 @@ impl Queues {
         let (give_back, returned) = self.returned.split();
         (
             LoopEnd { orders, setups, points, records, verdicts, returned },
-            DeskEnd {
+            ServerEnd {
                 orders: give_orders,
                 setups: give_setups,
                 points: give_points,
@@ -232,12 +232,12 @@ mod tests {
 
     #[test]
     fn a_standing_survives_its_word() {
-        use Cause::{Asked, EmergencyStop, Overrun, Restarted, SupplyLow, Underrun};
+        use StopCause::{Asked, EmergencyStop, Overrun, Restarted, SupplyLow, Underrun};
         let boards = [EmergencyStop, Overrun, Underrun, SupplyLow, Restarted, Asked];
-        let causes = boards.into_iter().chain(TRIPS.map(Cause::Guard)).map(Some).chain([None]);
+        let causes = boards.into_iter().chain(TRIPS.map(StopCause::Guard)).map(Some).chain([None]);
         for (cause, state) in causes.flat_map(|cause| STATES.map(|state| (cause, state))) {
-            let standing = Standing { state, cause };
-            assert_eq!(Standing::from_word(standing.to_word()), standing);
+            let standing = TestStatus { state, cause };
+            assert_eq!(TestStatus::from_word(standing.to_word()), standing);
         }
     }
 }

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shakedown_core::{Controller, Request, Sample, Settings};
+use shakedown_core::{Controller, OperatorRequest, Sample, Settings};
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
@@ -18,8 +18,8 @@ fuzz_target!(|bytes: &[u8]| {
         let sample =
             Sample { external: x, velocity: x, pressure_difference: 1e5 * x, ..Sample::new(x, 0.5 * x, 10.0 * x) };
         if tick == 5 {
-            let _ = controller.request(Request::Arm);
-            let _ = controller.request(Request::Start);
+            let _ = controller.request(OperatorRequest::Arm);
+            let _ = controller.request(OperatorRequest::Start);
         }
         let command = controller.step(&sample);
         assert!(command.valve.is_finite() && command.reference.is_finite(), "{command:?} of {settings:?}");

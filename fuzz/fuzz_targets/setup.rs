@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shakedown_core::link::{Assembler, MAX_FRAME, Request, Setup, encode};
+use shakedown_core::link::{Assembler, HostRequest, MAX_FRAME, Setup, encode};
 use shakedown_firmware::store::{InMemory, load, save};
 
 fuzz_target!(|bytes: &[u8]| {
@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
     save(&mut flash, &setup).expect("a setup that holds is saved");
     assert_eq!(load(&flash).map(|found| found.setup), Some(setup));
     let (mut wire, mut device) = ([0; MAX_FRAME], Assembler::new());
-    let length = encode(&Request::WriteSetup(setup), &mut wire).expect("and fits a frame");
-    let heard = wire[..length].iter().find_map(|&byte| device.push::<Request>(byte));
-    assert!(matches!(heard, Some(Ok(Request::WriteSetup(heard))) if heard == setup), "{setup:?}");
+    let length = encode(&HostRequest::WriteSetup(setup), &mut wire).expect("and fits a frame");
+    let heard = wire[..length].iter().find_map(|&byte| device.push::<HostRequest>(byte));
+    assert!(matches!(heard, Some(Ok(HostRequest::WriteSetup(heard))) if heard == setup), "{setup:?}");
 });

@@ -14,7 +14,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use shakedown::motion::condition::{Recipe, Step};
 use shakedown::motion::fit::{Limits, Norm, Reference, convex, taut};
 use shakedown::motion::generate::{self, NEAR_FIELD_STRONG};
-use shakedown_core::record::{self, causal, clip, preview};
+use shakedown_core::blocks::record::{self, causal, clip, preview};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -67,7 +67,7 @@ fn offline(_: &mut Criterion) {
 fn online(c: &mut Criterion) {
     let Some(reference) = reference() else { return };
     let x: Vec<f32> = reference.displacement(&reference.velocity).iter().map(|&x| x as f32).collect();
-    let limits = record::Limits::new(1000.0, 0.242, 0.12);
+    let limits = record::ReferenceLimits::new(1000.0, 0.242, 0.12);
     let mut group = c.benchmark_group("60,000 ticks of");
     group.throughput(Throughput::Elements(x.len() as u64));
     if let Ok(config) = clip::Config::new(&limits) {
@@ -78,7 +78,7 @@ fn online(c: &mut Criterion) {
             });
         });
     }
-    if let Ok(config) = causal::Config::new(&limits, &causal::Config::WASHOUT, causal::Config::MEMORY) {
+    if let Ok(config) = causal::Config::new(&limits, &causal::Config::DRIFT_RECOVERY, causal::Config::MEMORY) {
         group.bench_function("causal", |b| {
             b.iter(|| {
                 let mut state = causal::State::at(0.0);
@@ -86,7 +86,7 @@ fn online(c: &mut Criterion) {
             });
         });
     }
-    if let Ok(config) = preview::Config::new::<512>(&limits, &preview::Config::WASHOUT, 0.5) {
+    if let Ok(config) = preview::Config::new::<512>(&limits, &preview::Config::DRIFT_RECOVERY, 0.5) {
         group.bench_function("preview of 0.5 s", |b| {
             b.iter(|| {
                 let mut state = preview::State::<512, { preview::places(512) }>::at(0.0);

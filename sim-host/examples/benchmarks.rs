@@ -2,7 +2,7 @@
 //!
 //! EMPS: trained on `DATA_EMPS`, the position of `DATA_EMPS_PULSES` simulated from its recorded command `vir` alone, in open
 //! loop from its first 20 samples. The model is that of `examples/recordings/emps_pulses.toml`; it was chosen on `DATA_EMPS`
-//! alone, by what a fit to one half of it foresees of the other. Beside the figure stands what limits it.
+//! alone, by what a fit to one half of it predicts of the other. Beside the figure stands what limits it.
 #![allow(clippy::print_stdout, reason = "an example prints what it measured")]
 
 use shakedown::identify::outcome::{Identified, identify};

@@ -10,11 +10,9 @@ use shakedown::faults::Motions;
 use shakedown::plant::Plant as _;
 use shakedown::plant::paper::{FixedStep, Paper};
 use shakedown::plant::sensors::{SensorModel, Sensors};
-use shakedown_core::guard::GuardSettings;
 use shakedown_core::link::{Batch, MAX_BATCH, MAX_FRAME, Record, Report, Scale, Setup, Source, Wiring, encode};
-use shakedown_core::saturation::Detection;
-use shakedown_core::settings::Gains;
-use shakedown_core::{Controller, Modification, Request, Sample, Settings, State};
+use shakedown_core::settings::{Detection, Gains, GuardSettings};
+use shakedown_core::{Controller, Modification, OperatorRequest, Sample, Settings, State};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -137,28 +135,28 @@ impl Day {
         let scale = (0.08 / peak).min(1.0);
         if self.controller.state() == State::Tripped {
             self.trips += 1;
-            let _ = self.controller.request(Request::Reset);
+            let _ = self.controller.request(OperatorRequest::Reset);
         }
-        for request in [Request::Arm, Request::Start] {
+        for request in [OperatorRequest::Arm, OperatorRequest::Start] {
             let _ = self.controller.request(request);
         }
         let held = self.tests.is_multiple_of(7).then_some(record.len() / 2);
         for (k, &x) in record.iter().enumerate() {
             if held.is_some_and(|at| k == at || k == at + 3000) {
                 let _ = self.controller.request(if self.controller.state() == State::Hold {
-                    Request::Resume
+                    OperatorRequest::Resume
                 } else {
-                    Request::Hold
+                    OperatorRequest::Hold
                 });
             }
             self.tick(scale * x)?;
         }
-        let _ = self.controller.request(Request::Stop);
+        let _ = self.controller.request(OperatorRequest::Stop);
         let rest = scale * record.last().copied().unwrap_or(0.0);
         for _ in 0..3000 {
             self.tick(rest)?;
         }
-        let _ = self.controller.request(Request::Off);
+        let _ = self.controller.request(OperatorRequest::Off);
         self.tests += 1;
         Ok(())
     }

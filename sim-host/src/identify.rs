@@ -2,9 +2,9 @@
 //!
 //! [`data`] holds runs as a fit sees them, [`model`] a model with the effects it has, [`evaluate`] the residuals and
 //! their sensitivities to every free parameter, [`fit`] bounded Levenberg-Marquardt on them, [`starts`] from several
-//! places, [`interval`] how far each parameter can be moved; [`judge`] scores the outcome on runs held back; [`spectra`]
+//! places, [`interval`] how far each parameter can be moved; [`judge`] scores the outcome on hold-out runs; [`spectra`]
 //! compares both sides by frequency; [`frequency`] estimates frequency responses and fits transfer functions to them; [`transfer`]
-//! does so from command to motion, its order chosen by what was held back.
+//! does so from command to motion, its order chosen by what was held out.
 
 pub mod answer;
 pub mod change;

@@ -32,7 +32,7 @@ pub struct Page {
     pub provenance: Vec<(String, String)>,
 }
 
-/// A heading and what stands below it.
+/// A heading and what is below it.
 #[derive(Debug, Clone, Default)]
 pub struct Section {
     /// The heading.

@@ -11,7 +11,7 @@ use shakedown::faults::campaign::{join, run, run_shard};
 use shakedown::faults::watcher::{Broken, judge};
 use shakedown::faults::{CampaignError, Case, Class, Motions, Plan, Summary};
 use shakedown_core::Settings;
-use shakedown_core::guard::{
+use shakedown_core::settings::{
     EnvelopeSettings, GuardSettings, PlausibilitySettings, ValveMonitorSettings, WitnessSettings,
 };
 use std::sync::LazyLock;

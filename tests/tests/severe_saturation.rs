@@ -29,7 +29,7 @@ fn reference(recipe: generate::Recipe, seed: u64, scale: f64) -> Vec<f64> {
     motion.displacement.iter().take(4800).map(|x| x * scale).collect()
 }
 
-/// The experiment: two strong records and a moderate one to fit, another strong one held back.
+/// The experiment: two strong records and a moderate one to fit, another strong one held out.
 fn write(folder: &Path, physics: &Physics) {
     let records = [
         (NEAR_FIELD_STRONG, 1, 1.0),

@@ -1,10 +1,13 @@
 //! The house rules a compiler does not know: lengths of files, the direction of dependencies, circles, stray
-//! paths.
+//! paths, the width of the core's front door, the length of its tick, words that must not come back.
 
 mod circles;
 mod direction;
+mod front_door;
 mod lengths;
 mod paths;
+mod tick;
+mod words;
 
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, read, top};
@@ -13,7 +16,10 @@ use std::path::PathBuf;
 /// The chore: names every breach.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     no_words(words)?;
-    let breaches = breaches()?;
+    let files = files()?;
+    let breaches = breaches(&files)?;
+    say(&format!("  core: {} public items", front_door::count(&files)));
+    say(&format!("  {}", tick::describe(&files)));
     for breach in &breaches {
         say(&format!("  {breach}"));
     }
@@ -23,14 +29,16 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     }
 }
 
-fn breaches() -> Result<Vec<String>, Problem> {
-    let files = files()?;
+fn breaches(files: &[File]) -> Result<Vec<String>, Problem> {
     Ok([
-        lengths::check(&files),
+        lengths::check(files),
         direction::crates()?,
-        direction::modules(&files),
-        circles::check(&files),
-        paths::check(&files),
+        direction::modules(files),
+        circles::check(files),
+        paths::check(files),
+        front_door::check(files),
+        tick::check(files),
+        words::check(files),
     ]
     .concat())
 }
@@ -54,7 +62,7 @@ mod tests {
 
     #[test]
     fn the_house_is_in_order() {
-        let breaches = breaches().unwrap();
+        let breaches = breaches(&files().unwrap()).unwrap();
         assert!(breaches.is_empty(), "{}", breaches.join("\n"));
     }
 }

@@ -270,7 +270,7 @@ typedef struct {
 typedef struct {
     // Bandwidth of the feedback, Hz.
     float bandwidth;
-    // Below this what the model lacks is undone, Hz.
+    // Below this what the model lacks is corrected, Hz.
     float disturbance;
     // From command to flow beyond the valve's lag, s.
     float delay;
@@ -546,7 +546,7 @@ typedef struct {
     uint8_t saturated;
     // Whether a needed input was not believable, so that the last good output was held.
     uint8_t held;
-    // Whether the command stands at its limit.
+    // Whether the command is at its limit.
     uint8_t limited;
     // Which inputs were not believable, a bit each in the order of `shakedown_sample_t`; bit 6 is both reference rates, 7 the
     // second displacement.

@@ -1,19 +1,10 @@
 //! From C's settings to the core's and back. Numbers that stand for no name are refused; the core judges the rest.
 
-use shakedown_core::control::tracking::flow::FlowSettings;
-use shakedown_core::control::tracking::friction::FrictionSettings;
-use shakedown_core::control::tracking::oil::OilSettings;
-use shakedown_core::control::tracking::pressure::PressureSettings;
-use shakedown_core::control::tracking::{NoiseSettings, NotchSettings};
-use shakedown_core::control::{InnerLoop, TrackingSettings};
-use shakedown_core::guard::envelope::ForceSettings;
-use shakedown_core::guard::{
-    EnvelopeSettings, GuardSettings, InputSettings, PlausibilitySettings, RampSettings, ValveMonitorSettings,
-    WitnessSettings,
-};
-use shakedown_core::saturation::Detection;
 use shakedown_core::settings::{
-    self as core_settings, ObserverSettings, ReferenceRates, ValveSettings, VelocitySource,
+    self as core_settings, Detection, EnvelopeSettings, FlowSettings, ForceSettings, FrictionSettings, GuardSettings,
+    InnerLoop, InputSettings, NoiseSettings, NotchSettings, ObserverSettings, OilSettings, PlausibilitySettings,
+    PressureSettings, RampSettings, ReferenceRates, TrackingSettings, ValveMonitorSettings, ValveSettings,
+    VelocitySource, WitnessSettings,
 };
 use shakedown_core::{Mode, Modification};
 

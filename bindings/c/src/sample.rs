@@ -52,7 +52,7 @@ pub struct Command {
     pub saturated: u8,
     /// Whether a needed input was not believable, so that the last good output was held.
     pub held: u8,
-    /// Whether the command stands at its limit.
+    /// Whether the command is at its limit.
     pub limited: u8,
     /// Which inputs were not believable, a bit each in the order of `shakedown_sample_t`; bit 6 is both reference rates, 7 the
     /// second displacement.

@@ -80,7 +80,7 @@ pub struct Notch {
 pub struct Tracking {
     /// Bandwidth of the feedback, Hz.
     pub bandwidth: f32,
-    /// Below this what the model lacks is undone, Hz.
+    /// Below this what the model lacks is corrected, Hz.
     pub disturbance: f32,
     /// From command to flow beyond the valve's lag, s.
     pub delay: f32,

@@ -1,7 +1,8 @@
 //! A table of four operations, and numbers without a pattern.
 
-use shakedown_core::control::InnerLoop;
-use shakedown_core::{Mode, Relay, Sample, Settings, math};
+use shakedown_core::blocks::math;
+use shakedown_core::settings::InnerLoop;
+use shakedown_core::{Mode, Relay, Sample, Settings};
 
 /// Xorshift (Marsaglia 2003), the same on every machine.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Writes the tape, and plays it on this host.
 
 use shakedown_core::host::{self, Answer, Damaged, Digest, Player};
-use shakedown_core::{Controller, Request, Sample, Settings};
+use shakedown_core::{Controller, OperatorRequest, Sample, Settings};
 
 use crate::passages::{Mishap, Passage, passages};
 use crate::table::{Noise, Table};
@@ -12,29 +12,29 @@ const PASSAGE: u32 = 2500;
 pub const TICKS: u32 = 60_000;
 
 /// What the operator asks for in each passage, and when: what applies and what does not.
-const ACTS: &[(u32, Request)] = &[
-    (2, Request::Start),
-    (3, Request::Reset),
-    (70, Request::Reset),
-    (80, Request::Off),
-    (200, Request::Arm),
-    (201, Request::Arm),
-    (210, Request::Start),
-    (700, Request::Hold),
-    (720, Request::Start),
-    (750, Request::Reset),
-    (760, Request::Arm),
-    (770, Request::Start),
-    (900, Request::Resume),
-    (1500, Request::Stop),
-    (1520, Request::Resume),
-    (1750, Request::Arm),
-    (1755, Request::Start),
-    (1960, Request::Reset),
-    (2110, Request::Off),
-    (2320, Request::Reset),
-    (2330, Request::Arm),
-    (2340, Request::Start),
+const ACTS: &[(u32, OperatorRequest)] = &[
+    (2, OperatorRequest::Start),
+    (3, OperatorRequest::Reset),
+    (70, OperatorRequest::Reset),
+    (80, OperatorRequest::Off),
+    (200, OperatorRequest::Arm),
+    (201, OperatorRequest::Arm),
+    (210, OperatorRequest::Start),
+    (700, OperatorRequest::Hold),
+    (720, OperatorRequest::Start),
+    (750, OperatorRequest::Reset),
+    (760, OperatorRequest::Arm),
+    (770, OperatorRequest::Start),
+    (900, OperatorRequest::Resume),
+    (1500, OperatorRequest::Stop),
+    (1520, OperatorRequest::Resume),
+    (1750, OperatorRequest::Arm),
+    (1755, OperatorRequest::Start),
+    (1960, OperatorRequest::Reset),
+    (2110, OperatorRequest::Off),
+    (2320, OperatorRequest::Reset),
+    (2330, OperatorRequest::Arm),
+    (2340, OperatorRequest::Start),
 ];
 
 /// Adds a record.
@@ -113,7 +113,7 @@ impl Writer {
             self.ask(*request);
         }
         if k == 1900 && passage.mishap == Mishap::Operator {
-            self.ask(Request::Trip);
+            self.ask(OperatorRequest::Trip);
         }
     }
 
@@ -130,7 +130,7 @@ impl Writer {
         }
     }
 
-    fn ask(&mut self, request: Request) {
+    fn ask(&mut self, request: OperatorRequest) {
         let number = host::REQUESTS.iter().position(|known| *known == request).unwrap_or_default() as u32;
         record(&mut self.tape, 3, &number.to_le_bytes());
         host::request(&mut self.controller, number);

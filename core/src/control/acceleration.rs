@@ -18,6 +18,19 @@ use crate::math;
 use crate::scalar::Scalar;
 
 /// Configuration of the acceleration loop.
+///
+/// ```
+/// use shakedown_core::blocks::control::{AccelerationLoop, AccelerationState, Blocked, LoopGains};
+///
+/// let gains = LoopGains { proportional: 0.02, integral: 0.0 };
+/// let law = AccelerationLoop::<f32>::new(gains, 1e-3, 0.05, 0.1)?;
+/// let (mut state, mut command) = (AccelerationState::default(), 0.0);
+/// for _ in 0..100 {
+///     command = law.advance(&mut state, 1.0, Blocked::Neither); // 0.02 * 1 m/s2 * (0.1 s)^2 / 2
+/// }
+/// assert!((command - 1e-4).abs() < 5e-6);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AccelerationLoop<S = f32> {
     proportional: S,

@@ -7,7 +7,16 @@
 //! do, the output at which the valve passes no oil is the LVDT's reading, not zero: a zero from x = 0.1 m would drive the
 //! table at (b0 / a1) 0.1 m = 0.24 m/s.
 
-/// What stands between the output and the valve.
+/// What lies between the output and the valve.
+///
+/// ```
+/// use shakedown_core::Settings;
+/// use shakedown_core::settings::InnerLoop;
+///
+/// // A hard-wired loop subtracts the LVDT: the output at which no oil flows is the LVDT's reading.
+/// let settings = Settings { inner_loop: InnerLoop::Hardwired, ..Settings::default() };
+/// assert_eq!(settings.zero_flow(0.05), 0.05);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum InnerLoop {

@@ -12,6 +12,18 @@ use super::{Blocked, LoopGains};
 use crate::scalar::Scalar;
 
 /// Configuration of the displacement loop.
+///
+/// ```
+/// use shakedown_core::blocks::control::{Blocked, DisplacementLoop, DisplacementState, LoopGains};
+///
+/// // In f64, as fitting runs it: the integral of 10 mm over 1 s is 10 mm s.
+/// let law = DisplacementLoop::new(LoopGains { proportional: 0.0, integral: 2.0 }, 1e-3, 0.1);
+/// let (mut state, mut command) = (DisplacementState::default(), 0.0_f64);
+/// for _ in 0..1000 {
+///     command = law.advance(&mut state, 0.01, Blocked::Neither);
+/// }
+/// assert!((command - 0.02).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplacementLoop<S = f32> {
     proportional: S,

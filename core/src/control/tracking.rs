@@ -7,20 +7,20 @@
 //! pressure difference -> damping ----------------^
 //! ```
 //! Everything up to the flow map is in the flow's own unit, piston velocity (m/s): the feedback asks for flow, and what
-//! the valve and its supply make of a command is undone behind it. The table moves [`Tracking::lag`] ticks and a half
+//! the valve and its supply make of a command is inverted behind it. The table moves [`Tracking::lag`] ticks and a half
 //! behind the reference, which is what the trajectory's rates and the command's own delay need to see ahead.
 //!
 //! The parts are one file each. Gains follow from two frequencies: `bandwidth`, that of the feedback, and `disturbance`,
-//! below which everything the model lacks is observed and undone.
+//! below which everything the model lacks is observed and corrected.
 
-pub mod disturbance;
-pub mod flow;
-pub mod friction;
-pub mod oil;
-pub mod pressure;
+pub(crate) mod disturbance;
+pub(crate) mod flow;
+pub(crate) mod friction;
+pub(crate) mod oil;
+pub(crate) mod pressure;
 mod settings;
-pub mod trajectory;
-pub mod valve;
+pub(crate) mod trajectory;
+pub(crate) mod valve;
 
 pub use settings::{NoiseSettings, NotchSettings, Surroundings, TrackingSettings};
 
@@ -43,7 +43,7 @@ const RELIEF: f32 = 0.3;
 const MOST_RELIEF: f32 = 0.05;
 
 /// Ticks of delay of the command that can be allowed for.
-pub const LONGEST_DELAY: u32 = 15;
+pub(crate) const LONGEST_DELAY: u32 = 15;
 const MASK: u32 = LONGEST_DELAY;
 
 /// What the table hangs on.
@@ -56,6 +56,18 @@ enum Actuator {
 }
 
 /// The law's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::tracking::{Surroundings, TrackingInput, TrackingState};
+/// use shakedown_core::settings::TrackingSettings;
+///
+/// let around = Surroundings { dt: 1e-3, valve: [2.39, 0.0173], command_limit: 0.2, velocity_limit: 0.242 };
+/// let law = TrackingSettings::default().law(&around)?;
+/// let mut state = TrackingState::at(0.0);
+/// let behind = TrackingInput { reference: 0.0, displacement: -0.01, ..TrackingInput::default() };
+/// assert!(law.advance(&mut state, &behind) > 0.0); // toward the reference
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracking {
     stencil: Stencil,
@@ -124,7 +136,7 @@ impl TrackingState {
 
 /// What the law is told at one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Seen {
+pub struct TrackingInput {
     /// Reference, m.
     pub reference: f32,
     /// LVDT, m.
@@ -142,8 +154,8 @@ impl Tracking {
     }
 
     /// Takes over `state` from another configuration: as much of the displacement error is left alone that the feedback
-    /// says now what it last said, and taken up within [`RELIEF`].
-    pub fn meet(&self, state: &mut TrackingState) {
+    /// says now what it last said, and taken up within 0.3 s.
+    pub fn adapt_state(&self, state: &mut TrackingState) {
         let (stiffness, says) = match &self.actuator {
             Actuator::Stiff { bandwidth, .. } => (*bandwidth, bandwidth * state.errors[0] - state.disturbance.flow),
             Actuator::Compliant(oil) => (oil.stiffness(), oil.feedback(&state.oil, state.errors)),
@@ -157,7 +169,7 @@ impl Tracking {
 
     /// One tick, all inputs finite and within range: command out, m.
     #[inline]
-    pub fn advance(&self, state: &mut TrackingState, seen: &Seen) -> f32 {
+    pub fn advance(&self, state: &mut TrackingState, seen: &TrackingInput) -> f32 {
         state.history.push(seen.reference);
         let wanted = self.stencil.at(&state.history, self.back);
         let ahead = if self.delay == 0 { wanted } else { self.stencil.at(&state.history, self.back - self.delay) };

@@ -13,6 +13,17 @@ use super::{Blocked, LoopGains};
 use crate::scalar::Scalar;
 
 /// Configuration of the velocity loop.
+///
+/// ```
+/// use shakedown_core::blocks::control::{Blocked, LoopGains, VelocityLoop, VelocityState};
+///
+/// let law = VelocityLoop::new(LoopGains { proportional: 1.0, integral: 0.0 }, 1e-3, 0.1);
+/// let (mut state, mut command) = (VelocityState::default(), 0.0_f64);
+/// for _ in 0..100 {
+///     command = law.advance(&mut state, 0.1, Blocked::Neither); // 0.1 m/s for 0.1 s
+/// }
+/// assert!((command - 0.01).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityLoop<S = f32> {
     proportional: S,

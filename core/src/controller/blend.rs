@@ -1,6 +1,6 @@
 //! What is left of the output before a change of settings.
 
-/// The output's jump at the change, and how much of it is still held back; the default is none.
+/// The output's jump at the change, and how much of it is still applied; the default is none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Blend {
     /// m.

@@ -7,7 +7,7 @@ use crate::control::Tracking;
 use crate::filter::{Lag, MotionObserver};
 use crate::guard::supervisor::Ramps;
 use crate::guard::{
-    DisplacementWitness, Envelope, GuardSettings, InputMonitor, NoiseMonitor, Plausibility, ValveMonitor, Walls,
+    DisplacementWitness, Envelope, GuardSettings, InputGate, InputMonitor, NoiseMonitor, Plausibility, ValveMonitor,
 };
 use crate::math::Magnitude;
 use crate::modifier::Modifier;
@@ -98,7 +98,7 @@ pub(crate) struct MonitorConfig {
 /// The whole configuration of a [`crate::Controller`], exchanged as one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Config {
-    pub(super) gate: Walls,
+    pub(super) gate: InputGate,
     pub(super) monitors: MonitorConfig,
     pub(super) mode: ModeConfig,
     /// How a guarded test starts, holds and ends; none without a guard.
@@ -118,7 +118,7 @@ impl Config {
     /// No settings yet: nothing is read, nothing judged, nothing asked for.
     pub(super) fn idle() -> Self {
         Self {
-            gate: Walls::shut(),
+            gate: InputGate::shut(),
             monitors: MonitorConfig {
                 mode: Mode::Guard,
                 observer: None,
@@ -149,7 +149,7 @@ impl Config {
         let law = tracking(s)?.map_or(Law::ThreeVariable(three_variable), Law::Tracking);
         let modifier = Modifier::new(s)?;
         Ok(Self {
-            gate: Walls::new(s),
+            gate: InputGate::new(s),
             monitors: MonitorConfig::new(s, dt)?,
             mode: match s.mode {
                 Mode::Guard => ModeConfig::Guard,

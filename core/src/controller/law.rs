@@ -1,7 +1,7 @@
 //! The laws of controller mode: the three-variable law of Fig. 12, or the tracking law in its place.
 
 use crate::block::{Block, BlockError};
-use crate::control::tracking::{Seen, Surroundings};
+use crate::control::tracking::{Surroundings, TrackingInput};
 use crate::control::{
     AccelerationLoop, AccelerationState, Blocked, DisplacementLoop, DisplacementState, LoopGains, Tracking,
     TrackingState, VelocityLoop, VelocityState,
@@ -141,7 +141,7 @@ pub(super) fn tracking(settings: &Settings) -> Result<Option<Tracking>, Settings
 
 /// One tick of the tracking `law`: modified reference (m) and readings in, flow command (m) out.
 pub(super) fn track(law: &Tracking, state: &mut TrackingState, reference: f32, readings: &Sample) -> f32 {
-    let seen = Seen {
+    let seen = TrackingInput {
         reference,
         displacement: readings.displacement,
         acceleration: readings.acceleration,

@@ -11,7 +11,7 @@ use crate::block::Block;
 use crate::control::Blocked;
 use crate::filter::lag::LagState;
 use crate::filter::observer::MotionState;
-use crate::guard::envelope::{EnvelopeState, Motion};
+use crate::guard::envelope::{DebouncedSignals, EnvelopeState};
 use crate::guard::plausibility::PlausibilityState;
 use crate::guard::{Creep, InputState, NoiseState, Trip, ValveMonitorState, WitnessState};
 use crate::sample::{Channels, Sample};
@@ -27,7 +27,7 @@ pub(crate) const TURNS: u8 = 3;
 const COAST: u32 = 20;
 
 /// The channels without which nothing can be said of the table.
-const SENSORS: Channels = Channels::DISPLACEMENT.and(Channels::ACCELERATION).and(Channels::VELOCITY);
+const SENSORS: Channels = Channels::DISPLACEMENT.union(Channels::ACCELERATION).union(Channels::VELOCITY);
 
 /// What observer and monitors remember.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +134,7 @@ impl Monitors {
             return self.judge(config, readings, input);
         }
         self.lost = self.lost.saturating_add(1);
-        let found = if missing.any(SENSORS) {
+        let found = if missing.intersects(SENSORS) {
             self.coast(config, readings);
             None
         } else {
@@ -209,7 +209,7 @@ impl Monitors {
         let tracking_error = input.reference - readings.displacement;
         let error = if config.mode == Mode::Guard { input.flow_command } else { tracking_error };
         let demand = if config.mode == Mode::Modifier {
-            detector.existing(&mut self.detector, velocity, acceleration, error)
+            detector.external_demand(&mut self.detector, velocity, acceleration, error)
         } else {
             input.flow_command * config.valve_gain
         };
@@ -241,7 +241,7 @@ impl Monitors {
             let asked = input.flow_command * config.valve_gain;
             valve.advance(&mut self.valve, asked, self.velocity_limit, velocity, readings.displacement)
         });
-        let motion = Motion {
+        let motion = DebouncedSignals {
             acceleration: self.acceleration.output(),
             pressure_difference: readings.pressure_difference,
             error: input.reference - readings.displacement,

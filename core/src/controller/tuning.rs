@@ -51,7 +51,7 @@ impl Controller {
         let displacement = self.readings.displacement;
         self.monitors.retune(&config.monitors, &self.config.monitors, displacement);
         match (self.config.mode.tracking(), config.mode.tracking()) {
-            (Some(_), Some(law)) => law.meet(&mut self.tracking),
+            (Some(_), Some(law)) => law.adapt_state(&mut self.tracking),
             _ => self.tracking = TrackingState::at(displacement),
         }
         self.three_variable.take_over(self.config.mode.three_variable());

@@ -14,6 +14,16 @@ use crate::block::{Block, BlockError, require};
 use crate::scalar::Scalar;
 
 /// A differentiator's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::Block;
+/// use shakedown_core::blocks::filter::{Differentiator, DifferentiatorState};
+///
+/// let differentiator = Differentiator::<f32>::new(1000.0, 1e-3)?; // so wide that it is the backward difference
+/// let mut state = DifferentiatorState::at(0.0);
+/// assert!((differentiator.advance(&mut state, 1e-4) - 0.1).abs() < 1e-6);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Differentiator<S = f32> {
     alpha: S,

@@ -11,6 +11,16 @@ use crate::math;
 use crate::scalar::Scalar;
 
 /// A lag's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::Block;
+/// use shakedown_core::blocks::filter::{Lag, LagState};
+///
+/// let lag = Lag::<f32>::new(0.05, 1e-3)?;
+/// let mut state = LagState::at(1.0);
+/// assert_eq!(lag.advance(&mut state, 1.0), 1.0); // at rest
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lag<S = f32> {
     alpha: S,

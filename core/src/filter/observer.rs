@@ -17,6 +17,18 @@ use crate::block::{BlockError, require};
 use crate::math;
 
 /// The observer's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::filter::{MotionObserver, MotionState};
+///
+/// let observer = MotionObserver::crossover(2.0, 1e-3)?;
+/// let mut state = MotionState::at(0.0);
+/// for k in 1..=3000 {
+///     observer.advance(&mut state, 0.1e-3 * k as f32, 0.0); // an even 0.1 m/s
+/// }
+/// assert!((state.velocity - 0.1).abs() < 1e-3);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionObserver {
     dt: f32,

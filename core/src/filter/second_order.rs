@@ -20,6 +20,17 @@ use crate::math;
 use crate::scalar::Scalar;
 
 /// A section's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::Block;
+/// use shakedown_core::blocks::filter::SecondOrder;
+///
+/// let low_pass = SecondOrder::<f32>::low_pass(10.0, 0.7, 1e-3)?;
+/// let mut state = Default::default();
+/// let settled = (0..2000).map(|_| low_pass.advance(&mut state, 1.0)).last();
+/// assert!((settled.unwrap() - 1.0).abs() < 1e-5);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SecondOrder<S = f32> {
     c1: S,

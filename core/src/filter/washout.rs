@@ -10,6 +10,16 @@ use crate::math;
 use crate::scalar::Scalar;
 
 /// A washout's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::Block;
+/// use shakedown_core::blocks::filter::{Washout, WashoutState};
+///
+/// let washout = Washout::<f32>::new(0.05, 1e-3)?;
+/// // Switched on at an offset it starts at zero.
+/// assert_eq!(washout.advance(&mut WashoutState::at(0.3), 0.3), 0.0);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Washout<S = f32> {
     rho: S,

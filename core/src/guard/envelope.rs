@@ -13,6 +13,15 @@ use crate::block::{BlockError, require, whole_ticks};
 use crate::math::Magnitude;
 
 /// Largest force of the actuator and how it is measured.
+///
+/// ```
+/// use shakedown_core::settings::{EnvelopeSettings, ForceSettings};
+///
+/// // At most 280 kN on a piston of 0.024 m2: 11.7 MPa.
+/// let force = ForceSettings { limit: 280e3, piston_area: 0.024 };
+/// let envelope = EnvelopeSettings { force: Some(force), ..EnvelopeSettings::default() };
+/// assert!(envelope.force.is_some());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ForceSettings {
@@ -23,6 +32,13 @@ pub struct ForceSettings {
 }
 
 /// Limits of the envelope. The stroke is the settings' own.
+///
+/// ```
+/// use shakedown_core::settings::EnvelopeSettings;
+///
+/// let slow = EnvelopeSettings { velocity: 0.1, acceleration: 5.0, ..EnvelopeSettings::default() };
+/// assert_eq!(slow.margin, 0.005);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct EnvelopeSettings {
@@ -64,7 +80,7 @@ impl Default for EnvelopeSettings {
 
 /// What of the table's motion may be beyond its limit for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct DebouncedSignals {
     /// Acceleration, low-passed, m/s2.
     pub acceleration: f32,
     /// Pressure difference, Pa.
@@ -74,6 +90,18 @@ pub struct Motion {
 }
 
 /// The envelope's configuration.
+///
+/// ```
+/// use shakedown_core::Trip;
+/// use shakedown_core::blocks::guard::Envelope;
+/// use shakedown_core::settings::EnvelopeSettings;
+///
+/// let envelope = Envelope::new(&EnvelopeSettings::default(), 0.12, 1e-3)?;
+/// assert_eq!(envelope.left_by(0.0, 0.1), None);
+/// // 10 mm before the end of the stroke at 0.2 m/s there is no room left to stop in.
+/// assert_eq!(envelope.left_by(0.11, 0.2), Some(Trip::Displacement));
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Envelope {
     latency: f32,
@@ -145,7 +173,7 @@ impl Envelope {
     }
 
     /// One turn of what may last: the limit that has been passed for `persistence`, if one has.
-    pub fn advance(&self, state: &mut EnvelopeState, motion: &Motion) -> Option<Trip> {
+    pub fn advance(&self, state: &mut EnvelopeState, motion: &DebouncedSignals) -> Option<Trip> {
         let jerk_step = motion.acceleration - state.acceleration;
         state.acceleration = motion.acceleration;
         let beyond = if !self.acceleration.holds(motion.acceleration) {

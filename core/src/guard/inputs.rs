@@ -10,6 +10,14 @@ use crate::math::Magnitude;
 use crate::sample::{Relay, Sample};
 
 /// Which of these inputs are fitted. None are where nothing is said.
+///
+/// ```
+/// use shakedown_core::settings::InputSettings;
+///
+/// // A second LVDT that may differ by 2 mm, and limit switches.
+/// let inputs = InputSettings { second_displacement: Some(0.002), limit_switches: true, ..InputSettings::default() };
+/// assert_eq!(inputs.relay_feedback, None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct InputSettings {
@@ -22,6 +30,18 @@ pub struct InputSettings {
 }
 
 /// The monitor's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::guard::InputMonitor;
+/// use shakedown_core::settings::InputSettings;
+/// use shakedown_core::{Relay, Sample, Trip};
+///
+/// let settings = InputSettings { limit_switches: true, ..InputSettings::default() };
+/// let monitor = InputMonitor::new(&settings, 0.01, 1e-3)?;
+/// let at_switch = Sample { limit_switch: true, ..Sample::default() };
+/// assert_eq!(monitor.advance(&mut Default::default(), &at_switch, Relay::Closed), Some(Trip::LimitSwitch));
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputMonitor {
     difference: Option<Magnitude>,

@@ -59,6 +59,19 @@ impl Roughness {
 }
 
 /// The monitor's configuration: LVDT, and accelerometer where one is fitted.
+///
+/// ```
+/// use shakedown_core::Trip;
+/// use shakedown_core::blocks::guard::NoiseMonitor;
+/// use shakedown_core::settings::{EnvelopeSettings, PlausibilitySettings};
+///
+/// let monitor = NoiseMonitor::new(&PlausibilitySettings::default(), &EnvelopeSettings::default(), true, 1e-3)?;
+/// let mut state = Default::default();
+/// // An LVDT that jumps by 20 mm at every tick.
+/// let found = (0..200).find_map(|k| monitor.advance(&mut state, if k % 2 == 0 { 0.01 } else { -0.01 }, 0.0));
+/// assert_eq!(found, Some(Trip::DisplacementNoisy));
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseMonitor {
     displacement: Roughness,

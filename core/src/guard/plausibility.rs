@@ -18,6 +18,14 @@ use crate::filter::lag::LagState;
 use crate::math::Magnitude;
 
 /// When a sensor is not believed.
+///
+/// ```
+/// use shakedown_core::settings::PlausibilitySettings;
+///
+/// // An LVDT of 10 um resolution is stuck when it has not changed for 50 ms.
+/// let settings = PlausibilitySettings { stuck: 0.05, ..PlausibilitySettings::default() };
+/// assert_eq!(settings.lost, 0.01);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct PlausibilitySettings {
@@ -40,6 +48,20 @@ impl Default for PlausibilitySettings {
 }
 
 /// The monitor's configuration.
+///
+/// ```
+/// use shakedown_core::Trip;
+/// use shakedown_core::blocks::filter::MotionState;
+/// use shakedown_core::blocks::guard::Plausibility;
+/// use shakedown_core::settings::PlausibilitySettings;
+///
+/// let monitor = Plausibility::new(&PlausibilitySettings::default(), 1e-3)?;
+/// // An accelerometer whose offset has gone to 5 m/s2.
+/// let observed = MotionState { offset: 5.0, ..MotionState::default() };
+/// let doubted = monitor.advance(&mut Default::default(), 0.0, 5.0, &observed);
+/// assert_eq!(doubted, Some(Trip::SensorsDisagree));
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plausibility {
     stuck: u32,

@@ -9,7 +9,7 @@
 //!     | reset
 //!  Tripped  <------- any state, on a trip; `off` from any other state goes through the safe ramp
 //! ```
-//! Two weights between 0 and 1 do the moving. `presence` is how much of the test is let through: it rises on start and
+//! Two weights between 0 and 1 do the moving. `test_weight` is how much of the test is let through: it rises on start and
 //! resume, falls on hold and stop, along the smooth step 3 p^2 - 2 p^3, so that neither position nor velocity jumps.
 //! `command` is how much of the last command is left after a trip: it falls from 1 to 0 over the safe ramp, to the
 //! output at which no oil flows.
@@ -23,66 +23,20 @@ mod weight;
 
 use weight::{down, smooth, up};
 
+use super::test_state::{OperatorRequest, Refused, State};
 use super::{RampSettings, Trip};
 use crate::block::{BlockError, require};
 use crate::sample::Relay;
 
-/// Where a test stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-#[repr(u8)]
-pub enum State {
-    /// Relay open, no flow asked for.
-    #[default]
-    Off,
-    /// Relay closed, the table held where it stood.
-    Ready,
-    /// The test runs.
-    Running,
-    /// The test is faded out and the table held; the reference goes on unheeded.
-    Hold,
-    /// On the way to a stand, then Ready.
-    RampDown,
-    /// No flow asked for; relay open.
-    Tripped,
-}
-
-/// What an operator asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum Request {
-    /// Off to Ready.
-    Arm,
-    /// Ready to Running.
-    Start,
-    /// Running to Hold.
-    Hold,
-    /// Hold to Running.
-    Resume,
-    /// Running or Hold to Ready, by way of a ramp.
-    Stop,
-    /// Ready to Off.
-    Off,
-    /// Tripped to Off: the deliberate act without which a trip stands.
-    Reset,
-    /// Anything to Tripped, for what only the board can see: emergency stop, overrun, supply.
-    Trip,
-}
-
-/// Why a request was not carried out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refused {
-    /// It does not apply in this state.
-    State(State),
-    /// The safe ramp after the trip has not ended.
-    StillMoving(Trip),
-    /// The guard sees a reason to trip already.
-    Cause(Trip),
-    /// There is no guard, and so nothing to ask.
-    NoGuard,
-}
-
 /// How fast the weights move, per tick.
+///
+/// ```
+/// use shakedown_core::blocks::guard::Ramps;
+/// use shakedown_core::settings::RampSettings;
+///
+/// assert!(Ramps::new(&RampSettings::default(), 1e-3).is_ok());
+/// assert!(Ramps::new(&RampSettings { safe: -1.0, ..RampSettings::default() }, 1e-3).is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ramps {
     test: f32,
@@ -99,11 +53,26 @@ impl Ramps {
 }
 
 /// The state machine's state.
+///
+/// ```
+/// use shakedown_core::blocks::guard::{Ramps, Supervisor};
+/// use shakedown_core::settings::RampSettings;
+/// use shakedown_core::{OperatorRequest, State};
+///
+/// let ramps = Ramps::new(&RampSettings::default(), 1e-3).unwrap();
+/// let mut test = Supervisor::off();
+/// test.request(OperatorRequest::Arm).unwrap();
+/// test.request(OperatorRequest::Start).unwrap();
+/// for _ in 0..2000 {
+///     test.advance(ramps); // the test fades in over 2 s
+/// }
+/// assert!(test.state() == State::Running && test.test_weight() == 1.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Supervisor {
     state: State,
     trip: Option<Trip>,
-    presence: f32,
+    test_weight: f32,
     command: f32,
     relay: Relay,
     /// Whether the relay opens without waiting for the safe ramp, because no command is known to stop the table.
@@ -118,7 +87,7 @@ impl Supervisor {
         Self {
             state: State::Off,
             trip: None,
-            presence: 0.0,
+            test_weight: 0.0,
             command: 0.0,
             relay: Relay::Open,
             open_at_once: false,
@@ -132,7 +101,7 @@ impl Supervisor {
         Self {
             state: State::Running,
             trip: None,
-            presence: 1.0,
+            test_weight: 1.0,
             command: 0.0,
             relay: Relay::Closed,
             open_at_once: false,
@@ -179,7 +148,7 @@ impl Supervisor {
             State::Tripped if self.command <= 0.0 || self.open_at_once => Relay::Open,
             _ => Relay::Closed,
         };
-        self.steady = self.state == State::Running && self.presence >= 1.0;
+        self.steady = self.state == State::Running && self.test_weight >= 1.0;
     }
 
     /// Whether the test runs whole: nothing fades, nothing has tripped.
@@ -196,14 +165,14 @@ impl Supervisor {
 
     /// How much of the test is let through, 0 to 1. Exactly 1 while it runs.
     #[inline]
-    pub fn presence(&self) -> f32 {
-        smooth(self.presence)
+    pub fn test_weight(&self) -> f32 {
+        smooth(self.test_weight)
     }
 
     /// Whether the test is neither faded nor fading.
     #[inline]
     pub fn whole(&self) -> bool {
-        self.presence >= 1.0
+        self.test_weight >= 1.0
     }
 
     /// How much of the command at the trip is left, 1 to 0.
@@ -213,21 +182,21 @@ impl Supervisor {
     }
 
     /// Carries out `request`, or says why not and changes nothing.
-    pub fn request(&mut self, request: Request) -> Result<(), Refused> {
+    pub fn request(&mut self, request: OperatorRequest) -> Result<(), Refused> {
         let state = match (request, self.state) {
-            (Request::Trip, _) => {
+            (OperatorRequest::Trip, _) => {
                 self.trip(Trip::External);
                 return Ok(());
             }
-            (Request::Arm, State::Off) => {
-                self.presence = 0.0;
+            (OperatorRequest::Arm, State::Off) => {
+                self.test_weight = 0.0;
                 State::Ready
             }
-            (Request::Start, State::Ready) | (Request::Resume, State::Hold) => State::Running,
-            (Request::Hold, State::Running) => State::Hold,
-            (Request::Stop, State::Running | State::Hold) => State::RampDown,
-            (Request::Off, State::Ready) => State::Off,
-            (Request::Reset, State::Tripped) => match self.trip {
+            (OperatorRequest::Start, State::Ready) | (OperatorRequest::Resume, State::Hold) => State::Running,
+            (OperatorRequest::Hold, State::Running) => State::Hold,
+            (OperatorRequest::Stop, State::Running | State::Hold) => State::RampDown,
+            (OperatorRequest::Off, State::Ready) => State::Off,
+            (OperatorRequest::Reset, State::Tripped) => match self.trip {
                 Some(trip) if self.command > 0.0 => return Err(Refused::StillMoving(trip)),
                 _ => {
                     self.trip = None;
@@ -273,12 +242,12 @@ impl Supervisor {
     /// One tick of the weights. Needed while it is not [`Supervisor::steady`].
     pub fn advance(&mut self, ramps: Ramps) {
         match self.state {
-            State::Off | State::Ready => self.presence = 0.0,
-            State::Running => self.presence = up(self.presence, ramps.test),
-            State::Hold => self.presence = down(self.presence, ramps.test),
+            State::Off | State::Ready => self.test_weight = 0.0,
+            State::Running => self.test_weight = up(self.test_weight, ramps.test),
+            State::Hold => self.test_weight = down(self.test_weight, ramps.test),
             State::RampDown => {
-                self.presence = down(self.presence, ramps.test);
-                if self.presence <= 0.0 {
+                self.test_weight = down(self.test_weight, ramps.test);
+                if self.test_weight <= 0.0 {
                     self.enter(State::Ready);
                 }
             }

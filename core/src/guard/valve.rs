@@ -31,6 +31,13 @@ use crate::scalar::Scalar;
 const SLOW: (f32, f32) = (25.0, 2.0);
 
 /// When the valve is not believed.
+///
+/// ```
+/// use shakedown_core::settings::ValveMonitorSettings;
+///
+/// let settings = ValveMonitorSettings { mismatch: 0.01, ..ValveMonitorSettings::default() };
+/// assert_eq!(settings.memory, 0.2);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct ValveMonitorSettings {
@@ -47,6 +54,17 @@ impl Default for ValveMonitorSettings {
 }
 
 /// The monitor's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::guard::{ValveMonitor, ValveMonitorState};
+/// use shakedown_core::settings::ValveMonitorSettings;
+///
+/// let monitor = ValveMonitor::new(&ValveMonitorSettings::default(), 0.017, 0.242, 1e-3)?;
+/// let mut state = ValveMonitorState::default();
+/// // The command asks for 0.2 m/s and the table stays where it is: the valve is shut, or the LVDT stuck.
+/// assert!((0..1000).any(|_| monitor.advance(&mut state, 0.2, 0.242, 0.0, 0.0)));
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValveMonitor {
     lag: Lag,
@@ -84,6 +102,15 @@ pub struct ValveMonitorState {
 }
 
 /// What the command says of an LVDT that creeps.
+///
+/// ```
+/// use shakedown_core::blocks::guard::{Creep, ValveMonitor, ValveMonitorState};
+/// use shakedown_core::settings::ValveMonitorSettings;
+///
+/// let monitor = ValveMonitor::new(&ValveMonitorSettings::default(), 0.017, 0.242, 1e-3)?;
+/// assert_eq!(monitor.creep(&ValveMonitorState::default()), Creep::None);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Creep {
     /// It does not.

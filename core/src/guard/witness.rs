@@ -25,6 +25,14 @@ use crate::filter::{MotionObserver, MotionState};
 use crate::math::{self, max};
 
 /// Stated errors of LVDT and accelerometer, and the window over which they are compared.
+///
+/// ```
+/// use shakedown_core::settings::WitnessSettings;
+///
+/// // Two sensors whose scales agree within 2 %.
+/// let settings = WitnessSettings { scale: 0.02, ..WitnessSettings::default() };
+/// assert_eq!(settings.frequency, 0.5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct WitnessSettings {
@@ -47,6 +55,17 @@ impl Default for WitnessSettings {
 }
 
 /// The witness's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::guard::{DisplacementWitness, WitnessState};
+/// use shakedown_core::settings::WitnessSettings;
+///
+/// let witness = DisplacementWitness::new(&WitnessSettings::default(), 0.242, 1e-3)?;
+/// let mut state = WitnessState::default();
+/// // The LVDT jumps to 50 mm and the accelerometer shows nothing.
+/// assert!((0..500).any(|_| witness.advance(&mut state, 0.05, 0.0)));
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplacementWitness {
     observer: MotionObserver,

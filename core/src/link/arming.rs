@@ -7,6 +7,15 @@
 use serde::{Deserialize, Serialize};
 
 /// What a device asks of who wants to arm it.
+///
+/// ```
+/// use shakedown_core::link::{Challenge, HostRequest, answer};
+///
+/// // The device has answered a request for arming with this challenge.
+/// let challenge = Challenge(7);
+/// let arm = HostRequest::Arm(answer(challenge));
+/// assert_ne!(arm, HostRequest::Arm(answer(Challenge(8))));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Challenge(pub u64);
 

@@ -14,7 +14,8 @@ pub const MAX_BATCH: usize = 16;
 
 /// What a host asks of a device.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Request {
+#[serde(rename = "Request")]
+pub enum HostRequest {
     /// Who are you? Answered by [`Report::Identity`].
     Identify,
     /// Answered by [`Report::Setup`].
@@ -87,7 +88,8 @@ pub struct Identity {
 
 /// Why a device tripped, stopped by itself, or does not arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Cause {
+#[serde(rename = "Cause")]
+pub enum StopCause {
     /// The emergency-stop circuit is open.
     EmergencyStop,
     /// A tick was not done when the next began.
@@ -114,7 +116,7 @@ pub enum RefusedBecause {
     /// The answer is wrong, late, or to no challenge.
     Challenge,
     /// The cause of the trip still stands.
-    CauseStands(Cause),
+    CauseStands(StopCause),
     /// Too much asked at once.
     Full,
     /// The flash did not take it.
@@ -155,11 +157,12 @@ pub struct Batch {
 
 /// How a device fares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Vitals {
+#[serde(rename = "Vitals")]
+pub struct DeviceHealth {
     /// Where the test stands.
     pub state: State,
     /// Why it tripped, stopped by itself or did not arm, last.
-    pub cause: Option<Cause>,
+    pub cause: Option<StopCause>,
     /// Ticks since its reset.
     pub ticks: u32,
     /// Records of telemetry that found no room.
@@ -175,19 +178,19 @@ pub struct Vitals {
 /// What a device says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Report {
-    /// To [`Request::Identify`].
+    /// To [`HostRequest::Identify`].
     Identity(Identity),
-    /// To [`Request::ReadSetup`].
+    /// To [`HostRequest::ReadSetup`].
     Setup(Setup),
-    /// To [`Request::RequestArming`].
+    /// To [`HostRequest::RequestArming`].
     Challenge(Challenge),
-    /// To [`Request::ReadVitals`], and of its own accord at every change of state.
-    Vitals(Vitals),
+    /// To [`HostRequest::ReadVitals`], and of its own accord at every change of state.
+    Vitals(DeviceHealth),
     /// The request was carried out.
     Done,
     /// It was not.
     Refused(RefusedBecause),
-    /// To [`Request::Reference`], and of its own accord as the buffer empties: what may be sent.
+    /// To [`HostRequest::Reference`], and of its own accord as the buffer empties: what may be sent.
     Credit {
         /// Index of the next point wanted.
         next: u32,

@@ -1,9 +1,11 @@
 use super::*;
 use proptest::prelude::*;
 
-fn points() -> impl Strategy<Value = Request> {
+fn points() -> impl Strategy<Value = HostRequest> {
     (any::<u32>(), proptest::collection::vec(-1.0f32..1.0, 0..=MAX_POINTS), any::<bool>()).prop_map(
-        |(first, p, last)| Request::Reference(Points { first, points: heapless::Vec::from_slice(&p).unwrap(), last }),
+        |(first, p, last)| {
+            HostRequest::Reference(Points { first, points: heapless::Vec::from_slice(&p).unwrap(), last })
+        },
     )
 }
 
@@ -14,7 +16,7 @@ fn wire<T: Serialize>(frame: &T) -> ([u8; MAX_FRAME], usize) {
 }
 
 /// Feeds bytes to an assembler; the frames and errors that come out.
-fn hear(assembler: &mut Assembler, bytes: &[u8]) -> heapless::Vec<Result<Request, LinkError>, 64> {
+fn receive(assembler: &mut Assembler, bytes: &[u8]) -> heapless::Vec<Result<HostRequest, LinkError>, 64> {
     bytes.iter().filter_map(|&byte| assembler.push(byte)).collect()
 }
 
@@ -25,12 +27,12 @@ fn the_fullest_frames_fit() {
     let batch = Batch { first: u32::MAX, every: u16::MAX, state: crate::State::Running, dropped: u32::MAX, records };
     let points = (0..MAX_POINTS).map(|_| 1.0).collect();
     wire(&Report::Telemetry(batch));
-    wire(&Request::Reference(Points { first: u32::MAX, points, last: true }));
+    wire(&HostRequest::Reference(Points { first: u32::MAX, points, last: true }));
 }
 
 #[test]
 fn a_zero_ends_a_frame_and_occurs_nowhere_inside() {
-    let (bytes, length) = wire(&Request::Arm(0));
+    let (bytes, length) = wire(&HostRequest::Arm(0));
     assert_eq!(bytes[..length].iter().position(|&b| b == 0), Some(length - 1));
 }
 
@@ -42,16 +44,16 @@ fn another_version_is_named() {
     body[2..6].copy_from_slice(&sum.to_le_bytes());
     let mut framed = [0; 32];
     let length = cobs::encode(&body[..6], &mut framed);
-    assert_eq!(decode::<Request>(&mut framed[..length]), Err(LinkError::Version { theirs: VERSION + 1 }));
+    assert_eq!(decode::<HostRequest>(&mut framed[..length]), Err(LinkError::Version { theirs: VERSION + 1 }));
 }
 
 #[test]
 fn an_endless_frame_is_refused_and_the_next_one_heard() {
     let mut assembler = Assembler::new();
-    assert!(hear(&mut assembler, &[7; 3 * MAX_FRAME]).is_empty());
-    assert_eq!(hear(&mut assembler, &[0])[..], [Err(LinkError::TooLong)]);
-    let (bytes, length) = wire(&Request::Stop);
-    assert_eq!(hear(&mut assembler, &bytes[..length])[..], [Ok(Request::Stop)]);
+    assert!(receive(&mut assembler, &[7; 3 * MAX_FRAME]).is_empty());
+    assert_eq!(receive(&mut assembler, &[0])[..], [Err(LinkError::TooLong)]);
+    let (bytes, length) = wire(&HostRequest::Stop);
+    assert_eq!(receive(&mut assembler, &bytes[..length])[..], [Ok(HostRequest::Stop)]);
 }
 
 /// The first numbers of splitmix64 from 1234567, as its authors' code gives them.
@@ -67,8 +69,9 @@ fn the_answer_is_the_published_function() {
 #[test]
 fn a_buffer_that_could_be_too_short_is_refused() {
     // A frame full of zeros takes a byte less than the longest of its length.
-    let zeros = Request::Reference(Points { first: 0, points: (0..MAX_POINTS).map(|_| 0.0).collect(), last: false });
-    for (frame, spare) in [(Request::Stop, 0), (zeros, 1)] {
+    let zeros =
+        HostRequest::Reference(Points { first: 0, points: (0..MAX_POINTS).map(|_| 0.0).collect(), last: false });
+    for (frame, spare) in [(HostRequest::Stop, 0), (zeros, 1)] {
         let (_, length) = wire(&frame);
         let needed = cobs::max_encoding_length(length - 2) + 1;
         assert_eq!(needed, length + spare);
@@ -90,32 +93,32 @@ proptest! {
     #[test]
     fn what_is_sent_is_what_is_heard(request in points()) {
         let (bytes, length) = wire(&request);
-        prop_assert_eq!(&hear(&mut Assembler::new(), &bytes[..length])[..], &[Ok(request)][..]);
+        prop_assert_eq!(&receive(&mut Assembler::new(), &bytes[..length])[..], &[Ok(request)][..]);
     }
 
     #[test]
     fn one_wrong_bit_is_never_taken(request in points(), place in any::<prop::sample::Index>(), bit in 0..8u8) {
         let (mut bytes, length) = wire(&request);
         bytes[place.index(length)] ^= 1 << bit;
-        let heard = hear(&mut Assembler::new(), &bytes[..length]);
-        prop_assert!(heard.iter().all(Result::is_err), "{:?}", heard);
+        let received = receive(&mut Assembler::new(), &bytes[..length]);
+        prop_assert!(received.iter().all(Result::is_err), "{:?}", received);
     }
 
     #[test]
     fn a_frame_after_noise_is_heard(noise in proptest::collection::vec(any::<u8>(), 0..200)) {
         let mut assembler = Assembler::new();
-        hear(&mut assembler, &noise);
-        let (bytes, length) = wire(&Request::Save);
+        receive(&mut assembler, &noise);
+        let (bytes, length) = wire(&HostRequest::Save);
         let mut stream = heapless::Vec::<u8, MAX_FRAME>::new();
         stream.push(0).unwrap();
         stream.extend_from_slice(&bytes[..length]).unwrap();
-        let heard = hear(&mut assembler, &stream);
-        prop_assert_eq!(heard.last(), Some(&Ok(Request::Save)));
+        let received = receive(&mut assembler, &stream);
+        prop_assert_eq!(received.last(), Some(&Ok(HostRequest::Save)));
     }
 
     #[test]
     fn noise_is_never_a_frame(noise in proptest::collection::vec(any::<u8>(), 0..400)) {
-        let heard = hear(&mut Assembler::new(), &noise);
-        prop_assert!(heard.iter().all(Result::is_err));
+        let received = receive(&mut Assembler::new(), &noise);
+        prop_assert!(received.iter().all(Result::is_err));
     }
 }

@@ -40,6 +40,25 @@ pub struct Wiring {
 }
 
 /// Everything a device keeps in flash: the core's settings and the wiring.
+///
+/// ```
+/// use shakedown_core::Settings;
+/// use shakedown_core::link::{Scale, Setup, SetupError, Source, Wiring};
+///
+/// let scale = Scale { zero: 2048.0, per_code: 1e-4 };
+/// let wiring = Wiring {
+///     source: Source::Streamed,
+///     reference: scale,
+///     displacement: scale,
+///     acceleration: Scale { zero: 2048.0, per_code: 0.01 },
+///     external: scale,
+///     output: scale,
+///     full_scale: 4095,
+///     rails_are_faults: true,
+/// };
+/// let setup = Setup { telemetry_every: 1, wiring, control: Settings::default() };
+/// assert_eq!(setup.validate(), Err(SetupError::NoGuard)); // a device does not run without
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setup {

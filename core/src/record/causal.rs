@@ -19,15 +19,26 @@
 //! Cost: about 40 floating-point operations, one square root for each end of the stroke, no loop.
 
 use super::input::Input;
-use super::travel::{Integrator, Walls};
-use super::{Limits, Washout, within};
+use super::travel::{Integrator, TickLimits};
+use super::{DriftRecovery, ReferenceLimits, within};
 use crate::math::{max, min};
 use crate::settings::SettingsError;
 
 /// What is set before a test.
+///
+/// ```
+/// use shakedown_core::blocks::record::{ReferenceLimits, causal};
+///
+/// let limits = ReferenceLimits::new(1000.0, 0.242, 0.12);
+/// let config = causal::Config::new(&limits, &causal::Config::DRIFT_RECOVERY, causal::Config::MEMORY)?;
+/// let mut state = causal::State::at(0.0);
+/// // A reference within the limits is not touched.
+/// assert!((causal::step(&config, &mut state, 1e-4, 0.242) - 1e-4).abs() < 1e-9);
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
-    walls: Walls,
+    walls: TickLimits,
     velocity_share: f32,
     displacement_share: f32,
     decay: f32,
@@ -36,18 +47,18 @@ pub struct Config {
 impl Config {
     /// The washout and the memory for the reference's peak, s, with which the benches' figures are taken. Chosen on
     /// generated records, none of them among those the figures are reported for.
-    pub const WASHOUT: Washout = Washout { frequency: 0.4, damping: 0.8 };
-    /// See [`Config::WASHOUT`].
+    pub const DRIFT_RECOVERY: DriftRecovery = DriftRecovery { frequency: 0.4, damping: 0.8 };
+    /// See [`Config::DRIFT_RECOVERY`].
     pub const MEMORY: f32 = 4.0;
 
     /// A modifier that stays within `limits` and forgets the reference's peak velocity with time constant `memory`, s.
-    pub fn new(limits: &Limits, washout: &Washout, memory: f32) -> Result<Self, SettingsError> {
+    pub fn new(limits: &ReferenceLimits, washout: &DriftRecovery, memory: f32) -> Result<Self, SettingsError> {
         limits.validate()?;
         washout.validate(limits.rate)?;
         within("memory", memory, 0.1, 1000.0)?;
         let (velocity_share, displacement_share) = washout.shares(limits.rate);
         let decay = 1.0 - 1.0 / (limits.rate * memory);
-        Ok(Self { walls: Walls::new(limits), velocity_share, displacement_share, decay })
+        Ok(Self { walls: TickLimits::new(limits), velocity_share, displacement_share, decay })
     }
 }
 

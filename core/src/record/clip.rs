@@ -4,23 +4,33 @@
 //! so the displacement drifts (0.22 m on Rinaldi 228 at 0.242 m/s), and no stroke is respected: it stands here as the
 //! paper has it, for comparison.
 
-use super::Limits;
+use super::ReferenceLimits;
 use super::input::Input;
-use super::travel::{Integrator, Walls};
+use super::travel::{Integrator, TickLimits};
 use crate::math::{max, min};
 use crate::settings::SettingsError;
 
 /// What is set before a test.
+///
+/// ```
+/// use shakedown_core::blocks::record::{ReferenceLimits, clip};
+///
+/// let config = clip::Config::new(&ReferenceLimits::new(1000.0, 0.242, 0.12))?;
+/// let mut state = clip::State::at(0.0);
+/// // 1 m/s asked for, 0.242 m/s let through.
+/// assert!((clip::step(&config, &mut state, 0.001, 0.242) - 0.242e-3).abs() < 1e-8);
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
-    walls: Walls,
+    walls: TickLimits,
 }
 
 impl Config {
     /// A clip at the limits' velocity. The stroke is not used.
-    pub fn new(limits: &Limits) -> Result<Self, SettingsError> {
+    pub fn new(limits: &ReferenceLimits) -> Result<Self, SettingsError> {
         limits.validate()?;
-        Ok(Self { walls: Walls::new(limits) })
+        Ok(Self { walls: TickLimits::new(limits) })
     }
 }
 

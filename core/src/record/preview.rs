@@ -15,16 +15,28 @@
 mod window;
 
 use super::input::Input;
-use super::travel::{Integrator, Walls};
-use super::{Limits, Washout, within};
+use super::travel::{Integrator, TickLimits};
+use super::{DriftRecovery, ReferenceLimits, within};
 use crate::math::{max, min};
 use crate::settings::SettingsError;
 use window::Window;
 
 /// What is set before a test.
+///
+/// ```
+/// use shakedown_core::blocks::record::{ReferenceLimits, preview};
+///
+/// const WINDOW: usize = 256;
+/// let limits = ReferenceLimits::new(1000.0, 0.242, 0.12);
+/// let config = preview::Config::new::<WINDOW>(&limits, &preview::Config::DRIFT_RECOVERY, 0.2)?;
+/// let mut state = preview::State::<WINDOW, { preview::places(WINDOW) }>::at(0.0);
+/// assert_eq!(preview::step(&config, &mut state, 0.0, 0.242), 0.0);
+/// assert_eq!(config.delay(), 200); // the output lags by the preview
+/// # Ok::<(), shakedown_core::SettingsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
-    walls: Walls,
+    walls: TickLimits,
     velocity_share: f32,
     displacement_share: f32,
     delay: u32,
@@ -32,16 +44,20 @@ pub struct Config {
 
 impl Config {
     /// The washout with which the benches' figures are taken.
-    pub const WASHOUT: Washout = Washout { frequency: 0.3, damping: 0.6 };
+    pub const DRIFT_RECOVERY: DriftRecovery = DriftRecovery { frequency: 0.3, damping: 0.6 };
 
     /// A modifier that looks `preview` seconds ahead; a window of `N` samples holds at most N - 1 of them.
-    pub fn new<const N: usize>(limits: &Limits, washout: &Washout, preview: f32) -> Result<Self, SettingsError> {
+    pub fn new<const N: usize>(
+        limits: &ReferenceLimits,
+        washout: &DriftRecovery,
+        preview: f32,
+    ) -> Result<Self, SettingsError> {
         limits.validate()?;
         washout.validate(limits.rate)?;
         within("preview", preview, 0.0, (N.saturating_sub(1)) as f32 / limits.rate)?;
         let (velocity_share, displacement_share) = washout.shares(limits.rate);
         let delay = (preview * limits.rate + 0.5) as u32;
-        Ok(Self { walls: Walls::new(limits), velocity_share, displacement_share, delay })
+        Ok(Self { walls: TickLimits::new(limits), velocity_share, displacement_share, delay })
     }
 
     /// By how many ticks the output lags the reference.

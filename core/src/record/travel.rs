@@ -1,11 +1,11 @@
 //! The two walls: speed, and a stroke inside which the table can always stop.
 
-use super::Limits;
+use super::ReferenceLimits;
 use crate::math::{max, min, sqrt};
 
-/// [`Limits`] in metres a tick.
+/// [`ReferenceLimits`] in metres a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Walls {
+pub(super) struct TickLimits {
     /// One tick, s.
     pub(super) tick: f32,
     /// Largest step, m.
@@ -18,9 +18,9 @@ pub(super) struct Walls {
     pub(super) leap: f32,
 }
 
-impl Walls {
-    /// Limits already validated, by the tick.
-    pub(super) fn new(limits: &Limits) -> Self {
+impl TickLimits {
+    /// Validated limits, by the tick.
+    pub(super) fn new(limits: &ReferenceLimits) -> Self {
         let tick = 1.0 / limits.rate;
         Self {
             tick,

@@ -3,6 +3,13 @@
 use super::{Mode, Settings};
 
 /// A hazard that the guard cannot see under these settings.
+///
+/// ```
+/// use shakedown_core::Settings;
+/// use shakedown_core::settings::Finding;
+///
+/// assert!(Settings::default().findings().any(|finding| finding == Finding::NoGuard));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Finding {

@@ -5,7 +5,7 @@
 //! settings file; what is not named keeps its value. Naming a part that is left out by default (`guard`, `tracking.oil`)
 //! puts it in, with its defaults; of a part without defaults every number has to be named, or the settings are refused.
 
-use super::{Mode, Modification, ReferenceRates, Settings, VelocitySource};
+use super::{Mode, Modification, NameError, ReferenceRates, Settings, VelocitySource};
 use crate::control::InnerLoop;
 use crate::control::tracking::oil::OilSettings;
 use crate::control::tracking::pressure::PressureSettings;
@@ -15,44 +15,6 @@ use crate::guard::{EnvelopeSettings, GuardSettings, InputSettings};
 
 /// Most parts of a dotted name.
 const DEPTH: usize = 4;
-
-/// Why a text or a name was not taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum NameError {
-    /// There is no setting of this name; in a text, the line is counted from 1, else 0.
-    Unknown {
-        /// The line, 0 for a single value.
-        line: u32,
-    },
-    /// The value is not of the setting's kind, or the line is no setting.
-    Value {
-        /// The line, 0 for a single value.
-        line: u32,
-    },
-}
-
-impl NameError {
-    fn at(self, line: u32) -> Self {
-        match self {
-            Self::Unknown { .. } => Self::Unknown { line },
-            Self::Value { .. } => Self::Value { line },
-        }
-    }
-}
-
-impl core::fmt::Display for NameError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Unknown { line: 0 } => write!(f, "there is no setting of this name"),
-            Self::Unknown { line } => write!(f, "line {line}: there is no setting of this name"),
-            Self::Value { line: 0 } => write!(f, "the value is not of this setting's kind"),
-            Self::Value { line } => write!(f, "line {line}: neither a table nor a name and a value of its kind"),
-        }
-    }
-}
-
-impl core::error::Error for NameError {}
 
 const UNKNOWN: NameError = NameError::Unknown { line: 0 };
 const VALUE: NameError = NameError::Value { line: 0 };

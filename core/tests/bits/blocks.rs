@@ -1,17 +1,17 @@
 //! Filters, loops and the arithmetic below them.
 
 use crate::tape::{Noise, Tape, hold, run, signal};
-use shakedown_core::block::{Block, RANGE, within_range};
-use shakedown_core::control::{AccelerationLoop, AccelerationState, Blocked, DisplacementLoop, DisplacementState};
-use shakedown_core::control::{InnerLoop, LoopGains, VelocityLoop, VelocityState};
-use shakedown_core::filter::MotionState;
-use shakedown_core::filter::differentiator::DifferentiatorState;
-use shakedown_core::filter::lag::LagState;
-use shakedown_core::filter::second_order::SecondOrderState;
-use shakedown_core::filter::washout::WashoutState;
-use shakedown_core::filter::{Differentiator, Lag, MotionObserver, SecondOrder, Washout};
-use shakedown_core::math::{self, Magnitude};
-use shakedown_core::scalar::Scalar;
+use shakedown_core::blocks::control::{
+    AccelerationLoop, AccelerationState, Blocked, DisplacementLoop, DisplacementState, LoopGains, VelocityLoop,
+    VelocityState,
+};
+use shakedown_core::blocks::filter::{
+    Differentiator, DifferentiatorState, Lag, LagState, MotionObserver, MotionState, SecondOrder, SecondOrderState,
+    Washout, WashoutState,
+};
+use shakedown_core::blocks::math::{self, Magnitude};
+use shakedown_core::blocks::{Block, RANGE, Scalar, within_range};
+use shakedown_core::settings::InnerLoop;
 
 const DT: f32 = 1e-3;
 /// The edges of what a block takes, and what lies beyond.
@@ -34,7 +34,7 @@ fn filter<B: Block<f32>>(tape: &mut Tape, block: &B, mut state: B::State) {
 #[test]
 fn filters() {
     let section = |made: Result<SecondOrder, _>| {
-        let made: SecondOrder = made.unwrap_or_else(|error: shakedown_core::block::BlockError| panic!("{error:?}"));
+        let made: SecondOrder = made.unwrap_or_else(|error: shakedown_core::blocks::BlockError| panic!("{error:?}"));
         move |tape: &mut Tape| filter(tape, &made, SecondOrderState::default())
     };
     hold(

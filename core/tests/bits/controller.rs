@@ -3,11 +3,10 @@
 use crate::script::play;
 use crate::tape::{hold, run};
 use crate::tracking::full;
-use shakedown_core::control::{InnerLoop, TrackingSettings};
-use shakedown_core::guard::envelope::ForceSettings;
-use shakedown_core::guard::{EnvelopeSettings, GuardSettings, PlausibilitySettings, RampSettings};
-use shakedown_core::saturation::Detection;
-use shakedown_core::settings::{Gains, ObserverSettings, ReferenceRates, ValveSettings, VelocitySource};
+use shakedown_core::settings::{
+    Detection, EnvelopeSettings, ForceSettings, Gains, GuardSettings, InnerLoop, ObserverSettings,
+    PlausibilitySettings, RampSettings, ReferenceRates, TrackingSettings, ValveSettings, VelocitySource,
+};
 use shakedown_core::{Mode, Modification, Settings};
 
 /// A test of 0.2 s ramps, told of saturation, its state watched.

@@ -1,11 +1,14 @@
 //! What looks on: saturation detection and the monitors of the guard, on readings that are often exactly at a limit.
 
 use crate::tape::{Noise, Tape, hold, run};
-use shakedown_core::filter::MotionState;
-use shakedown_core::guard::envelope::{Envelope, EnvelopeSettings, EnvelopeState, ForceSettings, Motion};
-use shakedown_core::guard::plausibility::{Plausibility, PlausibilitySettings, PlausibilityState};
-use shakedown_core::guard::valve::{Creep, ValveMonitor, ValveMonitorSettings, ValveMonitorState};
-use shakedown_core::saturation::{Detection, Detector, Evidence};
+use shakedown_core::blocks::filter::MotionState;
+use shakedown_core::blocks::guard::{
+    Creep, DebouncedSignals, Detector, Envelope, EnvelopeState, Evidence, Plausibility, PlausibilityState,
+    ValveMonitor, ValveMonitorState,
+};
+use shakedown_core::settings::{
+    Detection, EnvelopeSettings, ForceSettings, PlausibilitySettings, ValveMonitorSettings,
+};
 
 const DT: f32 = 0.003;
 const LIMIT: f32 = 0.25;
@@ -49,7 +52,7 @@ fn enveloped(tape: &mut Tape) {
             let value = noise.of(&[limit, -limit, 1.01 * limit, -1.01 * limit, 0.0]);
             if calm { 0.5 * value } else { value }
         };
-        let motion = Motion {
+        let motion = DebouncedSignals {
             acceleration: if k % 400 < 200 { 0.4 * often(&mut noise, 5.0) } else { often(&mut noise, 5.0) },
             pressure_difference: often(&mut noise, 100_000.0),
             error: often(&mut noise, 0.05),

@@ -1,14 +1,12 @@
 //! The parts of the tracking law, each by itself.
 
 use crate::tape::{Noise, Tape, hold, run, signal};
-use shakedown_core::control::tracking::disturbance::{Disturbance, DisturbanceState};
-use shakedown_core::control::tracking::flow::{FlowMap, FlowSettings, FlowState};
-use shakedown_core::control::tracking::friction::{Friction, FrictionSettings};
-use shakedown_core::control::tracking::oil::{OilColumn, OilSettings, OilState};
-use shakedown_core::control::tracking::pressure::{PressureDamping, PressureSettings};
-use shakedown_core::control::tracking::trajectory::{History, Motion, Stencil};
-use shakedown_core::control::tracking::valve::{Valve, ValveState};
-use shakedown_core::filter::{MotionObserver, MotionState};
+use shakedown_core::blocks::filter::{MotionObserver, MotionState};
+use shakedown_core::blocks::tracking::{
+    Disturbance, DisturbanceState, FlowMap, FlowState, Friction, History, OilColumn, OilState, PressureDamping,
+    ReferenceState, Stencil, Valve, ValveState,
+};
+use shakedown_core::settings::{FlowSettings, FrictionSettings, OilSettings, PressureSettings};
 
 const DT: f32 = 1e-3;
 const LIMIT: f32 = 0.242;
@@ -65,7 +63,8 @@ fn oil(damping: f32, frequencies: [f32; 2]) -> impl FnOnce(&mut Tape) {
             // Now and then more than a flow at the limit could undo.
             let push = noise.of(&[1.0, 1.0, 1.0, 400.0]);
             column.observe(&mut state, 0.1 * x, 0.1 * noise.next(), push * noise.next());
-            let ahead = Motion { displacement: x, velocity: 0.2 * x, acceleration: noise.next(), jerk: 50.0 * x };
+            let ahead =
+                ReferenceState { displacement: x, velocity: 0.2 * x, acceleration: noise.next(), jerk: 50.0 * x };
             tape.note_all([state.load, state.disturbance, column.forward(&ahead)]);
             tape.note(column.feedback(&state, [0.01 * noise.next(), 0.1 * noise.next(), noise.next()]));
         }
@@ -168,7 +167,7 @@ fn trajectory_and_rest() {
             run("pressure", |tape| {
                 let settings = PressureSettings { area_per_mass: 5e-6, gain: 0.005, corner: 0.5 };
                 let damping = PressureDamping::new(&settings, DT).unwrap();
-                let mut state = shakedown_core::filter::washout::WashoutState::default();
+                let mut state = shakedown_core::blocks::filter::WashoutState::default();
                 for (p, a) in signal(53, 1e6, 400).zip(signal(59, 4.0, 400)) {
                     tape.note(damping.advance(&mut state, p, a));
                 }

@@ -1,7 +1,7 @@
 //! The record modifiers, through everything that a reference and a limit in force can do.
 
 use crate::tape::{Noise, Tape, hold, run};
-use shakedown_core::record::{Limits, Washout, causal, clip, preview};
+use shakedown_core::blocks::record::{DriftRecovery, ReferenceLimits, causal, clip, preview};
 
 const RATE: f32 = 1000.0;
 
@@ -30,7 +30,7 @@ fn gap(k: usize) -> bool {
     k % 900 == 850
 }
 
-fn clipped(limits: &Limits) -> impl FnOnce(&mut Tape) {
+fn clipped(limits: &ReferenceLimits) -> impl FnOnce(&mut Tape) {
     let config = clip::Config::new(limits).unwrap();
     move |tape| {
         let mut state = clip::State::at(0.002);
@@ -44,7 +44,7 @@ fn clipped(limits: &Limits) -> impl FnOnce(&mut Tape) {
     }
 }
 
-fn caused(limits: &Limits, washout: Washout, memory: f32) -> impl FnOnce(&mut Tape) {
+fn caused(limits: &ReferenceLimits, washout: DriftRecovery, memory: f32) -> impl FnOnce(&mut Tape) {
     let config = causal::Config::new(limits, &washout, memory).unwrap();
     move |tape| {
         let mut state = causal::State::at(-0.003);
@@ -58,8 +58,8 @@ fn caused(limits: &Limits, washout: Washout, memory: f32) -> impl FnOnce(&mut Ta
     }
 }
 
-fn foreseen<const N: usize, const PLACES: usize>(limits: &Limits, seconds: f32) -> impl FnOnce(&mut Tape) {
-    let config = preview::Config::new::<N>(limits, &preview::Config::WASHOUT, seconds).unwrap();
+fn foreseen<const N: usize, const PLACES: usize>(limits: &ReferenceLimits, seconds: f32) -> impl FnOnce(&mut Tape) {
+    let config = preview::Config::new::<N>(limits, &preview::Config::DRIFT_RECOVERY, seconds).unwrap();
     move |tape| {
         let mut state = preview::State::<N, PLACES>::at(0.001);
         tape.count(config.delay());
@@ -78,15 +78,15 @@ fn foreseen<const N: usize, const PLACES: usize>(limits: &Limits, seconds: f32) 
 
 #[test]
 fn modifiers() {
-    let limits = Limits::new(RATE, 0.242, 0.12);
-    let tight = Limits { braking: 0.4, leap: 2.0, ..Limits::new(RATE, 0.3, 0.03) };
+    let limits = ReferenceLimits::new(RATE, 0.242, 0.12);
+    let tight = ReferenceLimits { braking: 0.4, leap: 2.0, ..ReferenceLimits::new(RATE, 0.3, 0.03) };
     hold(
         "record",
         &[
             run("clip", clipped(&limits)),
             run("clip, tight", clipped(&tight)),
-            run("causal", caused(&limits, causal::Config::WASHOUT, causal::Config::MEMORY)),
-            run("causal, tight", caused(&tight, Washout { frequency: 2.0, damping: 0.5 }, 0.3)),
+            run("causal", caused(&limits, causal::Config::DRIFT_RECOVERY, causal::Config::MEMORY)),
+            run("causal, tight", caused(&tight, DriftRecovery { frequency: 2.0, damping: 0.5 }, 0.3)),
             run("preview of nothing", foreseen::<64, { preview::places(64) }>(&limits, 0.0)),
             run("preview of 2 samples", foreseen::<2, { preview::places(2) }>(&limits, 0.001)),
             run("preview of 8", foreseen::<8, { preview::places(8) }>(&limits, 0.007)),

@@ -1,9 +1,9 @@
 //! A test with everything in it: what the operator asks for, what breaks, and a table that answers.
 
 use crate::tape::{Noise, Tape};
-use shakedown_core::control::InnerLoop;
-use shakedown_core::math;
-use shakedown_core::{Command, Controller, Mode, Relay, Request, Sample, Settings};
+use shakedown_core::blocks::math;
+use shakedown_core::settings::InnerLoop;
+use shakedown_core::{Command, Controller, Mode, OperatorRequest, Relay, Sample, Settings};
 
 /// A table of four operations: a valve that lags, a limit, two sensors.
 #[derive(Debug)]
@@ -42,34 +42,34 @@ impl Table {
 }
 
 /// What an operator asks for, and when: what applies and what does not.
-const ACTS: &[(u32, Request)] = &[
-    (1, Request::Start),
-    (3, Request::Arm),
-    (4, Request::Arm),
-    (5, Request::Start),
-    (300, Request::Reset),
-    (900, Request::Hold),
-    (1000, Request::Hold),
-    (1150, Request::Resume),
-    (1300, Request::Off),
-    (2100, Request::Stop),
-    (2150, Request::Resume),
-    (2400, Request::Off),
-    (2410, Request::Arm),
-    (2420, Request::Start),
-    (2500, Request::Hold),
-    (2510, Request::Stop),
-    (2800, Request::Start),
-    (3300, Request::Reset),
-    (3301, Request::Arm),
-    (3310, Request::Reset),
-    (3700, Request::Reset),
-    (3710, Request::Arm),
-    (3720, Request::Start),
-    (4100, Request::Trip),
-    (4101, Request::Reset),
-    (4300, Request::Reset),
-    (4310, Request::Arm),
+const ACTS: &[(u32, OperatorRequest)] = &[
+    (1, OperatorRequest::Start),
+    (3, OperatorRequest::Arm),
+    (4, OperatorRequest::Arm),
+    (5, OperatorRequest::Start),
+    (300, OperatorRequest::Reset),
+    (900, OperatorRequest::Hold),
+    (1000, OperatorRequest::Hold),
+    (1150, OperatorRequest::Resume),
+    (1300, OperatorRequest::Off),
+    (2100, OperatorRequest::Stop),
+    (2150, OperatorRequest::Resume),
+    (2400, OperatorRequest::Off),
+    (2410, OperatorRequest::Arm),
+    (2420, OperatorRequest::Start),
+    (2500, OperatorRequest::Hold),
+    (2510, OperatorRequest::Stop),
+    (2800, OperatorRequest::Start),
+    (3300, OperatorRequest::Reset),
+    (3301, OperatorRequest::Arm),
+    (3310, OperatorRequest::Reset),
+    (3700, OperatorRequest::Reset),
+    (3710, OperatorRequest::Arm),
+    (3720, OperatorRequest::Start),
+    (4100, OperatorRequest::Trip),
+    (4101, OperatorRequest::Reset),
+    (4300, OperatorRequest::Reset),
+    (4310, OperatorRequest::Arm),
 ];
 
 /// How long it takes.

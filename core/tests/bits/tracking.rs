@@ -1,12 +1,10 @@
 //! The tracking law as a whole, and what it keeps when another takes over.
 
 use crate::tape::{Noise, Tape, hold, run, signal};
-use shakedown_core::control::tracking::flow::FlowSettings;
-use shakedown_core::control::tracking::friction::FrictionSettings;
-use shakedown_core::control::tracking::oil::OilSettings;
-use shakedown_core::control::tracking::pressure::PressureSettings;
-use shakedown_core::control::tracking::{NotchSettings, Seen, Surroundings};
-use shakedown_core::control::{Tracking, TrackingSettings, TrackingState};
+use shakedown_core::blocks::tracking::{Surroundings, Tracking, TrackingInput, TrackingState};
+use shakedown_core::settings::{
+    FlowSettings, FrictionSettings, NotchSettings, OilSettings, PressureSettings, TrackingSettings,
+};
 
 const DT: f32 = 1e-3;
 
@@ -41,9 +39,9 @@ fn course(first: TrackingSettings, second: TrackingSettings) -> impl FnOnce(&mut
             let reference = 0.01 + 0.04 * libm::sinf(k as f32 * 0.006) + if k % 5 == 0 { x } else { 0.0 };
             displacement += 0.02 * (reference - displacement) + 1e-5 * noise.next();
             let pressure_difference = 1e5 * noise.next();
-            let seen = Seen { reference, displacement, acceleration: noise.next(), pressure_difference };
+            let seen = TrackingInput { reference, displacement, acceleration: noise.next(), pressure_difference };
             if k == 400 || k == 700 {
-                (if k == 400 { &second } else { &first }).meet(&mut state);
+                (if k == 400 { &second } else { &first }).adapt_state(&mut state);
             }
             let now = if (400..700).contains(&k) { &second } else { &first };
             tape.note(now.advance(&mut state, &seen));

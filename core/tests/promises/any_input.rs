@@ -1,11 +1,10 @@
 //! Whatever arrives: finite, within the limits, and said so.
 
 use proptest::prelude::*;
-use shakedown_core::control::InnerLoop;
-use shakedown_core::guard::{EnvelopeSettings, GuardSettings};
-use shakedown_core::saturation::Detection;
-use shakedown_core::settings::{Gains, ReferenceRates, VelocitySource};
-use shakedown_core::{Controller, Mode, Modification, Request, Sample, Settings};
+use shakedown_core::settings::{
+    Detection, EnvelopeSettings, Gains, GuardSettings, InnerLoop, ReferenceRates, VelocitySource,
+};
+use shakedown_core::{Controller, Mode, Modification, OperatorRequest, Sample, Settings};
 
 use crate::table::any_sample;
 
@@ -63,8 +62,8 @@ proptest! {
         let mut last = controller.step(&Sample::default());
         for (k, sample) in samples.iter().enumerate() {
             if k == start {
-                let _ = controller.request(Request::Arm);
-                let _ = controller.request(Request::Start);
+                let _ = controller.request(OperatorRequest::Arm);
+                let _ = controller.request(OperatorRequest::Start);
             }
             let command = controller.step(sample);
             prop_assert!(command.valve.is_finite() && command.reference.is_finite());
@@ -137,7 +136,7 @@ fn a_lost_reading_holds_the_output_and_names_the_channel() {
     let held = controller.step(&Sample::new(0.02, 11.0, 0.0));
     assert_eq!((held.valve, held.status.missing), (good.valve, Channels::DISPLACEMENT));
     let held = controller.step(&Sample::new(0.02, f32::NEG_INFINITY, f32::NAN));
-    assert_eq!(held.status.missing, Channels::DISPLACEMENT.and(Channels::ACCELERATION));
+    assert_eq!(held.status.missing, Channels::DISPLACEMENT.union(Channels::ACCELERATION));
     // Channels that the settings do not use may hold anything.
     let odd = Sample { external: f32::NAN, pressure_difference: f32::INFINITY, ..Sample::new(0.01, 0.0, 0.0) };
     assert!(!controller.step(&odd).status.held);
@@ -159,7 +158,7 @@ fn nothing_of_a_lost_tick_enters_the_integral() {
 
 #[test]
 fn forces_are_read_only_where_they_are_limited() {
-    use shakedown_core::guard::envelope::ForceSettings;
+    use shakedown_core::settings::ForceSettings;
     let force = Some(ForceSettings { limit: 280e3, piston_area: 0.024 });
     let envelope = EnvelopeSettings { force, ..EnvelopeSettings::default() };
     let guard = Some(GuardSettings { envelope, ..GuardSettings::default() });

@@ -1,15 +1,16 @@
 //! What every filter and law promises: its equation, and what it does with what is not a number.
 
 use proptest::prelude::*;
-use shakedown_core::block::{Block, Held, RANGE, within_range};
-use shakedown_core::control::{AccelerationLoop, AccelerationState, DisplacementLoop, DisplacementState};
-use shakedown_core::control::{Blocked, InnerLoop, LoopGains, VelocityLoop, VelocityState};
-use shakedown_core::filter::MotionState;
-use shakedown_core::filter::differentiator::DifferentiatorState;
-use shakedown_core::filter::lag::LagState;
-use shakedown_core::filter::second_order::SecondOrderState;
-use shakedown_core::filter::washout::WashoutState;
-use shakedown_core::filter::{Differentiator, Lag, MotionObserver, SecondOrder, Washout};
+use shakedown_core::blocks::control::{
+    AccelerationLoop, AccelerationState, Blocked, DisplacementLoop, DisplacementState, LoopGains, VelocityLoop,
+    VelocityState,
+};
+use shakedown_core::blocks::filter::{
+    Differentiator, DifferentiatorState, Lag, LagState, MotionObserver, MotionState, SecondOrder, SecondOrderState,
+    Washout, WashoutState,
+};
+use shakedown_core::blocks::{Block, Held, RANGE, within_range};
+use shakedown_core::settings::InnerLoop;
 use std::f64::consts::{PI, TAU};
 
 use crate::table::any_bits;

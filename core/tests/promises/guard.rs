@@ -1,16 +1,13 @@
 //! The guard: each hazard of docs/hazards.md made to happen to a table in a running test, and what must not happen.
 
 use proptest::prelude::*;
-use shakedown_core::control::InnerLoop;
-use shakedown_core::guard::envelope::ForceSettings;
-use shakedown_core::guard::{
-    EnvelopeSettings, GuardSettings, InputSettings, PlausibilitySettings, RampSettings, ValveMonitorSettings,
-    WitnessSettings,
+use shakedown_core::settings::{
+    Detection, EnvelopeSettings, Finding, ForceSettings, Gains, GuardSettings, InnerLoop, InputSettings,
+    PlausibilitySettings, RampSettings, ValveMonitorSettings, WitnessSettings,
 };
-use shakedown_core::saturation::Detection;
-use shakedown_core::settings::Finding;
-use shakedown_core::settings::Gains;
-use shakedown_core::{Command, Controller, Mode, Modification, Refused, Relay, Request, Sample, Settings, State, Trip};
+use shakedown_core::{
+    Command, Controller, Mode, Modification, OperatorRequest, Refused, Relay, Sample, Settings, State, Trip,
+};
 
 use crate::table::Table;
 
@@ -60,8 +57,8 @@ impl Rig {
         for _ in 0..50 {
             rig.tick(0.0, |_| ());
         }
-        rig.controller.request(Request::Arm).unwrap();
-        rig.controller.request(Request::Start).unwrap();
+        rig.controller.request(OperatorRequest::Arm).unwrap();
+        rig.controller.request(OperatorRequest::Start).unwrap();
         rig
     }
 
@@ -141,7 +138,7 @@ fn a_reading_is_lost_after_the_same_time_at_every_rate() {
         let settings = Settings { rate, guard: Some(guard), ..Settings::default() };
         let mut controller = Controller::new(&settings).unwrap();
         controller.step(&Sample::new(0.0, 0.0, 0.0));
-        controller.request(Request::Arm).unwrap();
+        controller.request(OperatorRequest::Arm).unwrap();
         let mut tripped = || controller.step(&Sample::new(0.0, f32::NAN, 0.0)).status.trip.is_some();
         assert_eq!((0..100).position(|_| tripped()), Some(allowed), "{rate} Hz");
     }
@@ -566,20 +563,20 @@ proptest! {
         controller.step(&quiet);
         for (act, ticks) in acts {
             let requests = [
-                Request::Arm, Request::Start, Request::Hold, Request::Resume, Request::Stop, Request::Off,
-                Request::Reset, Request::Trip,
+                OperatorRequest::Arm, OperatorRequest::Start, OperatorRequest::Hold, OperatorRequest::Resume, OperatorRequest::Stop, OperatorRequest::Off,
+                OperatorRequest::Reset, OperatorRequest::Trip,
             ];
             if let Some(&request) = requests.get(usize::from(act)) {
                 let answer = controller.request(request);
                 let after = controller.step(&quiet).status.state;
                 let allowed = match (state, request) {
-                    (_, Request::Trip) => State::Tripped,
-                    (State::Off, Request::Arm) => State::Ready,
-                    (State::Ready, Request::Start) | (State::Hold, Request::Resume) => State::Running,
-                    (State::Running, Request::Hold) => State::Hold,
-                    (State::Running | State::Hold, Request::Stop) => State::RampDown,
-                    (State::Ready, Request::Off) => State::Off,
-                    (State::Tripped, Request::Reset) if answer.is_ok() => State::Off,
+                    (_, OperatorRequest::Trip) => State::Tripped,
+                    (State::Off, OperatorRequest::Arm) => State::Ready,
+                    (State::Ready, OperatorRequest::Start) | (State::Hold, OperatorRequest::Resume) => State::Running,
+                    (State::Running, OperatorRequest::Hold) => State::Hold,
+                    (State::Running | State::Hold, OperatorRequest::Stop) => State::RampDown,
+                    (State::Ready, OperatorRequest::Off) => State::Off,
+                    (State::Tripped, OperatorRequest::Reset) if answer.is_ok() => State::Off,
                     _ => {
                         prop_assert!(answer.is_err());
                         state
@@ -623,11 +620,11 @@ proptest! {
             }
             last = command.reference;
             let request = match k {
-                0 => Some(Request::Arm),
-                1 => Some(Request::Start),
-                k if k == hold => Some(Request::Hold),
-                k if k == hold + resume => Some(Request::Resume),
-                k if k == hold + resume + stop => Some(Request::Stop),
+                0 => Some(OperatorRequest::Arm),
+                1 => Some(OperatorRequest::Start),
+                k if k == hold => Some(OperatorRequest::Hold),
+                k if k == hold + resume => Some(OperatorRequest::Resume),
+                k if k == hold + resume + stop => Some(OperatorRequest::Stop),
                 _ => None,
             };
             if let Some(request) = request {
@@ -740,13 +737,13 @@ fn a_relay_that_does_not_follow_is_seen() {
     };
     // Welded: it reads closed with the coil off.
     step(&mut controller, true);
-    assert_eq!(controller.request(Request::Arm), Err(Refused::Cause(Trip::RelayAstray)));
+    assert_eq!(controller.request(OperatorRequest::Arm), Err(Refused::Cause(Trip::RelayAstray)));
     step(&mut controller, false);
-    controller.request(Request::Arm).unwrap();
+    controller.request(OperatorRequest::Arm).unwrap();
     assert_eq!(step(&mut controller, false).trip, Some(Trip::RelayAstray));
 }
 
-/// A sensor that is not fitted stands at zero for ever, and is not stuck.
+/// A sensor that is not fitted is at zero for ever, and is not stuck.
 #[test]
 fn without_an_accelerometer_none_is_missed() {
     let mut settings = without_valve_monitor();
@@ -781,7 +778,7 @@ fn too_fast_is_too_fast_at_once() {
 fn the_safe_ramp_ends_at_zero_flow_within_its_time() {
     let mut rig = Rig::running(&settings(Mode::Controller));
     rig.swing(3.0, |_| ());
-    rig.controller.request(Request::Trip).unwrap();
+    rig.controller.request(OperatorRequest::Trip).unwrap();
     let mut ticks = 0;
     loop {
         let command = rig.tick(0.1, |_| ());
@@ -794,25 +791,25 @@ fn the_safe_ramp_ends_at_zero_flow_within_its_time() {
         }
     }
     assert_eq!(ticks, 50);
-    assert!(matches!(rig.controller.request(Request::Arm), Err(Refused::State(State::Tripped))));
+    assert!(matches!(rig.controller.request(OperatorRequest::Arm), Err(Refused::State(State::Tripped))));
 }
 
 #[test]
 fn a_reset_waits_for_the_ramp_and_arming_for_the_cause() {
     let mut controller = Controller::new(&settings(Mode::Controller)).unwrap();
     let good = Sample::new(0.0, 0.0, 0.0);
-    assert_eq!(controller.request(Request::Arm), Err(Refused::Cause(Trip::SensorLost)));
+    assert_eq!(controller.request(OperatorRequest::Arm), Err(Refused::Cause(Trip::SensorLost)));
     controller.step(&good);
-    controller.request(Request::Arm).unwrap();
-    controller.request(Request::Trip).unwrap();
-    assert_eq!(controller.request(Request::Reset), Err(Refused::StillMoving(Trip::External)));
+    controller.request(OperatorRequest::Arm).unwrap();
+    controller.request(OperatorRequest::Trip).unwrap();
+    assert_eq!(controller.request(OperatorRequest::Reset), Err(Refused::StillMoving(Trip::External)));
     for _ in 0..60 {
         controller.step(&Sample { displacement: f32::NAN, ..good });
     }
-    controller.request(Request::Reset).unwrap();
-    assert_eq!(controller.request(Request::Arm), Err(Refused::Cause(Trip::SensorLost)));
+    controller.request(OperatorRequest::Reset).unwrap();
+    assert_eq!(controller.request(OperatorRequest::Arm), Err(Refused::Cause(Trip::SensorLost)));
     controller.step(&good);
-    assert_eq!(controller.request(Request::Arm), Ok(()));
+    assert_eq!(controller.request(OperatorRequest::Arm), Ok(()));
 }
 
 /// What a test asked for when it tripped is no longer asked for: the table that stands where it stopped, away from its
@@ -826,13 +823,13 @@ fn a_table_that_tripped_in_motion_can_be_armed_again() {
         let mut rig = Rig::running(&settings);
         rig.swing(3.4, |_| ());
         assert!(rig.tripped.is_none() && rig.table.v.abs() > 0.05);
-        rig.controller.request(Request::Trip).unwrap();
+        rig.controller.request(OperatorRequest::Trip).unwrap();
         for _ in 0..1000 {
             rig.tick(0.05, |_| ());
         }
         assert!((rig.table.x - 0.05).abs() > 0.025, "the reference is where the table stands");
-        rig.controller.request(Request::Reset).unwrap();
-        assert_eq!(rig.controller.request(Request::Arm), Ok(()), "{mode:?}");
+        rig.controller.request(OperatorRequest::Reset).unwrap();
+        assert_eq!(rig.controller.request(OperatorRequest::Arm), Ok(()), "{mode:?}");
         for _ in 0..1000 {
             let held = rig.tick(0.05, |_| ());
             assert_eq!((held.status.state, held.status.trip), (State::Ready, None), "{mode:?}");
@@ -846,16 +843,16 @@ fn a_cause_refuses_arming_at_every_tick() {
     let mut rig = Rig::running(&settings(Mode::Guard));
     let off = |sample: &mut Sample| sample.acceleration += 5.0;
     assert_eq!(rig.swing(3.0, off).status.state, State::Tripped);
-    rig.controller.request(Request::Reset).unwrap();
+    rig.controller.request(OperatorRequest::Reset).unwrap();
     for _ in 0..12 {
         rig.tick(0.0, off);
-        assert!(matches!(rig.controller.request(Request::Arm), Err(Refused::Cause(_))));
+        assert!(matches!(rig.controller.request(OperatorRequest::Arm), Err(Refused::Cause(_))));
     }
     // And no longer than it stands.
     for _ in 0..3000 {
         rig.tick(0.0, |_| ());
     }
-    assert_eq!(rig.controller.request(Request::Arm), Ok(()));
+    assert_eq!(rig.controller.request(OperatorRequest::Arm), Ok(()));
 }
 
 /// The hazards again with monitors deaf: each must then go unseen, or the tests above show nothing.

@@ -8,11 +8,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use serde_reflection::{Samples, Tracer, TracerConfig};
-use shakedown_core::Modification;
-use shakedown_core::control::InnerLoop;
-use shakedown_core::guard::{State, Trip};
-use shakedown_core::link::{Cause, Clock, RefusedBecause, Report, Request, Source, VERSION};
-use shakedown_core::settings::{Mode, ReferenceRates, VelocitySource};
+use shakedown_core::link::{Clock, HostRequest, RefusedBecause, Report, Source, StopCause, VERSION};
+use shakedown_core::settings::{InnerLoop, ReferenceRates, VelocitySource};
+use shakedown_core::{Mode, Modification, State, Trip};
 
 /// One line a type: its name, and every field or variant in order.
 fn shape() -> String {
@@ -22,8 +20,8 @@ fn shape() -> String {
         ($($kind:ty),*) => { $(tracer.trace_type::<$kind>(&samples).unwrap();)* };
     }
     // A type's own enums come first: one hidden in a field is seen with its first variant alone.
-    trace!(State, Trip, Cause, Clock, RefusedBecause, Source);
-    trace!(Mode, InnerLoop, Modification, ReferenceRates, VelocitySource, Request, Report);
+    trace!(State, Trip, StopCause, Clock, RefusedBecause, Source);
+    trace!(Mode, InnerLoop, Modification, ReferenceRates, VelocitySource, HostRequest, Report);
     let registry = tracer.registry().unwrap();
     registry.iter().fold(String::new(), |mut text, (name, format)| {
         let _ = writeln!(text, "{name}: {format:?}");

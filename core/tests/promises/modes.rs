@@ -1,8 +1,7 @@
 //! Wiring and modes: the hard-wired loop cancels, what passes through passes unchanged, and no change makes a bump.
 
 use proptest::prelude::*;
-use shakedown_core::control::InnerLoop;
-use shakedown_core::settings::{Gains, ValveSettings};
+use shakedown_core::settings::{Gains, InnerLoop, ValveSettings};
 use shakedown_core::{Controller, Mode, Modification, Sample, Settings};
 
 use crate::table::Table;

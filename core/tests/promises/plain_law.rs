@@ -5,8 +5,8 @@ use core::cmp::Ordering;
 use core::ops::{Add, Mul, Neg, Sub};
 
 use proptest::prelude::*;
-use shakedown_core::control::{Blocked, DisplacementLoop, DisplacementState, LoopGains};
-use shakedown_core::scalar::Scalar;
+use shakedown_core::blocks::Scalar;
+use shakedown_core::blocks::control::{Blocked, DisplacementLoop, DisplacementState, LoopGains};
 use shakedown_core::settings::Gains;
 use shakedown_core::{Controller, Sample, Settings};
 

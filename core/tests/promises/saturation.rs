@@ -1,9 +1,9 @@
 //! Velocity saturation is seen when it is there, at whatever limit it is, and not when it is not.
 
 use proptest::prelude::*;
-use shakedown_core::control::{Blocked, InnerLoop};
-use shakedown_core::saturation::{Detection, Detector, Evidence};
-use shakedown_core::settings::Gains;
+use shakedown_core::blocks::control::Blocked;
+use shakedown_core::blocks::guard::{Detector, Evidence};
+use shakedown_core::settings::{Detection, Gains, InnerLoop};
 use shakedown_core::{Controller, Mode, Modification, Sample, Settings};
 
 use crate::table::Table;

@@ -1,14 +1,10 @@
 //! Settings: refused as a whole, with the field, what was given and what is accepted.
 
 use proptest::prelude::*;
-use shakedown_core::control::TrackingSettings;
-use shakedown_core::control::tracking::NotchSettings;
-use shakedown_core::control::tracking::oil::OilSettings;
-use shakedown_core::control::tracking::pressure::PressureSettings;
-use shakedown_core::guard::envelope::ForceSettings;
-use shakedown_core::guard::{GuardSettings, InputSettings};
-use shakedown_core::saturation::Detection;
-use shakedown_core::settings::ReferenceRates;
+use shakedown_core::settings::{
+    Detection, ForceSettings, GuardSettings, InputSettings, NotchSettings, OilSettings, PressureSettings,
+    ReferenceRates, TrackingSettings,
+};
 use shakedown_core::{Controller, Modification, Settings, SettingsError};
 
 type Field = (&'static str, fn(&mut Settings) -> &mut f32);
@@ -260,8 +256,8 @@ proptest! {
             *field *= libm::exp10f(exponent);
         }
         if let Ok(mut controller) = Controller::new(&settings) {
-            let _ = controller.request(shakedown_core::Request::Arm);
-            let _ = controller.request(shakedown_core::Request::Start);
+            let _ = controller.request(shakedown_core::OperatorRequest::Arm);
+            let _ = controller.request(shakedown_core::OperatorRequest::Start);
             for k in 0..100 {
                 let reference = 0.1 * libm::sinf(k as f32 * 0.1);
                 let command = controller.step(&shakedown_core::Sample::new(reference, -reference, 5.0 * reference));

@@ -1,15 +1,11 @@
 //! The tracking law: each part against its closed form, and the whole against any input.
 
 use proptest::prelude::*;
-use shakedown_core::control::tracking::flow::{FlowMap, FlowSettings, FlowState};
-use shakedown_core::control::tracking::oil::OilSettings;
-use shakedown_core::control::tracking::pressure::PressureSettings;
-use shakedown_core::control::tracking::trajectory::{History, Stencil};
-use shakedown_core::control::tracking::valve::{Valve, ValveState};
-use shakedown_core::control::tracking::{NotchSettings, Seen, Surroundings};
-use shakedown_core::control::{TrackingSettings, TrackingState};
-use shakedown_core::filter::{MotionObserver, MotionState};
-use shakedown_core::settings::Gains;
+use shakedown_core::blocks::filter::{MotionObserver, MotionState};
+use shakedown_core::blocks::tracking::{
+    FlowMap, FlowState, History, Stencil, Surroundings, TrackingInput, TrackingState, Valve, ValveState,
+};
+use shakedown_core::settings::{FlowSettings, Gains, NotchSettings, OilSettings, PressureSettings, TrackingSettings};
 use shakedown_core::{Channels, Controller, Sample, Settings, SettingsError};
 
 use crate::table::any_sample;
@@ -220,8 +216,8 @@ fn a_law_without_feedback_takes_over_at_rest() {
     let around = Surroundings { dt: DT, valve: [2.4, 0.017], command_limit: 10.0, velocity_limit: 0.242 };
     let law = TrackingSettings { bandwidth: 0.0, ..TrackingSettings::default() }.law(&around).unwrap();
     let mut state = TrackingState::at(0.0);
-    law.meet(&mut state);
-    assert_eq!(law.advance(&mut state, &Seen::default()), 0.0);
+    law.adapt_state(&mut state);
+    assert_eq!(law.advance(&mut state, &TrackingInput::default()), 0.0);
 }
 
 /// Eight ticks of spacing and fifteen of delay reach as far back as the history goes.

@@ -1,8 +1,7 @@
 //! Wiring: what a code stands for, what no converter can have, and a device that does not run without a guard.
 
-use shakedown_core::control::InnerLoop;
-use shakedown_core::guard::GuardSettings;
 use shakedown_core::link::{Scale, Setup, SetupError, Source, Wiring};
+use shakedown_core::settings::{GuardSettings, InnerLoop};
 use shakedown_core::{Mode, Settings, SettingsError};
 
 fn setup() -> Setup {

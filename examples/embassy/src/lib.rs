@@ -4,8 +4,8 @@
 #[cfg(test)]
 mod tests;
 
-use shakedown_core::guard::GuardSettings;
-use shakedown_core::{Controller, Modification, Relay, Request, Sample, Settings, SettingsError, State};
+use shakedown_core::settings::GuardSettings;
+use shakedown_core::{Controller, Modification, OperatorRequest, Relay, Sample, Settings, SettingsError, State};
 
 /// Control rate, Hz.
 pub const RATE: u64 = 1000;
@@ -44,10 +44,10 @@ impl Table {
         let state = command.status.state;
         self.released = state != State::Tripped && (self.released || !key);
         let wanted = match (key, state) {
-            (true, State::Off) if self.released => Some(Request::Arm),
-            (true, State::Ready) => Some(Request::Start),
-            (false, State::Running) => Some(Request::Stop),
-            (false, State::Ready) => Some(Request::Off),
+            (true, State::Off) if self.released => Some(OperatorRequest::Arm),
+            (true, State::Ready) => Some(OperatorRequest::Start),
+            (false, State::Running) => Some(OperatorRequest::Stop),
+            (false, State::Ready) => Some(OperatorRequest::Off),
             _ => None,
         };
         // Refused: asked again at the next tick.

@@ -2,9 +2,8 @@
 //! trait of its own, no RTIC, no allocator. It shows that the core needs nothing but numbers in and numbers out.
 #![no_std]
 
-use shakedown_core::guard::GuardSettings;
-use shakedown_core::saturation::Detection;
-use shakedown_core::{Controller, Modification, Relay, Request, Sample, Settings, SettingsError, State};
+use shakedown_core::{Controller, Modification, OperatorRequest, Relay, Sample, Settings, SettingsError, State};
+use shakedown_core::settings::{Detection, GuardSettings};
 
 /// Metres per volt of the LVDT and of the reference, and of the output.
 const STROKE_PER_VOLT: f32 = 0.0125;
@@ -64,10 +63,10 @@ impl<B: Board> Table<B> {
         let (key, state) = (self.board.key(), command.status.state);
         self.released = state != State::Tripped && (self.released || !key);
         let wanted = match (key, state) {
-            (true, State::Off) if self.released => Some(Request::Arm),
-            (true, State::Ready) => Some(Request::Start),
-            (false, State::Running) => Some(Request::Stop),
-            (false, State::Ready) => Some(Request::Off),
+            (true, State::Off) if self.released => Some(OperatorRequest::Arm),
+            (true, State::Ready) => Some(OperatorRequest::Start),
+            (false, State::Running) => Some(OperatorRequest::Stop),
+            (false, State::Ready) => Some(OperatorRequest::Off),
             _ => None,
         };
         if let Some(request) = wanted {

@@ -4,9 +4,8 @@
 //! A board's timer calls [`Axis::tick`] a thousand times a second and sends the pulses it returns, evenly, within the tick.
 #![no_std]
 
-use shakedown_core::guard::{EnvelopeSettings, GuardSettings};
-use shakedown_core::settings::{Mode, ObserverSettings};
-use shakedown_core::{Controller, Modification, Relay, Request, Sample, Settings, SettingsError, State};
+use shakedown_core::settings::{EnvelopeSettings, GuardSettings, Mode, ObserverSettings};
+use shakedown_core::{Controller, Modification, OperatorRequest, Relay, Sample, Settings, SettingsError, State};
 
 /// Control rate, Hz.
 pub const RATE: f32 = 1000.0;
@@ -69,10 +68,10 @@ impl Axis {
         self.counted += steps;
         self.released = state != State::Tripped && (self.released || !key);
         let wanted = match (key, state) {
-            (true, State::Off) if self.released => Some(Request::Arm),
-            (true, State::Ready) => Some(Request::Start),
-            (false, State::Running) => Some(Request::Stop),
-            (false, State::Ready) => Some(Request::Off),
+            (true, State::Off) if self.released => Some(OperatorRequest::Arm),
+            (true, State::Ready) => Some(OperatorRequest::Start),
+            (false, State::Running) => Some(OperatorRequest::Stop),
+            (false, State::Ready) => Some(OperatorRequest::Off),
             _ => None,
         };
         if let Some(request) = wanted {

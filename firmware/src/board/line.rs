@@ -135,7 +135,7 @@ pub(crate) fn sent() {
     wake();
 }
 
-/// Has the desk look at its queues.
+/// Has the server look at its queues.
 #[inline]
 pub(crate) fn wake() {
     rtic::pend(Interrupt::USART3);

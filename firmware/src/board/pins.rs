@@ -6,7 +6,7 @@ use stm32f4xx_hal::{
     rcc::{Enable, Rcc},
 };
 
-use shakedown_core::link::Cause;
+use shakedown_core::link::StopCause;
 
 /// Relay, emergency stop and supply monitor.
 pub(crate) struct Pins {
@@ -51,13 +51,13 @@ impl Pins {
 }
 
 /// A cause of a trip that stands on the inputs now.
-pub(crate) fn standing_cause() -> Option<Cause> {
+pub(crate) fn standing_cause() -> Option<StopCause> {
     // SAFETY: both registers are read only.
     let (stop, power) = unsafe { (stm32f4xx_hal::pac::GPIOB::steal(), PWR::steal()) };
     if stop.idr().read().bits() & 1 << 1 != 0 {
-        Some(Cause::EmergencyStop)
+        Some(StopCause::EmergencyStop)
     } else if power.csr().read().pvdo().bit_is_set() {
-        Some(Cause::SupplyLow)
+        Some(StopCause::SupplyLow)
     } else {
         None
     }

@@ -1,10 +1,10 @@
-//! Orders and ticks in every order that chance finds: whatever the desk was told and when, nothing that needs an open relay
+//! Orders and ticks in every order that chance finds: whatever the server was told and when, nothing that needs an open relay
 //! happens with a closed one, and every request has one answer.
 use super::*;
 use crate::defaults;
-use crate::desk::{Action, Desk, Seen};
+use crate::link_server::{Action, LinkServer, LoopStatus};
 use crate::queues::Queues;
-use shakedown_core::link::{Challenge, Clock, Report, Request as Asked, answer};
+use shakedown_core::link::{Challenge, Clock, HostRequest as Asked, Report, answer};
 
 const RUNS: u64 = 10_000;
 const STEPS: usize = 40;
@@ -33,10 +33,10 @@ struct Count {
 }
 
 struct Device<'a> {
-    decide: Loop<'a>,
-    desk: Desk<'a>,
+    decide: ControlLoop<'a>,
+    server: LinkServer<'a>,
     /// What the loop published when it last told anyone.
-    published: Standing,
+    published: TestStatus,
     challenge: Challenge,
     owed: u32,
     count: &'a mut Count,
@@ -54,8 +54,11 @@ impl Device<'_> {
             self.count.rewired += 1;
         }
         self.count.armed += u32::from(after.0 && !before.0);
-        if !self.desk.waits() {
-            assert!(after.1.same_board(&Wires::new(self.desk.setup())), "the desk holds another setup for taken");
+        if !self.server.waits() {
+            assert!(
+                after.1.same_board(&InputScaling::new(self.server.setup())),
+                "the server holds another setup for taken"
+            );
         }
     }
 
@@ -64,8 +67,8 @@ impl Device<'_> {
         let sensitive = matches!(request, Asked::Save | Asked::WriteSetup(_));
         self.count.closed_at_request += u32::from(sensitive && self.decide.relay());
         let (ticks, dropped) = self.decide.counts();
-        let seen = Seen { standing: self.published, ticks, dropped, cause: None };
-        let action = self.desk.take(request, seen, self.desk.milliseconds(ticks));
+        let seen = LoopStatus { standing: self.published, ticks, dropped, cause: None };
+        let action = self.server.take(request, seen, self.server.milliseconds(ticks));
         self.act(action, dice);
     }
 
@@ -85,7 +88,7 @@ impl Device<'_> {
                     self.tick(Events::default());
                     assert_eq!(self.decide.controller.relay(), Relay::Open, "closed while its proof was lent");
                 }
-                self.desk.saved(proof, true)
+                self.server.saved(proof, true)
             }
         };
         self.owed -= 1;
@@ -98,11 +101,11 @@ impl Device<'_> {
 
     /// What the link does when it is woken: hears the loop, and then the host while it waits for nothing.
     fn serve(&mut self, dice: &mut Dice) {
-        if let Some(action) = self.desk.heed() {
+        if let Some(action) = self.server.heed() {
             self.act(action, dice);
         }
         for _ in 0..=dice.below(3) {
-            if !self.desk.waits() {
+            if !self.server.waits() {
                 let request = self.any(dice);
                 self.request(request, dice);
             }
@@ -133,11 +136,11 @@ fn setup(rate: f32, zero: f32) -> Setup {
 
 fn interleave(seed: u64, count: &mut Count) {
     let (mut queues, mut dice) = (Queues::new(), Dice(seed));
-    let (loop_end, desk_end) = queues.split();
-    let decide = Loop::new(&defaults::setup(), loop_end, false).unwrap();
-    let desk = Desk::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, seed, desk_end);
+    let (loop_end, server_end) = queues.split();
+    let decide = ControlLoop::new(&defaults::setup(), loop_end, false).unwrap();
+    let server = LinkServer::new(defaults::setup(), false, Clock::Crystal, defaults::LIMITS, seed, server_end);
     let published = decide.standing();
-    let mut device = Device { decide, desk, published, challenge: Challenge(0), owed: 0, count };
+    let mut device = Device { decide, server, published, challenge: Challenge(0), owed: 0, count };
     device.tick(Events::default());
     for _ in 0..STEPS {
         match dice.below(8) {
@@ -149,7 +152,7 @@ fn interleave(seed: u64, count: &mut Count) {
     }
     for _ in 0..8 {
         device.tick(Events::default());
-        if let Some(action) = device.desk.heed() {
+        if let Some(action) = device.server.heed() {
             device.act(action, &mut dice);
         }
     }

@@ -1,25 +1,25 @@
-//! What the desk orders, carried out between two ticks, and what comes of it.
+//! What the server orders, carried out between two ticks, and what comes of it.
 
-use shakedown_core::link::Cause;
-use shakedown_core::{Refused, Relay, Request, State};
+use shakedown_core::link::StopCause;
+use shakedown_core::{OperatorRequest, Refused, Relay, State};
 
-use super::{Loop, OpenRelay, round};
-use crate::queues::{Order, Verdict};
-use crate::wires::Wires;
+use super::{ControlLoop, OpenRelay, round};
+use crate::input_scaling::InputScaling;
+use crate::queues::{LoopCommand, Verdict};
 
-impl Loop<'_> {
+impl ControlLoop<'_> {
     /// Carries out one order, unless the relay's proof is lent. Returns whether there is a new setup.
     #[inline(never)]
-    pub(super) fn obey(&mut self) -> bool {
+    pub(super) fn apply_commands(&mut self) -> bool {
         if self.lent {
             self.lent = self.queues.returned.dequeue().is_none();
             return false;
         }
         match self.queues.orders.dequeue() {
-            Some(Order::TakeSetup) => return self.take_setup(),
-            Some(Order::Lend) => self.lend(),
-            Some(Order::Ask(request)) => self.ask(request),
-            Some(Order::Probe(code)) => self.probe = code,
+            Some(LoopCommand::TakeSetup) => return self.take_setup(),
+            Some(LoopCommand::Lend) => self.lend(),
+            Some(LoopCommand::Ask(request)) => self.ask(request),
+            Some(LoopCommand::Probe(code)) => self.probe = code,
             None => {}
         }
         false
@@ -37,7 +37,7 @@ impl Loop<'_> {
         self.lent = self.say(verdict) && lends;
     }
 
-    /// Exchanges the setup that waits, from where it lies: a copy would cost the stack. It was worked out by the desk.
+    /// Exchanges the setup that waits, from where it lies: a copy would cost the stack. It was worked out by the server.
     #[inline(never)]
     fn take_setup(&mut self) -> bool {
         let open = self.open_relay();
@@ -64,13 +64,13 @@ impl Loop<'_> {
     }
 
     /// Changes what the codes mean and how fast the ticks come: never with oil behind the valve.
-    fn rewire(&mut self, wires: Wires, rate: f32, _: &OpenRelay) {
+    fn rewire(&mut self, wires: InputScaling, rate: f32, _: &OpenRelay) {
         self.wires = wires;
         self.rate = rate;
         self.round = round(rate);
     }
 
-    /// Tells the desk, and has it woken in this tick. Returns whether there was room.
+    /// Tells the server, and has it woken in this tick. Returns whether there was room.
     fn say(&mut self, verdict: Verdict) -> bool {
         self.told = u16::MAX;
         let (ticks, _) = self.counts();
@@ -78,17 +78,19 @@ impl Loop<'_> {
         self.queues.verdicts.enqueue(verdict).is_ok()
     }
 
-    fn ask(&mut self, request: Request) {
+    fn ask(&mut self, request: OperatorRequest) {
         self.probe = None;
         match self.controller.request(request) {
             Ok(()) => {
-                self.blame((request == Request::Trip).then_some(Cause::Asked));
-                if matches!(request, Request::Arm | Request::Stop) {
+                self.attribute_trip((request == OperatorRequest::Trip).then_some(StopCause::Asked));
+                if matches!(request, OperatorRequest::Arm | OperatorRequest::Stop) {
                     while self.queues.points.dequeue().is_some() {}
                 }
             }
             // A trip that stands has its cause already.
-            Err(Refused::Cause(trip)) if self.controller.state() == State::Off => self.blame(Some(Cause::Guard(trip))),
+            Err(Refused::Cause(trip)) if self.controller.state() == State::Off => {
+                self.attribute_trip(Some(StopCause::Guard(trip)));
+            }
             Err(_) => {}
         }
     }

@@ -41,7 +41,7 @@ pub struct Outcome {
 
 /// What there is to do beside output and relay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct News {
+pub struct Notifications {
     /// There is a new setup.
     pub new_setup: bool,
     /// The others are to be told: the standing is another than in the last tick, or they have not heard for a while.

@@ -1,7 +1,7 @@
 //! The tick.
 
 use shakedown_firmware::converters::Converters;
-use shakedown_firmware::{Codes, Events, Loop, Outcome};
+use shakedown_firmware::{Codes, ControlLoop, Events, Outcome};
 
 use crate::board::{
     converters, converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog,
@@ -10,7 +10,7 @@ use crate::board::{
 /// What the tick owns.
 pub(crate) struct Control {
     /// What decides.
-    pub(crate) decide: &'static mut Loop<'static>,
+    pub(crate) decide: &'static mut ControlLoop<'static>,
     /// Inputs and output.
     pub(crate) converters: OnChip,
     /// Relay, emergency stop, supply.
@@ -30,7 +30,7 @@ impl Control {
             return self.tick_noticing(failed);
         }
         let outcome = self.decide.tick_with(Codes::of(converters::sampled), Events::default());
-        self.attend(outcome);
+        self.housekeeping(outcome);
     }
 
     /// A tick whose sample the converter lost: it is set up again, and the loop is told.
@@ -50,7 +50,7 @@ impl Control {
         }
         let inputs = Codes::of(|input| if no_sample { 0 } else { converters::sampled(input) });
         let outcome = self.decide.tick_with(inputs, events);
-        self.attend(outcome);
+        self.housekeeping(outcome);
     }
 
     /// The code goes out.
@@ -63,7 +63,7 @@ impl Control {
     }
 
     /// The same, and what follows now and then. The first tick is news, so that the output is out from then on.
-    fn attend(&mut self, outcome: Outcome) {
+    fn housekeeping(&mut self, outcome: Outcome) {
         self.put(outcome.output);
         if outcome.news {
             self.pins.set_relay(self.decide.relay());

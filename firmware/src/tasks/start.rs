@@ -4,7 +4,7 @@ use cortex_m::{Peripherals, singleton};
 use defmt_rtt as _;
 use shakedown_core::link::{Assembler, Setup};
 use shakedown_firmware::queues::{LoopEnd, Queues};
-use shakedown_firmware::{Desk, Loop, defaults, store};
+use shakedown_firmware::{ControlLoop, LinkServer, defaults, store};
 use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
 
 use super::{control::Control, link::Link};
@@ -40,13 +40,13 @@ pub(crate) fn start(
     let converters = OnChip::new(device.ADC1, &device.ADC_COMMON, device.DAC, device.DMA2, &mut rcc);
     let line = Line::new(device.USART3, device.DMA1, &mut rcc);
     let ticker = Ticker::new(device.TIM2, setup.control.rate as u32, &mut rcc);
-    let (loop_end, desk_end) = queues.split();
+    let (loop_end, server_end) = queues.split();
     let decide = place_loop(&setup, loop_end);
     failure::prepare(decide.zero_flow());
     let Ok(()) = decide.begin(&setup, restarted) else { failure::park() };
     let entropy = entropy::gather(&device.RNG, &mut core.DCB, &mut core.DWT, &mut rcc);
-    let desk = Desk::new(setup, stored, clock, defaults::LIMITS, entropy, desk_end);
-    let link = place_link(desk, line, flash);
+    let server = LinkServer::new(setup, stored, clock, defaults::LIMITS, entropy, server_end);
+    let link = place_link(server, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
     let control = Control { decide, converters, pins, ticker, watchdog };
     control.ticker.start();
@@ -65,13 +65,13 @@ fn stored_or_default(flash: &Flash) -> (Setup, bool) {
 /// Puts the loop where it stays. Every large thing is made by a function of its own: what one of them needs of the stack
 /// the others need not have free.
 #[inline(never)]
-fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut Loop<'static> {
-    singleton!(: Loop<'static> = Loop::wired(setup, queues)).unwrap_or_else(|| failure::park())
+fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut ControlLoop<'static> {
+    singleton!(: ControlLoop<'static> = ControlLoop::wired(setup, queues)).unwrap_or_else(|| failure::park())
 }
 
 /// Puts the link where it stays.
 #[inline(never)]
-fn place_link(desk: Desk<'static>, line: Line, flash: Flash) -> &'static mut Link {
-    let link = singleton!(: Link = Link { desk, line, flash, assembler: Assembler::new(), answer: None });
+fn place_link(server: LinkServer<'static>, line: Line, flash: Flash) -> &'static mut Link {
+    let link = singleton!(: Link = Link { server, line, flash, assembler: Assembler::new(), answer: None });
     link.unwrap_or_else(|| failure::park())
 }

@@ -16,11 +16,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   shakedown bench --records DIR --report bench.html
-  shakedown bench --records DIR --figures               the held figures alone
+  shakedown bench --records DIR --figures               only figures with acceptance limits
   shakedown bench --tables paper,oil                    two tables, generated records
 
 DIR holds the PEER files of El Centro (IELC180), Kobe (KJM000) and Taft (TAF021); what is
-missing is left out, and the held figures need the first two. Three generated records are
+missing is left out, and the figures with acceptance limits need the first two. Three generated records are
 always there.")]
 pub(crate) struct Args {
     /// Folder with records.
@@ -29,7 +29,7 @@ pub(crate) struct Args {
     /// Only these tables.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = PossibleValuesParser::new(TABLES))]
     tables: Option<Vec<String>>,
-    /// The held figures alone.
+    /// Only figures with acceptance limits.
     #[arg(long, requires = "records")]
     figures: bool,
     #[command(flatten)]
@@ -100,7 +100,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     args.outputs.write_report(&mut page, &played.inputs)
 }
 
-/// The held figures, where their two records are there.
+/// The figures with acceptance limits, where their two records are there.
 fn held(played: &Played, args: &Args) -> Result<Vec<Figure>, Failure> {
     let find = |name: &str| played.cases.iter().find(|case| case.name == name);
     let (Some(el_centro), Some(kobe)) = (find(FILES[0].0), find(FILES[1].0)) else {
@@ -108,7 +108,7 @@ fn held(played: &Played, args: &Args) -> Result<Vec<Figure>, Failure> {
         let need = "no file of El Centro and Kobe: --figures needs files whose names hold IELC180 and KJM000";
         return Err(Failure::Input(format!("{}: {need}", folder.display())));
     };
-    let spinner = progress::spinner("held figures".into());
+    let spinner = progress::spinner("figures with acceptance limits".into());
     let found = figures::all(&Records { el_centro, kobe }).map_err(|e| Failure::Work(format!("bench: {e}")));
     spinner.finish_and_clear();
     found

@@ -1,4 +1,4 @@
-//! `shakedown demo`: the main job on data the project brings.
+//! `shakedown demo`: guided demo on built-in data.
 
 mod concealed;
 

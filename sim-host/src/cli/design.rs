@@ -105,7 +105,7 @@ fn page(found: &Design, args: &Args, section: Section) -> Page {
     Page {
         title: "Design".into(),
         lead: format!(
-            "Feedback of {bandwidth:.1} Hz and disturbances undone up to {disturbance:.0} Hz keep the margins asked for, {} dB and {} degrees, \
+            "Feedback of {bandwidth:.1} Hz and disturbance rejection up to {disturbance:.0} Hz keep the margins asked for, {} dB and {} degrees, \
              in the worst corner of the model's uncertainty.",
             args.gain_margin, args.phase_margin
         ),
@@ -124,7 +124,7 @@ fn section(found: &Design, demand: &Demand, unused: &[String]) -> Section {
     let (bandwidth, disturbance) = frequencies(found);
     let s = demand.spread;
     let text = format!(
-        "Feedback of {bandwidth:.1} Hz, disturbances undone up to {disturbance:.0} Hz. Uncertainty each way: gain {:.0} %, \
+        "Feedback of {bandwidth:.1} Hz, disturbance rejection up to {disturbance:.0} Hz. Uncertainty each way: gain {:.0} %, \
          pole {:.0} %, mass {:.0} %, supply {:.0} %; {} points looked at. Of a motion's acceleration, the uncertainty is \
          expected to cost {:.1} % in the worst corner and the sensors' noise {:.1} % below 15 Hz.",
         100.0 * s.gain,

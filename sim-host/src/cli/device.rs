@@ -10,7 +10,7 @@ use super::{Failure, described};
 use clap::Subcommand;
 use serde_json::json;
 use shakedown::device::{Port, Session, SessionError};
-use shakedown_core::link::{Report, Request};
+use shakedown_core::link::{HostRequest, Report};
 use std::path::PathBuf;
 
 /// Talks to a device over its serial line: setup, a record, telemetry, commissioning.
@@ -40,13 +40,13 @@ pub(crate) struct Args {
 enum Action {
     /// Serial ports that a device may be on.
     List(Outputs),
-    /// Who it is and how it fares.
+    /// Shows device identity and health.
     Status(Outputs),
     /// Reads its setup, as TOML.
     Get(setup::Get),
     /// Writes a setup, whole or not at all.
     Set(setup::Set),
-    /// Runs a test, streamed or of what stands at the converter; its telemetry is a recording that `diagnose` reads.
+    /// Runs a test, streamed or from the analogue input; its telemetry is a recording that `diagnose` reads.
     Run(record::Run),
     /// Saves telemetry without a run.
     Listen(record::Listen),
@@ -84,8 +84,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Action::Set(set) => set.run(&mut session),
         Action::Run(run) => run.run(&mut session),
         Action::Listen(listen) => listen.run(&mut session),
-        Action::Stop => session.order(&Request::Stop).map_err(failed),
-        Action::Trip => session.order(&Request::Trip).map_err(failed),
+        Action::Stop => session.order(&HostRequest::Stop).map_err(failed),
+        Action::Trip => session.order(&HostRequest::Trip).map_err(failed),
         Action::Commission(walk) => walk.run(&mut session),
     }
 }
@@ -121,8 +121,8 @@ fn failed(error: SessionError) -> Failure {
 }
 
 fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure> {
-    let identity =
-        session.ask(&Request::Identify, |report| if let Report::Identity(who) = report { Some(*who) } else { None });
+    let identity = session
+        .ask(&HostRequest::Identify, |report| if let Report::Identity(who) = report { Some(*who) } else { None });
     let identity = identity.map_err(failed)?;
     let vitals = session.vitals().map_err(failed)?;
     let [major, minor, patch] = identity.firmware;
@@ -145,7 +145,7 @@ fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure>
         ("setup", stored.to_owned()),
         ("highest control rate [Hz]", identity.highest_rate.to_string()),
     ];
-    outputs.write_report(&mut page::facts("Device", "Who the device is, and how it fares.", &said), &[])?;
+    outputs.write_report(&mut page::facts("Device", "Device identity and health.", &said), &[])?;
     if !outputs.quiet() {
         print(&format!(
             "firmware {firmware}, {:?}{}\n{} ticks since its reset; {} records of telemetry dropped, {} frames garbled\nsetup: {}\n",

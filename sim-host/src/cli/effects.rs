@@ -12,7 +12,7 @@ use shakedown::report::{Item, Page, Section, Table};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The library of effects: equation, parameters, signature, what it is mistaken for, the test that tells.
+/// The library of effects: equation, parameters, signature, similar effects, the test that separates them.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   shakedown effects                        the whole library

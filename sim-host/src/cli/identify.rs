@@ -1,4 +1,4 @@
-//! `shakedown identify`: fits a model to recordings, with error bars, and judges it on the runs held back.
+//! `shakedown identify`: fits a model to recordings, with error bars, and judges it on the hold-out runs.
 
 mod page;
 mod transfer;
@@ -11,7 +11,7 @@ use shakedown::identify::outcome::{IdentifyError, identify};
 use shakedown::recording::Experiment;
 use std::path::PathBuf;
 
-/// Fits the parameters an experiment lists in `fit`, with intervals, and judges the model on runs held back.
+/// Fits the parameters an experiment lists in `fit`, with intervals, and judges the model on hold-out runs.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   shakedown identify experiment.toml

@@ -14,7 +14,7 @@ use std::process::Command;
   shakedown replay --elf target/thumbv7em-none-eabihf/firmware/shakedown-firmware --report replay.html
   shakedown replay --elf image.elf --mode guard --json -
 
-The emulator comes by itself: cargo install --path tests/replay --ignore-rust-version")]
+The emulator is a separate program: cargo install --path tests/replay --ignore-rust-version")]
 pub(crate) struct Args {
     /// What `shakedown-replay` takes; `shakedown-replay --help` lists it.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "WORDS")]

@@ -19,7 +19,7 @@ use shakedown::motion::fit::FitError;
 use shakedown::motion::fit::named::{Fit, PREVIEW};
 use shakedown::motion::metrics::Indices;
 use shakedown::plant::sensors::{GRAVITY, SensorModel};
-use shakedown_core::settings::Modification;
+use shakedown_core::Modification;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -43,7 +43,7 @@ A scenario names all of this in a file:
   [sensors]
   displacement_step = 4e-5")]
 pub(crate) struct Args {
-    /// The test as a file; what stands on the command line goes before it.
+    /// The test as a file; command-line options override it.
     #[arg(value_name = "SCENARIO.toml")]
     scenario: Option<PathBuf>,
     #[command(flatten)]

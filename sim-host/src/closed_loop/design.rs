@@ -15,7 +15,7 @@ pub use table::{Corner, Spread, Table, TableError};
 use super::margin::{Margins, margins};
 use super::{Clock, ClosedLoopError};
 use rayon::prelude::*;
-use shakedown_core::control::TrackingSettings;
+use shakedown_core::settings::TrackingSettings;
 use shakedown_core::{Controller, Settings};
 
 /// What a design must keep.
@@ -183,7 +183,7 @@ pub fn design(table: &Table, demand: &Demand, mut tried: impl FnMut(f64, f64)) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shakedown_core::control::tracking::pressure::PressureSettings;
+    use shakedown_core::settings::PressureSettings;
 
     fn oil() -> Table {
         Table { oil: Some((12.0, 0.05)), ..Table::default() }

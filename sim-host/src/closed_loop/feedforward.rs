@@ -10,7 +10,7 @@ use super::{Actuation, Clock, ClosedLoopError, Law, Measured, PlainPi, Trace, na
 use crate::plant::Plant;
 use crate::plant::paper::{FixedStep, Paper};
 use crate::plant::sensors::{SensorModel, Sensors};
-use shakedown_core::control::InnerLoop;
+use shakedown_core::settings::InnerLoop;
 use shakedown_core::{Controller, Settings};
 
 /// A plant inside its hard-wired displacement loop; its command is the loop's reference, m.

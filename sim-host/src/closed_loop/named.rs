@@ -2,8 +2,8 @@
 
 use super::design::Table;
 use super::published::{Gains, Named};
-use shakedown_core::Settings;
-use shakedown_core::settings::{self, Modification, VelocitySource};
+use shakedown_core::settings::{self, VelocitySource};
+use shakedown_core::{Modification, Settings};
 
 /// Name of the tracking law, set for the paper's table.
 pub const TRACKING: &str = "tracking";

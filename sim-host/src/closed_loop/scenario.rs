@@ -32,8 +32,7 @@ use crate::motion::fit::named::Fit;
 use crate::plant::paper::Paper;
 use crate::plant::sensors::SensorModel;
 use serde::Deserialize;
-use shakedown_core::Settings;
-use shakedown_core::settings::Modification;
+use shakedown_core::{Modification, Settings};
 use std::path::{Path, PathBuf};
 
 /// A closed-loop test.

@@ -7,8 +7,7 @@ use crate::motion::Motion;
 use crate::motion::fit::method::{Method, modify};
 use crate::motion::fit::{FitError, Limits, Norm};
 use crate::plant::sensors::SensorModel;
-use shakedown_core::Settings;
-use shakedown_core::settings::Modification;
+use shakedown_core::{Modification, Settings};
 
 /// One way to run the test.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -90,7 +90,7 @@ impl Recorded {
     }
 }
 
-/// Amplitudes of the runs to fit and of the one held back, m.
+/// Amplitudes of the runs to fit and of the hold-out run, m.
 const AMPLITUDES: [(f64, &str); 4] = [(0.005, "fit"), (0.02, "fit"), (0.075, "fit"), (0.04, "holdout")];
 
 /// Why nothing was written.

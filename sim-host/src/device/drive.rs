@@ -2,11 +2,13 @@
 //!
 //! `identify, setup, clear trip, challenge, arm, fill the buffer, start, stream, wait for the stand, disarm`. One request is under
 //! way at a time and is repeated when no answer comes; the stream goes back to the point that the device wants next, so a
-//! lost or garbled frame costs time and never a point. Where the reference, or an existing controller's command, stands at the
+//! lost or garbled frame costs time and never a point. Where the reference, or an existing controller's command, is at the
 //! converter there is nothing to stream: the run is attended for its time, and then stopped.
 
 use shakedown_core::State;
-use shakedown_core::link::{Cause, MAX_POINTS, Points, RefusedBecause, Report, Request, Setup, Vitals, answer};
+use shakedown_core::link::{
+    DeviceHealth, HostRequest, MAX_POINTS, Points, RefusedBecause, Report, Setup, StopCause, answer,
+};
 
 use super::{Row, Talker, Telemetry};
 
@@ -30,7 +32,7 @@ const PREFILL: u32 = 768;
 enum Play {
     /// A record through the link, m, one point a tick.
     Streamed(Vec<f32>),
-    /// What stands at the converter, for so long, ms.
+    /// The analogue input, for so long, ms.
     Attended(u64),
 }
 
@@ -57,7 +59,7 @@ impl Drive {
         Self { setup, ..Self::playing(Play::Streamed(record)) }
     }
 
-    /// A test of what stands at the device's converter, for `time`, ms; `setup` is written first where given.
+    /// A test from the device's analogue input, for `time`, ms; `setup` is written first where given.
     pub fn attended(setup: Option<Setup>, time: u64) -> Self {
         Self { setup, ..Self::playing(Play::Attended(time)) }
     }
@@ -158,28 +160,28 @@ impl Drive {
     }
 
     /// What this step asks.
-    fn request(&self) -> Option<Request> {
+    fn request(&self) -> Option<HostRequest> {
         Some(match self.step {
-            Step::Identify => Request::Identify,
-            Step::Setup => self.setup.map_or(Request::ReadSetup, Request::WriteSetup),
-            Step::Vitals | Step::Attend(_) | Step::Stand => Request::ReadVitals,
-            Step::ClearTrip => Request::ClearTrip,
-            Step::Challenge => Request::RequestArming,
-            Step::Arm(answer) => Request::Arm(answer),
-            Step::Start => Request::Start,
-            Step::Stop => Request::Stop,
-            Step::Disarm => Request::Disarm,
+            Step::Identify => HostRequest::Identify,
+            Step::Setup => self.setup.map_or(HostRequest::ReadSetup, HostRequest::WriteSetup),
+            Step::Vitals | Step::Attend(_) | Step::Stand => HostRequest::ReadVitals,
+            Step::ClearTrip => HostRequest::ClearTrip,
+            Step::Challenge => HostRequest::RequestArming,
+            Step::Arm(answer) => HostRequest::Arm(answer),
+            Step::Start => HostRequest::Start,
+            Step::Stop => HostRequest::Stop,
+            Step::Disarm => HostRequest::Disarm,
             Step::Fill | Step::Stream => self.points(),
             Step::Done => return None,
         })
     }
 
-    fn points(&self) -> Request {
+    fn points(&self) -> HostRequest {
         let record = self.record();
         let from = self.wanted as usize;
         let to = record.len().min(from + (self.room.max(1) as usize).min(MAX_POINTS));
         let points = heapless::Vec::from_slice(record.get(from..to).unwrap_or_default()).unwrap_or_default();
-        Request::Reference(Points { first: self.wanted, points, last: to == record.len() })
+        HostRequest::Reference(Points { first: self.wanted, points, last: to == record.len() })
     }
 
     fn record(&self) -> &[f32] {
@@ -237,11 +239,11 @@ impl Drive {
     }
 
     /// The device says where it stands: the answer to a question, or because it changed.
-    fn vitals(&mut self, step: Step, vitals: Vitals) {
+    fn vitals(&mut self, step: Step, vitals: DeviceHealth) {
         use Step::{Arm, Attend, Challenge, Disarm, Done, Fill, Stand, Start, Stop, Stream};
         let moving = matches!(step, Fill | Start | Stream | Attend(_) | Stop | Stand | Disarm);
-        let stopped = |cause: Option<Cause>| {
-            let cause = cause.unwrap_or(Cause::Asked);
+        let stopped = |cause: Option<StopCause>| {
+            let cause = cause.unwrap_or(StopCause::Asked);
             DriveError::Stopped { cause, tick: vitals.ticks }
         };
         match (step, vitals.state) {

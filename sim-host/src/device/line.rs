@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use shakedown_core::link::{Assembler, LinkError, MAX_FRAME, Report, Request, encode};
+use shakedown_core::link::{Assembler, HostRequest, LinkError, MAX_FRAME, Report, encode};
 
 /// Counts of what came over the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -51,7 +51,7 @@ impl Talker {
     }
 
     /// Puts a request on the line.
-    pub fn say(&mut self, request: &Request) {
+    pub fn say(&mut self, request: &HostRequest) {
         let mut frame = [0; MAX_FRAME];
         // Every request fits: the core's tests encode the fullest.
         let length = encode(request, &mut frame).unwrap_or(0);

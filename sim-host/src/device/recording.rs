@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use shakedown_core::State;
-use shakedown_core::control::InnerLoop;
 use shakedown_core::link::{Scale, Setup};
+use shakedown_core::settings::InnerLoop;
 
 use super::Row;
 use crate::recording::signal::{detrend, deviation};

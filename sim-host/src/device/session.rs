@@ -4,7 +4,7 @@ use std::io;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use shakedown_core::link::{RefusedBecause, Report, Request, Setup, VERSION, Vitals};
+use shakedown_core::link::{DeviceHealth, HostRequest, RefusedBecause, Report, Setup, VERSION};
 
 use super::{Drive, DriveError, Progress, Talker, Telemetry};
 
@@ -62,7 +62,7 @@ impl<L: Line> Session<L> {
     }
 
     /// Asks until `wanted` finds its answer. Telemetry that comes meanwhile is kept.
-    pub fn ask<T>(&mut self, request: &Request, wanted: impl Fn(&Report) -> Option<T>) -> Result<T, SessionError> {
+    pub fn ask<T>(&mut self, request: &HostRequest, wanted: impl Fn(&Report) -> Option<T>) -> Result<T, SessionError> {
         for _ in 0..REPEATS {
             self.talker.say(request);
             let until = Instant::now() + PATIENCE;
@@ -86,16 +86,19 @@ impl<L: Line> Session<L> {
 
     /// The setup in force.
     pub fn setup(&mut self) -> Result<Setup, SessionError> {
-        self.ask(&Request::ReadSetup, |report| if let Report::Setup(setup) = report { Some(*setup) } else { None })
+        self.ask(&HostRequest::ReadSetup, |report| if let Report::Setup(setup) = report { Some(*setup) } else { None })
     }
 
-    /// How it fares.
-    pub fn vitals(&mut self) -> Result<Vitals, SessionError> {
-        self.ask(&Request::ReadVitals, |report| if let Report::Vitals(vitals) = report { Some(*vitals) } else { None })
+    /// Its health.
+    pub fn vitals(&mut self) -> Result<DeviceHealth, SessionError> {
+        self.ask(
+            &HostRequest::ReadVitals,
+            |report| if let Report::Vitals(vitals) = report { Some(*vitals) } else { None },
+        )
     }
 
     /// Has something done.
-    pub fn order(&mut self, request: &Request) -> Result<(), SessionError> {
+    pub fn order(&mut self, request: &HostRequest) -> Result<(), SessionError> {
         self.ask(request, |report| (*report == Report::Done).then_some(()))
     }
 

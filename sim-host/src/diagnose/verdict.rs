@@ -22,6 +22,8 @@ use serde::Serialize;
 const LAST: Effort = Effort { steps: 12, tolerance: 1e-6 };
 /// Standard errors by which a channel may be worse by chance.
 const CHANCE: f64 = 4.0;
+/// How far below zero an R2 is no chance: a channel that holds noise alone has one of about zero.
+const UNSKILLED: f64 = 0.05;
 /// Deviations that an effect's size must be away from none.
 const SIZE: f64 = 2.0;
 /// What is more than one half is the larger part.
@@ -151,7 +153,9 @@ pub(super) fn verdict(
         }
         None => {}
     }
-    if !unlisted && follows(&judging, &after) {
+    // What is far from the noise needs no structure to be told from it.
+    let far = after.hold.chi2 > CALIBRATION.modest;
+    if !unlisted && (far || follows(&judging, &after)) {
         // What shows on the runs held out alone: more than the names explain, or anything at all.
         if !after.added.is_empty() {
             more_missing |= more_is_missing(&before, &after, CALIBRATION.negligible);
@@ -223,7 +227,7 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], most_left: f64) -> 
             return Some(Refusal::Worse { channel: channel.name(), ratio });
         }
         let r2 = 1.0 - found * found;
-        if r2 < 0.0 && ratio > 1.0 - chance {
+        if r2 < -UNSKILLED && ratio > 1.0 - chance {
             return Some(Refusal::NoSkill { channel: channel.name(), r2 });
         }
     }

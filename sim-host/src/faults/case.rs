@@ -5,10 +5,9 @@ use super::dice::Dice;
 use super::limit_switches::limit_switches;
 use super::machine::{Break, Oil, Table};
 use super::motions::{Motions, RATE};
-use shakedown_core::control::TrackingSettings;
-use shakedown_core::guard::{EnvelopeSettings, GuardSettings, RampSettings};
-use shakedown_core::saturation::Detection;
-use shakedown_core::settings::{Gains, Ranges};
+use shakedown_core::settings::{
+    Detection, EnvelopeSettings, Gains, GuardSettings, RampSettings, Ranges, TrackingSettings,
+};
 use shakedown_core::{Mode, Modification, Settings};
 
 /// Length of a run at most, ticks.

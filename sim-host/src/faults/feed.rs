@@ -3,7 +3,7 @@
 //! the test.
 
 use super::dice::Dice;
-use shakedown_core::link::{Assembler, MAX_FRAME, MAX_POINTS, Points, Request, encode};
+use shakedown_core::link::{Assembler, HostRequest, MAX_FRAME, MAX_POINTS, Points, encode};
 use std::collections::VecDeque;
 
 /// Points that the device's buffer holds.
@@ -56,7 +56,7 @@ impl<'a> Feed<'a> {
             return;
         }
         let points = rest.iter().take(MAX_POINTS).map(|&x| x as f32).collect();
-        let request = Request::Reference(Points { first: self.wanted as u32, points, last: false });
+        let request = HostRequest::Reference(Points { first: self.wanted as u32, points, last: false });
         let mut wire = [0; MAX_FRAME];
         let length = encode(&request, &mut wire).unwrap_or(0);
         self.under_way = Some((TRAVEL, wire[..length].to_vec()));
@@ -85,7 +85,7 @@ impl<'a> Feed<'a> {
         // A frame whose closing zero was hit is lost with the one behind it; the next begins afresh after a pause.
         let mut assembler = Assembler::new();
         for byte in bytes {
-            if let Some(Ok(Request::Reference(points))) = assembler.push::<Request>(byte)
+            if let Some(Ok(HostRequest::Reference(points))) = assembler.push::<HostRequest>(byte)
                 && points.first as usize == self.wanted
             {
                 self.wanted += points.points.len();

@@ -4,11 +4,11 @@
 //! stroke - margin - d(velocity_limit),   d(v) = v latency + v^2 / (2 deceleration)         m from the middle, either side
 //! ```
 //! They open the emergency-stop circuit. A table at full speed, whose LVDT may say anything, then stops where the guard's
-//! margin begins, by the guard's own reckoning of the distance; what is between that and what it really needs is for the
+//! margin begins, by the guard's own estimate of the distance; what is between that and what it really needs is for the
 //! switch's own delay.
 
 use shakedown_core::Settings;
-use shakedown_core::guard::Envelope;
+use shakedown_core::blocks::guard::Envelope;
 
 /// The farthest from the middle that they may stand, m; none without a guard, or where full speed needs the whole stroke.
 pub fn limit_switches(settings: &Settings) -> Option<f64> {
@@ -21,7 +21,7 @@ pub fn limit_switches(settings: &Settings) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shakedown_core::guard::{EnvelopeSettings, GuardSettings};
+    use shakedown_core::settings::{EnvelopeSettings, GuardSettings};
 
     #[test]
     fn the_papers_table_needs_18_mm_to_stop() {

@@ -1,4 +1,4 @@
-//! One run: the core in charge of a table, what stands around it as the board does, and the fault.
+//! One run: the core in charge of a table, what surrounds it as the board does, and the fault.
 
 use super::case::{Case, REST, TICKS};
 use super::class::{Channel, Fault};
@@ -9,7 +9,7 @@ use super::motions::RATE;
 use super::settings;
 use super::spoil::Spoiled;
 use crate::plant::sensors::{SensorModel, Sensors};
-use shakedown_core::{Command, Controller, Mode, Relay, Request, Sample, Settings, SettingsError, State, Trip};
+use shakedown_core::{Command, Controller, Mode, OperatorRequest, Relay, Sample, Settings, SettingsError, State, Trip};
 
 /// A tick as an onlooker sees it who knows the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -163,8 +163,8 @@ impl<'a> Rig<'a> {
     fn tick(&mut self, tick: usize) -> Seen {
         if tick == REST {
             // Refused only where the guard has a reason, which is then what the watcher is shown.
-            let _ = self.controller.request(Request::Arm);
-            let _ = self.controller.request(Request::Start);
+            let _ = self.controller.request(OperatorRequest::Arm);
+            let _ = self.controller.request(OperatorRequest::Start);
         }
         let faulty = tick >= self.case.onset;
         if let Fault::Missed(count) = self.fault
@@ -172,7 +172,7 @@ impl<'a> Rig<'a> {
         {
             (0..count).for_each(|_| self.coast());
             // As the firmware does when the board tells it of an overrun.
-            let _ = self.controller.request(Request::Trip);
+            let _ = self.controller.request(OperatorRequest::Trip);
         }
         self.limit_switches();
         let (sample, errors) = self.measure(tick, faulty);
@@ -195,7 +195,7 @@ impl<'a> Rig<'a> {
         let at_switch = self.case.limit_switches.is_some_and(|from| self.machine.x.abs() > from);
         self.at_switch = if at_switch { self.at_switch + 1 } else { 0 };
         if self.at_switch > CONTACT {
-            let _ = self.controller.request(Request::Trip);
+            let _ = self.controller.request(OperatorRequest::Trip);
         }
     }
 
@@ -275,7 +275,7 @@ impl<'a> Rig<'a> {
             match feed.tick(line, &mut self.dice) {
                 Some(point) => self.reference = point,
                 None => {
-                    let _ = self.controller.request(Request::Stop);
+                    let _ = self.controller.request(OperatorRequest::Stop);
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::dice::Dice;
 use shakedown_core::Settings;
-use shakedown_core::link::{Assembler, MAX_FRAME, Request as Frame, Scale, Setup, Source, Wiring, encode};
+use shakedown_core::link::{Assembler, HostRequest as Frame, MAX_FRAME, Scale, Setup, Source, Wiring, encode};
 
 /// What a device takes of a frame of wrong settings with so many of its `bits` flipped; none as a rule.
 pub(super) fn garbled(settings: &Settings, bits: u32, dice: &mut Dice) -> Option<Settings> {

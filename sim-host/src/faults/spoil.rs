@@ -9,7 +9,7 @@ use serde::Serialize;
 pub enum Spoil {
     /// No number: an open wire, a dead converter.
     Open,
-    /// Stands at this value, beyond what the signal can be.
+    /// Is at this value, beyond what the signal can be.
     Rail(f64),
     /// Held within this distance from zero: an amplifier that saturates early.
     Clipped(f64),

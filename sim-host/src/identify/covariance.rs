@@ -1,4 +1,4 @@
-//! How far estimates may be off: errors that hold for coloured and misfitting residuals, told from how much each stretch of
+//! How far estimates may be off: errors that hold for coloured and misfitting residuals, estimated from how much each stretch of
 //! a run moves each parameter.
 //!
 //! Three things make the plain sandwich of curvature and scores too sure of itself, and all three are at home where a
@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector};
 pub const NINETY: f64 = 1.645;
 /// Most of what is known of a parameter that one stretch counts for when its score is corrected.
 const MOST: f64 = 0.9;
-/// Fewest stretches that a spread counts as being told from.
+/// Fewest stretches that a spread counts to be estimated from.
 const FEWEST: f64 = 2.0;
 
 /// Covariance of all parameters, in the order of the normal equations; none where the data do not determine them.
@@ -51,7 +51,7 @@ fn told(block: &Block, inverse: &DMatrix<f64>) -> (DVector<f64>, DVector<f64>) {
     (shares, moved)
 }
 
-/// Half width of a 90 % interval in standard deviations told from so many equal parts: Student's distribution by the
+/// Half width of a 90 % interval in standard deviations estimated from so many equal parts: Student's distribution by the
 /// expansion of Cornish and Fisher, right to three parts in a hundred from two degrees on.
 fn student(parts: f64) -> f64 {
     let (z, inverse) = (NINETY, 1.0 / parts.max(FEWEST));
@@ -95,7 +95,7 @@ mod tests {
         assert!((variance / (9.0 / 400.0) - 1.0).abs() < 0.02, "{variance}");
     }
 
-    /// What two blocks of a hundred know is as unsure as what is told from two, whatever the other ninety-eight say.
+    /// What two blocks of a hundred know is as unsure as what is estimated from two, whatever the other ninety-eight say.
     #[test]
     fn few_blocks_that_know_a_parameter_are_few() {
         let knows = |b: usize| b < 2;

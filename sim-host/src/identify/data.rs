@@ -78,7 +78,7 @@ pub struct Run {
     pub added: Vec<f64>,
     /// The controller that ran.
     pub law: Law,
-    /// What stands around that controller.
+    /// What surrounds that controller.
     pub shaping: Shaping,
     /// Standard deviation of the displacement noise that the controller saw, m; that of the channel where it is none.
     pub loop_noise: Option<f64>,

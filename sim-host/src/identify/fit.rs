@@ -33,7 +33,7 @@ pub struct Fit {
     converged: bool,
 }
 
-/// Damping with which a fit's promise is reckoned.
+/// Damping with which a fit's promise is computed.
 const PROMISED: f64 = 1e-3;
 
 /// Share of what a step promised from which the next one is taken without a trial.

@@ -7,7 +7,7 @@
 //! | an earthquake, a random motion | [`multitaper`] | response, coherence, standard deviation |
 //! | a short or transient record | [`local`] | response free of leakage, noise power |
 //! | periods of a multisine that leaves lines out | [`multisine`] | best linear approximation, odd and even distortion |
-//! | any of these | [`transfer`] | `b(s)/a(s)`, delay, standard errors, order by data held back |
+//! | any of these | [`transfer`] | `b(s)/a(s)`, delay, standard errors, order by hold-out data |
 
 use realfft::num_complex::Complex64;
 

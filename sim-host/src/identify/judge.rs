@@ -1,4 +1,4 @@
-//! How well a model foresees runs it was not fitted to: only where they start is estimated again.
+//! How well a model predicts runs it was not fitted to: only where they start is estimated again.
 
 use super::data::{Channel, Measured, Run};
 use super::evaluate::{BLOCK, Predicted, predict};

@@ -133,7 +133,7 @@ impl Model {
         model
     }
 
-    /// This model with every detail of its effects' forms free; from the middle of its range where it stands at the end that
+    /// This model with every detail of its effects' forms free; from the middle of its range where it is at the end that
     /// means that there is none, which has no slope.
     pub fn refined(&self) -> Self {
         let mut model = self.clone();

@@ -1,4 +1,4 @@
-//! An identification from end to end: fitted, with intervals, judged on the runs held back.
+//! An identification from end to end: fitted, with intervals, judged on the hold-out runs.
 
 use super::fit::Fit;
 use super::interval::{Interval, profiles};
@@ -50,7 +50,7 @@ pub struct Identified {
     pub quantities: BTreeMap<String, Quantity>,
     /// Standing on the runs fitted.
     pub fitted: Score,
-    /// Standing on the runs held back; on those fitted where none was.
+    /// Standing on the hold-out runs; on those fitted where none was.
     pub held_back: Score,
     /// The table as a transfer function; none where no command or no motion was recorded.
     pub transfer: Option<Transfer>,
@@ -102,7 +102,7 @@ fn doubt(name: &str, q: &Quantity) -> Option<String> {
             Some(format!("{name}: hardly determined, {low:.4} to {high:.4} {unit}"))
         }
         (Some(low), Some(high)) if low * high <= 0.0 => {
-            Some(format!("{name}: not told from zero, {low:.4} to {high:.4} {unit}"))
+            Some(format!("{name}: not significantly different from zero, {low:.4} to {high:.4} {unit}"))
         }
         _ => None,
     }

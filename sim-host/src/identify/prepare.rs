@@ -78,7 +78,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// The runs that judge a model: those held back, or those fitted where none was.
+    /// The runs that judge a model: the hold-out runs, or those fitted where none was.
     pub fn judging(&self) -> &[Run] {
         if self.holdout.is_empty() { &self.fit } else { &self.holdout }
     }

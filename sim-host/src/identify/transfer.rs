@@ -1,4 +1,4 @@
-//! The table as a transfer function: from the recorded command to its motion, the order chosen by records held back.
+//! The table as a transfer function: from the recorded command to its motion, the order chosen by hold-out records.
 //!
 //! No physics is assumed beside the integrator from valve to displacement, so that this is a second opinion on the fit in
 //! time: a delay or a lag that it finds and the fitted model lacks is missing physics. The response is the cross spectrum
@@ -31,7 +31,7 @@ pub struct Transfer {
     pub response: Response,
     /// The response that chose the order.
     pub held_back: Response,
-    /// Whether whole runs were held back; else the second halves of the runs fitted.
+    /// Whether whole runs were held out; else the second halves of the runs fitted.
     pub by_runs: bool,
     /// Every order tried, the chosen one first.
     pub trials: Vec<Trial>,

@@ -1,6 +1,6 @@
 //! Drives: what a table is told to do, written for a controller and played as it is.
 //!
-//! A drive carries its provenance (source and its SHA-256, limits, options, version), and a file of one can not be taken for a
+//! A drive carries its provenance (source and its SHA-256, limits, options, version), and a file of one can not be treated as a
 //! record: the record readers refuse it by its first line. Forms: CSV (`# key = value`, then `time [s],displacement [mm]`), RPC III
 //! with the facts in a TOML file beside it, and PEER AT2 for acceleration.
 

@@ -124,7 +124,7 @@ impl Sensors {
         Self { model, generator, spare: None, displacement_phases, acceleration_phases }
     }
 
-    /// What the LVDT reads at `time` (s) where the table stands at `x` (m): `step floor(x / step + 1/2)`.
+    /// What the LVDT reads at `time` (s) where the table is at `x` (m): `step floor(x / step + 1/2)`.
     #[inline]
     pub fn displacement(&mut self, time: f64, x: f64) -> f64 {
         let x = x + sum(&self.model.displacement_lines, &self.displacement_phases, time);

@@ -42,7 +42,7 @@ pub struct Drive<'a> {
     pub added: &'a [f64],
     /// The controller that ran.
     pub law: Law,
-    /// What stands around it.
+    /// What surrounds it.
     pub shaping: Shaping,
     /// Standard deviation of the displacement sensor's noise, m, which the controller passes on to the command.
     pub sensor_noise: f64,

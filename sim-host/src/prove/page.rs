@@ -18,7 +18,7 @@ pub fn page(summary: &Summary) -> Page {
                 vec![Item::Table(beside_table(&summary.beside)), Item::Text(BESIDE.into())],
             ),
             section("By stratum", vec![Item::Table(row_table(&summary.strata, "Stratum", "Cases by what they hold."))]),
-            section("Who was taken for whom", vec![Item::Matrix(matrix(&summary.confusion))]),
+            section("Confusion matrix", vec![Item::Matrix(matrix(&summary.confusion))]),
             section("Probabilities", vec![Item::Plot(reliability(summary)), Item::Text(brier(summary))]),
             section("Intervals", vec![Item::Table(coverage(&summary.coverage))]),
             section(

@@ -146,7 +146,7 @@ fn left(terms: &[Vec<f64>], chosen: &[usize], residual: &[f64]) -> Option<(f64, 
     Some((sum, x))
 }
 
-/// Forward selection by BIC, the noise taken for white.
+/// Forward selection by BIC, the noise treated as white.
 fn by_bic(terms: &[Vec<f64>], residual: &[f64]) -> Vec<&'static str> {
     let n = residual.len() as f64;
     let mut chosen: Vec<usize> = Vec::new();

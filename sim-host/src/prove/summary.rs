@@ -44,7 +44,7 @@ pub struct Bin {
     pub right: f64,
 }
 
-/// Who was taken for whom.
+/// Confusion matrix.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Confusion {
     /// Answers, the columns.
@@ -100,7 +100,7 @@ pub struct Summary {
     pub strata: Vec<Row>,
     /// Single effects by strength.
     pub effects: Vec<Row>,
-    /// Who was taken for whom.
+    /// Confusion matrix.
     pub confusion: Confusion,
     /// Stated probability against share right.
     pub reliability: Vec<Bin>,

@@ -15,7 +15,7 @@ mod lines;
 /// Largest UTF-16 text that is read, bytes: it is held whole.
 const MAX_UTF16: u64 = 1 << 28;
 
-/// Largest magnitude that is taken for a measurement, in any unit.
+/// Largest magnitude that is treated as a measurement, in any unit.
 const CREDIBLE: f64 = 1e15;
 
 /// Reads the headings alone.

@@ -103,7 +103,7 @@ pub enum Problem {
     WrongType {
         /// What is expected.
         expected: &'static str,
-        /// What stands there.
+        /// What is there.
         found: String,
     },
     /// A number outside its range.
@@ -169,7 +169,7 @@ pub enum Problem {
     /// A field that is no number.
     #[error("`{found}` is not a number{hint}")]
     NotANumber {
-        /// What stands there.
+        /// What is there.
         found: String,
         /// What may have been meant.
         hint: &'static str,
@@ -177,7 +177,7 @@ pub enum Problem {
     /// A number that nothing measured.
     #[error("`{found}` is no measurement{hint}")]
     NoMeasurement {
-        /// What stands there.
+        /// What is there.
         found: String,
         /// What to write.
         hint: &'static str,

@@ -1,9 +1,9 @@
-//! Which runs are held back to judge by, where the experiment does not say.
+//! Which runs are held out to judge by, where the experiment does not say.
 //!
 //! The rule: a run's own `use` always counts. Where some runs say and others do not, the silent ones take the other
-//! part: if any says `holdout`, they are fitted, else they are held back. Where none says and there are several, the
-//! last quarter of them, at least one, is held back; a single run is cut, its first two thirds fitted and its last
-//! third held back.
+//! part: if any says `holdout`, they are fitted, else they are held out. Where none says and there are several, the
+//! last quarter of them, at least one, is held out; a single run is cut, its first two thirds fitted and its last
+//! third held out.
 
 use super::run::{Run, Use};
 use std::fmt;

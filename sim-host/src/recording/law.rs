@@ -36,7 +36,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// Reads a run's `controller`, with what stands around it; a settings file is looked for beside the experiment.
+    /// Reads a run's `controller`, with what surrounds it; a settings file is looked for beside the experiment.
     pub(crate) fn read(entry: &Entry<'_>, folder: &Path) -> Result<(Self, Shaping), RecordingError> {
         const CHOICES: &str = "{ kp, ki }, { kind = \"cascade\", kp, kv }, { core = \"settings.toml\" }, \"none\"";
         if entry.is_string() {
@@ -102,7 +102,7 @@ impl Law {
     }
 }
 
-/// What stands around a law: feed-forward, feedback of pressure, a notch, and delays.
+/// What surrounds a law: feed-forward, feedback of pressure, a notch, and delays.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Shaping {
     /// Feed-forward, `u += kvf (r[k] - r[k-1]) / dt`, unit of u s per m.

@@ -34,7 +34,7 @@ pub struct Run {
     pub loop_noise: Option<f64>,
     /// The controller that ran.
     pub law: Law,
-    /// What stands around it.
+    /// What surrounds it.
     pub shaping: Shaping,
     /// Rate of that controller, Hz; the recording's where the experiment does not say.
     pub controller_rate_hz: Option<f64>,

@@ -17,7 +17,7 @@ pub struct Heading {
     pub text: String,
     /// The heading without a unit in brackets at its end, trimmed.
     pub name: String,
-    /// What stands in the brackets.
+    /// What is in the brackets.
     pub unit: Option<String>,
 }
 

@@ -16,14 +16,12 @@ mod theirs;
 mod target {
     use core::hint::black_box;
 
-    use shakedown_core::block::Block;
-    use shakedown_core::control::{
+    use shakedown_core::blocks::Block;
+    use shakedown_core::blocks::control::{
         AccelerationLoop, AccelerationState, Blocked, DisplacementLoop, DisplacementState, LoopGains, VelocityLoop,
         VelocityState,
     };
-    use shakedown_core::filter::MotionState;
-    use shakedown_core::filter::second_order::SecondOrderState;
-    use shakedown_core::filter::{MotionObserver, SecondOrder};
+    use shakedown_core::blocks::filter::{MotionObserver, MotionState, SecondOrder, SecondOrderState};
 
     use super::theirs;
 

@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use shakedown_core::settings::Gains;
-use shakedown_core::{Controller, Mode, Request, Sample, Settings};
+use shakedown_core::{Controller, Mode, OperatorRequest, Sample, Settings};
 use shakedown_firmware::defaults;
 
 use crate::target::{BEGIN, END, mark};
@@ -72,7 +72,7 @@ fn run(number: u32, settings: &Settings) {
         let out = step(black_box(&mut controller), &sample);
         mark(END | number);
         if let 3 | 6 = tick {
-            let _ = controller.request(if tick == 3 { Request::Arm } else { Request::Start });
+            let _ = controller.request(if tick == 3 { OperatorRequest::Arm } else { OperatorRequest::Start });
         }
         table.advance(if settings.mode == Mode::Modifier { 3.7 * (out - table.x) } else { out });
     }

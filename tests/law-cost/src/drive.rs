@@ -1,12 +1,9 @@
 //! What is computed on host and target alike: a controller with every part of the tracking law along a motion made of
 //! additions and multiplications, and a hash over the bits of every command.
 
-use shakedown_core::control::TrackingSettings;
-use shakedown_core::control::tracking::NotchSettings;
-use shakedown_core::control::tracking::flow::FlowSettings;
-use shakedown_core::control::tracking::friction::FrictionSettings;
-use shakedown_core::control::tracking::oil::OilSettings;
-use shakedown_core::control::tracking::pressure::PressureSettings;
+use shakedown_core::settings::{
+    FlowSettings, FrictionSettings, NotchSettings, OilSettings, PressureSettings, TrackingSettings,
+};
 use shakedown_core::{Controller, Sample, Settings};
 
 /// Every part in use.

@@ -17,10 +17,9 @@ mod target {
     use cortex_m::Peripherals;
     use cortex_m::peripheral::SYST;
     use cortex_m::peripheral::syst::SystClkSource;
-    use shakedown_core::control::TrackingSettings;
-    use shakedown_core::control::tracking::{Seen, Surroundings, Tracking, TrackingState};
-    use shakedown_core::record::{Limits, preview};
-    use shakedown_core::settings::{PREVIEW_PLACES, PREVIEW_WINDOW};
+    use shakedown_core::blocks::record::{ReferenceLimits, preview};
+    use shakedown_core::blocks::tracking::{Surroundings, Tracking, TrackingInput, TrackingState};
+    use shakedown_core::settings::{PREVIEW_PLACES, PREVIEW_WINDOW, TrackingSettings};
     use shakedown_core::{Controller, Sample, Settings};
 
     const TICKS: u32 = 2000;
@@ -64,7 +63,7 @@ mod target {
     }
 
     #[inline(never)]
-    fn advance(law: &Tracking, state: &mut TrackingState, seen: &Seen) -> f32 {
+    fn advance(law: &Tracking, state: &mut TrackingState, seen: &TrackingInput) -> f32 {
         law.advance(state, seen)
     }
 
@@ -75,7 +74,7 @@ mod target {
         let mut state = TrackingState::default();
         let tick = |reference: f32| {
             let displacement = 0.9 * reference;
-            let seen = Seen { reference, displacement, acceleration: 0.01, pressure_difference: 100.0 };
+            let seen = TrackingInput { reference, displacement, acceleration: 0.01, pressure_difference: 100.0 };
             black_box(advance(black_box(&law), &mut state, black_box(&seen)));
         };
         say(name, count(tick));
@@ -96,8 +95,8 @@ mod target {
     /// at to the end of the window, one that leaves it only as far as decides.
     #[inline(never)]
     fn of_preview(name: &core::ffi::CStr, amplitude: f32) {
-        let limits = Limits::new(1000.0, 0.242, 0.12);
-        let washout = preview::Config::WASHOUT;
+        let limits = ReferenceLimits::new(1000.0, 0.242, 0.12);
+        let washout = preview::Config::DRIFT_RECOVERY;
         let Ok(config) = preview::Config::new::<PREVIEW_WINDOW>(black_box(&limits), &washout, 0.5) else { return };
         let mut state = preview::State::<PREVIEW_WINDOW, PREVIEW_PLACES>::at(0.0);
         let mut sine = [amplitude, 0.0_f32];
@@ -153,6 +152,6 @@ mod target {
 #[cfg(not(target_os = "none"))]
 #[allow(clippy::print_stdout, reason = "its two lines are all it is for")]
 fn main() {
-    println!("hash, paper's table {:>10}", drive::hash(shakedown_core::control::TrackingSettings::default()));
+    println!("hash, paper's table {:>10}", drive::hash(shakedown_core::settings::TrackingSettings::default()));
     println!("hash, every part {:>10}", drive::hash(drive::full()));
 }

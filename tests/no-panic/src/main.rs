@@ -8,7 +8,7 @@ mod target {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
 
-    use shakedown_core::{Controller, Request, Sample, Settings};
+    use shakedown_core::{Controller, OperatorRequest, Sample, Settings};
 
     unsafe extern "C" {
         fn a_panic_is_left_in_step() -> !;
@@ -27,7 +27,7 @@ mod target {
         let mut samples = black_box([Sample::default(); 2]);
         if let Ok(mut controller) = Controller::new(&settings) {
             loop {
-                let _ = black_box(controller.request(black_box(Request::Arm)));
+                let _ = black_box(controller.request(black_box(OperatorRequest::Arm)));
                 let _ = black_box(controller.retune(black_box(&settings)));
                 #[cfg(feature = "planted")]
                 {

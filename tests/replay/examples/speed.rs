@@ -21,7 +21,7 @@ const STARTED: u64 = 3000;
 /// Ticks after which all that a run needs is translated.
 const WARM: u64 = 10_000;
 
-/// The bench at the converters and nobody at the line: the device as it stands at a table between tests.
+/// The bench at the converters and nobody at the line: the device as it is at a table between tests.
 struct Quiet {
     bench: Bench,
     ticks: u64,

@@ -1,5 +1,5 @@
 //! The firmware image in the loop: the very ELF that is flashed runs on an emulated STM32F4, and a world of the caller's
-//! stands at its converters, its pins and its serial line.
+//! is at its converters, its pins and its serial line.
 //!
 //! The world owns time. At every update of the firmware's sampling timer the machine stops, asks the [`World`] what the
 //! inputs are, tells it what the output has been since the last update, and lets the processor run to the next. So the

@@ -1,4 +1,4 @@
-//! What stands around the board.
+//! What surrounds the board.
 
 use std::collections::VecDeque;
 

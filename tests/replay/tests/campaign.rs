@@ -15,7 +15,7 @@ use shakedown::faults::class::Channel;
 use shakedown::faults::spoil::Spoiled;
 use shakedown::faults::{Case, Clock, Fault, Motions, Promise};
 use shakedown_core::Mode;
-use shakedown_core::link::{Cause, Setup};
+use shakedown_core::link::{Setup, StopCause};
 use std::sync::{Arc, Mutex};
 
 const SEED: u64 = 1;
@@ -100,7 +100,7 @@ fn broken(case: &Case, mode: Mode) -> Vec<String> {
     {
         broken.push(format!("the relay opened after {opened:?} ms"));
     }
-    let faded = matches!(seen.progress, Progress::Failed(DriveError::Stopped { cause: Cause::Underrun, .. }));
+    let faded = matches!(seen.progress, Progress::Failed(DriveError::Stopped { cause: StopCause::Underrun, .. }));
     if matches!(case.fault, Fault::LinkCut) && !faded {
         broken.push(format!("a cut link ended in {:?}", seen.progress));
     }

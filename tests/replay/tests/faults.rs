@@ -12,9 +12,8 @@ mod common;
 use common::{image, near_field, seen::Mischief, seen::Seen, setup};
 use shakedown::device::{DriveError, Progress};
 use shakedown::faults::limit_switches;
-use shakedown_core::control::tracking::flow::FlowSettings;
-use shakedown_core::control::tracking::{NotchSettings, TrackingSettings};
-use shakedown_core::link::{Cause, Request, Scale, Setup, Source};
+use shakedown_core::link::{HostRequest, Scale, Setup, Source, StopCause};
+use shakedown_core::settings::{FlowSettings, NotchSettings, TrackingSettings};
 use shakedown_core::{Mode, State, Trip};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -76,7 +75,7 @@ fn inputs(mut change: impl FnMut(&mut [u16; 4]) + Send + 'static) -> Mischief {
     })
 }
 
-fn cause(outcome: &Outcome) -> Option<Cause> {
+fn cause(outcome: &Outcome) -> Option<StopCause> {
     match outcome.seen.progress {
         Progress::Failed(DriveError::Stopped { cause, .. }) => Some(cause),
         _ => None,
@@ -90,11 +89,11 @@ fn accounted_for(outcome: &Outcome) {
     assert_eq!(missing, telemetry.dropped());
 }
 
-fn trips(mischief: Mischief, expected: &[Cause], within: usize) {
+fn trips(mischief: Mischief, expected: &[StopCause], within: usize) {
     tripped(&run(mischief, None), expected, within);
 }
 
-fn tripped(outcome: &Outcome, expected: &[Cause], within: usize) {
+fn tripped(outcome: &Outcome, expected: &[StopCause], within: usize) {
     assert!(cause(outcome).is_some_and(|cause| expected.contains(&cause)), "{:?}", outcome.seen.progress);
     let opened = outcome.opened_after.expect("the relay stayed closed");
     assert!(opened <= within, "the relay opened after {opened} ms");
@@ -104,18 +103,18 @@ fn tripped(outcome: &Outcome, expected: &[Cause], within: usize) {
 
 #[test]
 fn an_open_lvdt_wire_trips() {
-    trips(inputs(|codes| codes[1] = 0), &[Cause::Guard(Trip::SensorLost)], 70);
+    trips(inputs(|codes| codes[1] = 0), &[StopCause::Guard(Trip::SensorLost)], 70);
 }
 
 #[test]
 fn a_saturated_lvdt_amplifier_trips() {
-    trips(inputs(|codes| codes[1] = 4095), &[Cause::Guard(Trip::SensorLost)], 70);
+    trips(inputs(|codes| codes[1] = 4095), &[StopCause::Guard(Trip::SensorLost)], 70);
 }
 
 #[test]
 fn a_stuck_converter_trips() {
     let mut held = None;
-    let expected = [Cause::Guard(Trip::DisplacementStuck), Cause::Guard(Trip::SensorsDisagree)];
+    let expected = [StopCause::Guard(Trip::DisplacementStuck), StopCause::Guard(Trip::SensorsDisagree)];
     trips(inputs(move |codes| codes[1] = *held.get_or_insert(codes[1])), &expected, 300);
 }
 
@@ -123,7 +122,7 @@ fn a_stuck_converter_trips() {
 fn an_accelerometer_that_contradicts_the_lvdt_trips() {
     let half_gravity = |scale: &Scale| (0.5 * 9.81 / scale.per_code) as u16;
     let tilt = half_gravity(&setup(Mode::Controller).wiring.acceleration);
-    let expected = [Cause::Guard(Trip::SensorsDisagree)];
+    let expected = [StopCause::Guard(Trip::SensorsDisagree)];
     trips(inputs(move |codes| codes[2] = codes[2].saturating_add(tilt).min(4094)), &expected, 1500);
 }
 
@@ -149,10 +148,10 @@ fn a_lost_sample_is_coasted_over() {
 #[test]
 fn the_emergency_stop_trips() {
     let stop: Mischief = Box::new(|tick, _| *tick.circuit_closed = (tick.index as usize) < AT);
-    trips(stop, &[Cause::EmergencyStop], 60);
+    trips(stop, &[StopCause::EmergencyStop], 60);
 }
 
-/// An LVDT that creeps more slowly than anything can be told from: the loop carries the table along until a limit switch
+/// An LVDT that creeps more slowly than anything can be distinguished from: the loop carries the table along until a limit switch
 /// opens the circuit, and it stands inside the stroke less the margin.
 #[test]
 fn a_limit_switch_stops_a_table_whose_lvdt_creeps() {
@@ -172,7 +171,8 @@ fn a_limit_switch_stops_a_table_whose_lvdt_creeps() {
     let mut seen = Seen::new(setup, near_field(30));
     seen.mischief = Some(creep);
     let seen = shakedown_replay::run(&image(), seen).unwrap().world;
-    let stopped = matches!(seen.progress, Progress::Failed(DriveError::Stopped { cause: Cause::EmergencyStop, .. }));
+    let stopped =
+        matches!(seen.progress, Progress::Failed(DriveError::Stopped { cause: StopCause::EmergencyStop, .. }));
     assert!(stopped, "{:?}", seen.progress);
     let opened_at = opened_at.load(Ordering::Relaxed);
     assert!(seen.codes[opened_at + 60..].iter().all(|codes| !codes.relay));
@@ -190,7 +190,7 @@ fn a_tick_that_takes_longer_than_its_period_trips() {
         let outcome = outcome(seen);
         if overruns {
             // 50 ms of safe ramp.
-            tripped(&outcome, &[Cause::Overrun], 60);
+            tripped(&outcome, &[StopCause::Overrun], 60);
         } else {
             assert_eq!(cause(&outcome), None, "{:?}", outcome.seen.progress);
         }
@@ -212,7 +212,7 @@ fn an_elaborate_setup_costs_no_tick() {
         let write: Mischief = Box::new(move |tick, talker| {
             if tick.index as usize >= AT && !said {
                 said = true;
-                talker.say(&Request::WriteSetup(tuned));
+                talker.say(&HostRequest::WriteSetup(tuned));
             }
         });
         let outcome = run_under(setup, write, None);
@@ -228,7 +228,7 @@ fn a_link_cut_in_mid_record_fades_the_test_out() {
         }
     });
     let outcome = run(cut, None);
-    assert_eq!(cause(&outcome), Some(Cause::Underrun));
+    assert_eq!(cause(&outcome), Some(StopCause::Underrun));
     let rows = outcome.seen.drive.telemetry().rows();
     assert!(rows.iter().any(|row| row.state == State::RampDown));
     assert_eq!(rows.last().map(|row| row.state), Some(State::Ready));
@@ -260,7 +260,7 @@ fn a_dead_converter_ends_in_a_reset_and_a_trip() {
     assert_eq!(outcome.seen.resets, 1);
     let opened = outcome.opened_after.expect("the relay stayed closed");
     assert!(opened <= 70, "the relay opened after {opened} ms");
-    assert_eq!(cause(&outcome), Some(Cause::Restarted));
+    assert_eq!(cause(&outcome), Some(StopCause::Restarted));
     assert!(
         outcome.seen.codes.iter().skip(AT + opened + 10).all(|codes| !codes.relay),
         "only an order closes it again"

@@ -11,7 +11,7 @@ mod common;
 
 use common::{bench::Bench, image, setup};
 use shakedown::device::Talker;
-use shakedown_core::link::{RefusedBecause, Report, Request, Setup, Vitals};
+use shakedown_core::link::{DeviceHealth, HostRequest, RefusedBecause, Report, Setup};
 use shakedown_core::{Mode, State};
 use shakedown_firmware::defaults;
 use shakedown_firmware::store::{InMemory, save};
@@ -26,7 +26,7 @@ const PAUSE: usize = 50;
 struct Asking {
     bench: Bench,
     talker: Talker,
-    questions: std::vec::IntoIter<Request>,
+    questions: std::vec::IntoIter<HostRequest>,
     heard: Vec<Report>,
     ticks: usize,
     relay: bool,
@@ -53,7 +53,7 @@ impl World for Asking {
     }
 }
 
-fn ask(memory: &InMemory, questions: Vec<Request>) -> Ran<Asking> {
+fn ask(memory: &InMemory, questions: Vec<HostRequest>) -> Ran<Asking> {
     let world = Asking {
         bench: Bench::new(setup(Mode::Controller), Vec::new()),
         talker: Talker::new(),
@@ -68,9 +68,9 @@ fn ask(memory: &InMemory, questions: Vec<Request>) -> Ran<Asking> {
     ran
 }
 
-/// The setup in force after a reset with this in the flash, and how the device fares.
-fn at_power_on(memory: &InMemory) -> (Setup, Vitals) {
-    match ask(memory, vec![Request::ReadSetup, Request::ReadVitals]).world.heard[..] {
+/// The setup in force after a reset with this in the flash, and the health of the device.
+fn at_power_on(memory: &InMemory) -> (Setup, DeviceHealth) {
+    match ask(memory, vec![HostRequest::ReadSetup, HostRequest::ReadVitals]).world.heard[..] {
         [Report::Setup(setup), Report::Vitals(vitals)] => (setup, vitals),
         ref other => panic!("{other:?}"),
     }
@@ -121,7 +121,8 @@ fn with_both_slots_corrupted_the_device_is_as_it_was_never_set_up() {
 /// what was written stays in force unsaved, and the stack is deep enough for the longest way through the device.
 #[test]
 fn a_save_that_the_flash_does_not_take_is_said() {
-    let questions = vec![Request::WriteSetup(gain(4.0)), Request::Save, Request::ReadVitals, Request::ReadSetup];
+    let questions =
+        vec![HostRequest::WriteSetup(gain(4.0)), HostRequest::Save, HostRequest::ReadVitals, HostRequest::ReadSetup];
     let ran = ask(&holding(&[gain(2.0), gain(3.0)]), questions);
     match ran.world.heard[..] {
         [Report::Done, Report::Refused(RefusedBecause::Flash), Report::Vitals(vitals), Report::Setup(setup)] => {

@@ -11,7 +11,7 @@ mod common;
 
 use common::{bench::Bench, image, near_field, seen::Mischief, seen::Seen, setup};
 use shakedown::device::Talker;
-use shakedown_core::link::{RefusedBecause, Report, Request, Setup, answer};
+use shakedown_core::link::{HostRequest, RefusedBecause, Report, Setup, answer};
 use shakedown_core::{Mode, State};
 use shakedown_replay::{Tick, World};
 
@@ -32,7 +32,7 @@ fn ramping() -> Setup {
 }
 
 /// A run whose emergency stop is pressed at [`AT`], and `request` made when the ramp is half over.
-fn asked_in_the_ramp(request: Request) -> Seen {
+fn asked_in_the_ramp(request: HostRequest) -> Seen {
     let mut seen = Seen::new(ramping(), near_field(12));
     let mut said = false;
     let mischief: Mischief = Box::new(move |tick, talker| {
@@ -62,7 +62,7 @@ fn ramped(seen: &Seen) -> f64 {
 
 #[test]
 fn a_save_in_the_safe_ramp_does_not_stop_the_ticks() {
-    let seen = asked_in_the_ramp(Request::Save);
+    let seen = asked_in_the_ramp(HostRequest::Save);
     assert!(longest_tick(&seen) < 1.1, "{} ms without a tick", longest_tick(&seen));
     assert!((290.0..320.0).contains(&ramped(&seen)), "{} ms", ramped(&seen));
 }
@@ -71,7 +71,7 @@ fn a_save_in_the_safe_ramp_does_not_stop_the_ticks() {
 fn another_rate_in_the_safe_ramp_is_not_taken() {
     let mut slower = ramping();
     slower.control.rate = 500.0;
-    let seen = asked_in_the_ramp(Request::WriteSetup(slower));
+    let seen = asked_in_the_ramp(HostRequest::WriteSetup(slower));
     assert!(longest_tick(&seen) < 1.1, "{} ms without a tick", longest_tick(&seen));
     assert!((290.0..320.0).contains(&ramped(&seen)), "{} ms", ramped(&seen));
 }
@@ -80,8 +80,8 @@ fn another_rate_in_the_safe_ramp_is_not_taken() {
 fn another_wiring_in_the_safe_ramp_is_not_taken() {
     let mut inverted = ramping();
     inverted.wiring.output.per_code = -inverted.wiring.output.per_code;
-    let other = asked_in_the_ramp(Request::WriteSetup(inverted));
-    let same = asked_in_the_ramp(Request::ReadVitals);
+    let other = asked_in_the_ramp(HostRequest::WriteSetup(inverted));
+    let same = asked_in_the_ramp(HostRequest::ReadVitals);
     let outputs = |seen: &Seen| seen.codes[AT..AT + 300].iter().map(|codes| codes.output).collect::<Vec<_>>();
     assert_eq!(outputs(&other), outputs(&same));
 }
@@ -93,7 +93,7 @@ struct Hasty {
     heard: Vec<Report>,
     /// Virtual time of each tick, ns, and whether the relay was closed after it.
     ticks: Vec<(u64, bool)>,
-    /// Bytes held back, so that the burst begins later within a tick.
+    /// Bytes kept, so that the burst begins later within a tick.
     delay: usize,
 }
 
@@ -108,15 +108,15 @@ impl World for Hasty {
         while let Some(report) = self.talker.report() {
             if let Report::Challenge(challenge) = report {
                 tick.line.to_device.extend(std::iter::repeat_n(0, self.delay));
-                self.talker.say(&Request::Arm(answer(challenge)));
-                self.talker.say(&Request::Save);
+                self.talker.say(&HostRequest::Arm(answer(challenge)));
+                self.talker.say(&HostRequest::Save);
             }
             if !matches!(report, Report::Telemetry(_) | Report::Vitals(_)) {
                 self.heard.push(report);
             }
         }
         if self.ticks.len() == 50 {
-            self.talker.say(&Request::RequestArming);
+            self.talker.say(&HostRequest::RequestArming);
         }
         tick.line.to_device.extend(self.talker.outgoing().drain(..));
         self.ticks.len() < 300

@@ -15,9 +15,9 @@ use std::process::{Child, Command, Stdio};
 
 use common::{bench::Bench, near_field, setup};
 use shakedown_core::link::Setup;
-use shakedown_core::{Mode, Request};
-use shakedown_firmware::Loop;
-use shakedown_firmware::queues::{DeskEnd, Order, Point, Queues};
+use shakedown_core::{Mode, OperatorRequest};
+use shakedown_firmware::ControlLoop;
+use shakedown_firmware::queues::{LoopCommand, Point, Queues, ServerEnd};
 use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
 
 const SECONDS: usize = 60;
@@ -58,8 +58,8 @@ impl Outside {
 
     fn give(&mut self, tick: usize) -> Given {
         let request = match tick {
-            ARM => Some(Request::Arm),
-            START => Some(Request::Start),
+            ARM => Some(OperatorRequest::Arm),
+            START => Some(OperatorRequest::Start),
             _ => None,
         };
         // A point ahead of each tick, then the end of the record.
@@ -77,15 +77,15 @@ impl Outside {
 }
 
 /// One tick of the same loop on the host.
-fn tick(decide: &mut Loop<'_>, desk: &mut DeskEnd<'_>, given: &Given) -> Done {
+fn tick(decide: &mut ControlLoop<'_>, server: &mut ServerEnd<'_>, given: &Given) -> Done {
     if let Some(request) = given.request {
-        desk.orders.enqueue(Order::Ask(request)).unwrap();
+        server.orders.enqueue(LoopCommand::Ask(request)).unwrap();
     }
     if let Some(point) = given.point {
-        desk.points.enqueue(Point::new(point).unwrap_or(Point::END)).unwrap();
+        server.points.enqueue(Point::new(point).unwrap_or(Point::END)).unwrap();
     }
     let outcome = decide.tick(|input| given.inputs.get(input).copied().unwrap_or_default());
-    while desk.records.dequeue().is_some() {}
+    while server.records.dequeue().is_some() {}
     Done { output: outcome.output, relay: decide.relay() }
 }
 
@@ -101,8 +101,8 @@ fn first_difference(mode: Mode, seconds: usize, mut spoil: impl FnMut(usize, Don
     to.write_all(&bytes).unwrap();
 
     let mut queues = Queues::new();
-    let (loop_end, mut desk) = queues.split();
-    let mut decide = Loop::new(&setup, loop_end, false).unwrap();
+    let (loop_end, mut server) = queues.split();
+    let mut decide = ControlLoop::new(&setup, loop_end, false).unwrap();
     let mut outside = Outside::new(setup, record.clone());
     let mut codes = std::collections::BTreeSet::new();
     let difference = (0..START + record.len() + AFTER).find(|&at| {
@@ -111,7 +111,7 @@ fn first_difference(mode: Mode, seconds: usize, mut spoil: impl FnMut(usize, Don
         let mut bytes = [0; Done::LENGTH];
         from.read_exact(&mut bytes).unwrap();
         let theirs = Done::from_bytes(bytes);
-        let ours = spoil(at, tick(&mut decide, &mut desk, &given));
+        let ours = spoil(at, tick(&mut decide, &mut server, &given));
         codes.insert(theirs.output);
         outside.take(theirs);
         theirs != ours

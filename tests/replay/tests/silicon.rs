@@ -12,7 +12,7 @@ mod common;
 use common::{bench::Bench, image, near_field, seen::Mischief, seen::Seen, setup};
 use shakedown::device::{DriveError, Progress, Talker};
 use shakedown_core::Mode;
-use shakedown_core::link::{Cause, Clock, Report, Request};
+use shakedown_core::link::{Clock, HostRequest, Report, StopCause};
 use shakedown_replay::{Oscillator, Ran, Tick, World};
 
 /// When the fault begins: in the middle of a run.
@@ -30,7 +30,7 @@ fn run(seen: Seen) -> Ran<Seen> {
     shakedown_replay::run(&image(), seen).unwrap()
 }
 
-fn cause(seen: &Seen) -> Option<Cause> {
+fn cause(seen: &Seen) -> Option<StopCause> {
     match seen.progress {
         Progress::Failed(DriveError::Stopped { cause, .. }) => Some(cause),
         _ => None,
@@ -57,7 +57,7 @@ fn supply(millivolts: u32) -> Seen {
 #[test]
 fn a_supply_that_sags_trips() {
     let seen = supply(2800);
-    assert_eq!(cause(&seen), Some(Cause::SupplyLow));
+    assert_eq!(cause(&seen), Some(StopCause::SupplyLow));
     assert!(opened_after(&seen) <= 60.0, "{} ms", opened_after(&seen));
 }
 
@@ -88,7 +88,7 @@ impl World for Asking {
         }
         self.ticks += 1;
         if self.ticks == 50 {
-            self.talker.say(&Request::Identify);
+            self.talker.say(&HostRequest::Identify);
         }
         tick.line.to_device.extend(self.talker.outgoing().drain(..));
         self.ticks < 200
@@ -124,7 +124,7 @@ fn the_watchdog_keeps_its_time_over_the_spread_of_its_clock() {
         let mut dead = seen(12);
         (dead.watchdog_clock, dead.dead_from) = (frequency, Some(AT));
         let dead = run(dead).world;
-        assert_eq!((dead.resets, cause(&dead)), (1, Some(Cause::Restarted)), "{frequency} Hz");
+        assert_eq!((dead.resets, cause(&dead)), (1, Some(StopCause::Restarted)), "{frequency} Hz");
         assert!(opened_after(&dead) <= within, "{} ms at {frequency} Hz", opened_after(&dead));
     }
     let mut well = seen(3);

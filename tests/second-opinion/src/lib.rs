@@ -1,7 +1,7 @@
 //! What passes between a host and the image: first the setup, then one [`Given`] and one [`Done`] a tick.
 #![no_std]
 
-use shakedown_core::Request;
+use shakedown_core::OperatorRequest;
 
 /// Name of the file or pipe that the image reads.
 pub const TO_DEVICE: &str = "to-device";
@@ -18,11 +18,12 @@ pub struct Given {
     /// The next point of the streamed reference, m; no number is its end.
     pub point: Option<f32>,
     /// What is asked of the core before the tick.
-    pub request: Option<Request>,
+    pub request: Option<OperatorRequest>,
 }
 
 /// Requests by the byte that stands for them; 0 is none.
-const REQUESTS: [Request; 4] = [Request::Arm, Request::Start, Request::Off, Request::Trip];
+const REQUESTS: [OperatorRequest; 4] =
+    [OperatorRequest::Arm, OperatorRequest::Start, OperatorRequest::Off, OperatorRequest::Trip];
 
 impl Given {
     /// Bytes on the way.

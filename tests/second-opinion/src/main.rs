@@ -1,4 +1,4 @@
-//! The firmware's [`Loop`] with pipes for converters, by semihosting.
+//! The firmware's [`ControlLoop`] with pipes for converters, by semihosting.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -7,8 +7,8 @@ mod pipe;
 #[cfg(target_os = "none")]
 mod target {
     use shakedown_core::link::Setup;
-    use shakedown_firmware::Loop;
-    use shakedown_firmware::queues::{LoopEnd, Order, Point, Queues};
+    use shakedown_firmware::ControlLoop;
+    use shakedown_firmware::queues::{LoopCommand, LoopEnd, Point, Queues};
     use shakedown_second_opinion::{Done, FROM_DEVICE, Given, SETUP, TO_DEVICE};
 
     use super::pipe::{Pipe, exit};
@@ -27,8 +27,8 @@ mod target {
 
     /// The loop where it stays, by a function of its own: what it needs of the stack the rest need not have free.
     #[inline(never)]
-    fn placed(setup: &Setup, queues: LoopEnd<'static>) -> Option<&'static mut Loop<'static>> {
-        cortex_m::singleton!(: Loop<'static> = Loop::wired(setup, queues))
+    fn placed(setup: &Setup, queues: LoopEnd<'static>) -> Option<&'static mut ControlLoop<'static>> {
+        cortex_m::singleton!(: ControlLoop<'static> = ControlLoop::wired(setup, queues))
     }
 
     /// Until the other end closes the pipe. None: it never got as far as a tick.
@@ -37,20 +37,20 @@ mod target {
         let mut bytes = [0; SETUP];
         input.read(&mut bytes)?;
         let (setup, _) = postcard::take_from_bytes::<Setup>(&bytes).ok()?;
-        let (loop_end, mut desk) = queues.split();
+        let (loop_end, mut server) = queues.split();
         let decide = placed(&setup, loop_end)?;
         decide.begin(&setup, false).ok()?;
         let mut bytes = [0; Given::LENGTH];
         while input.read(&mut bytes).is_some() {
             let given = Given::from_bytes(bytes);
             if let Some(request) = given.request {
-                desk.orders.enqueue(Order::Ask(request)).ok()?;
+                server.orders.enqueue(LoopCommand::Ask(request)).ok()?;
             }
             if let Some(point) = given.point {
-                desk.points.enqueue(Point::new(point).unwrap_or(Point::END)).ok()?;
+                server.points.enqueue(Point::new(point).unwrap_or(Point::END)).ok()?;
             }
             let outcome = decide.tick(|input| given.inputs.get(input).copied().unwrap_or_default());
-            while desk.records.dequeue().is_some() {}
+            while server.records.dequeue().is_some() {}
             output.write(&Done { output: outcome.output, relay: decide.relay() }.to_bytes())?;
         }
         Some(())

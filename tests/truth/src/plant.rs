@@ -112,7 +112,7 @@ pub struct Physics {
     pub actuator: Actuator,
     /// Forces on the table.
     pub table: Table,
-    /// What stands on it.
+    /// What is mounted on it.
     pub payload: Option<Payload>,
     /// What it stands on.
     pub base: Option<Base>,

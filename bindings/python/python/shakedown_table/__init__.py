@@ -111,7 +111,7 @@ def diagnose(experiment: Path, *, progress: Progress | None = None) -> dict[str,
 
 
 def identify(experiment: Path) -> dict[str, Any]:
-    """Fits the parameters that the experiment lists, with intervals, and judges the model on the runs held back."""
+    """Fits the parameters that the experiment lists, with intervals, and judges the model on the hold-out runs."""
     model: dict[str, Any] = json.loads(_native.identify(experiment))
     return model
 

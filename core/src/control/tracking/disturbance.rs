@@ -16,6 +16,19 @@ use crate::scalar::Scalar;
 const NEAR: f32 = 0.98;
 
 /// The observer's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::tracking::{Disturbance, DisturbanceState};
+///
+/// let observer = Disturbance::new(50.0, 0.242, 1e-3)?;
+/// let mut state = DisturbanceState::default();
+/// let mut lost = 0.0;
+/// for _ in 0..200 {
+///     lost = observer.advance(&mut state, 0.08, 0.1); // the table moves 0.02 m/s slower than the flow made
+/// }
+/// assert!((lost + 0.02).abs() < 1e-4);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disturbance {
     alpha: f32,

@@ -17,6 +17,14 @@ use crate::block::{BlockError, require};
 use crate::math;
 
 /// What is known of the flow beyond gain and limit. Zeros switch off.
+///
+/// ```
+/// use shakedown_core::settings::FlowSettings;
+///
+/// // Toward negative displacement the table is a tenth slower.
+/// let flow = FlowSettings { asymmetry: 0.9, ..FlowSettings::default() };
+/// assert_eq!(flow.sharpness, 0.0); // a hard limit
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct FlowSettings {
@@ -45,6 +53,17 @@ const POINTS: usize = 32;
 const STEEPEST: f32 = 0.97;
 
 /// The map's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::tracking::{FlowMap, FlowState};
+/// use shakedown_core::settings::FlowSettings;
+///
+/// let map = FlowMap::new(&FlowSettings::default(), 0.242, 1e-3)?;
+/// // A full and stiff supply: what is asked for is what comes.
+/// let (open, made) = map.advance(&mut FlowState::default(), 0.1, 0.0, 0.1);
+/// assert!((open - 0.1).abs() < 1e-6 && made == 0.1);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlowMap {
     positive: f32,

@@ -10,6 +10,14 @@ use crate::block::{BlockError, require};
 use crate::scalar::Scalar;
 
 /// What is known of friction and overlap. Zeros switch off.
+///
+/// ```
+/// use shakedown_core::settings::FrictionSettings;
+///
+/// // Coulomb friction of 0.3 m/s2 and an overlap of 1 mm.
+/// let friction = FrictionSettings { coulomb: 0.3, deadband: 0.001, ..FrictionSettings::default() };
+/// assert_eq!(friction.viscous, 0.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct FrictionSettings {
@@ -30,6 +38,16 @@ impl Default for FrictionSettings {
 }
 
 /// The configuration.
+///
+/// ```
+/// use shakedown_core::blocks::tracking::Friction;
+/// use shakedown_core::settings::FrictionSettings;
+///
+/// let friction = Friction::new(&FrictionSettings { coulomb: 0.3, deadband: 0.001, ..FrictionSettings::default() })?;
+/// assert_eq!(friction.force(0.1), 0.3);
+/// assert_eq!(friction.open(0.002), 0.003); // beyond the overlap
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
     coulomb: f32,

@@ -13,12 +13,19 @@
 //! wrong gain, pole, mass or supply, a payload's reaction. Without a disturbance observer (`fo` = 0) p is the measured
 //! acceleration.
 
-use super::trajectory::Motion;
+use super::trajectory::ReferenceState;
 use crate::block::{BlockError, require};
 use crate::math;
 use crate::scalar::Scalar;
 
 /// The table's mode on its oil column.
+///
+/// ```
+/// use shakedown_core::settings::{OilSettings, TrackingSettings};
+///
+/// let oil = Some(OilSettings { frequency: 25.0, damping: 0.05 });
+/// assert!(TrackingSettings { oil, ..TrackingSettings::default() }.oil.is_some());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct OilSettings {
@@ -29,6 +36,16 @@ pub struct OilSettings {
 }
 
 /// The configuration.
+///
+/// ```
+/// use shakedown_core::blocks::tracking::{OilColumn, ReferenceState};
+/// use shakedown_core::settings::OilSettings;
+///
+/// let oil = OilColumn::new(&OilSettings { frequency: 25.0, damping: 0.05 }, [5.0, 20.0], 0.242, 1e-3)?;
+/// // At an even speed the oil column asks for no more flow than that speed.
+/// assert_eq!(oil.forward(&ReferenceState { velocity: 0.1, ..ReferenceState::default() }), 0.1);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OilColumn {
     dt: f32,
@@ -82,7 +99,7 @@ impl OilColumn {
 
     /// The flow that makes the reference's motion on the model, m/s.
     #[inline]
-    pub fn forward(&self, ahead: &Motion) -> f32 {
+    pub fn forward(&self, ahead: &ReferenceState) -> f32 {
         ahead.velocity + self.per_square * (ahead.jerk + self.leak * ahead.acceleration)
     }
 

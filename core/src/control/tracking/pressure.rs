@@ -12,6 +12,13 @@ use crate::filter::Washout;
 use crate::filter::washout::WashoutState;
 
 /// What is known of the sensor and wanted of the damping.
+///
+/// ```
+/// use shakedown_core::settings::{PressureSettings, TrackingSettings};
+///
+/// let pressure = Some(PressureSettings { area_per_mass: 5e-6, gain: 0.005, corner: 0.5 });
+/// assert!(TrackingSettings { pressure, ..TrackingSettings::default() }.pressure.is_some());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct PressureSettings {
@@ -24,6 +31,17 @@ pub struct PressureSettings {
 }
 
 /// The configuration.
+///
+/// ```
+/// use shakedown_core::blocks::filter::WashoutState;
+/// use shakedown_core::blocks::tracking::PressureDamping;
+/// use shakedown_core::settings::PressureSettings;
+///
+/// let damping = PressureDamping::new(&PressureSettings { area_per_mass: 5e-6, gain: 0.005, corner: 0.5 }, 1e-3)?;
+/// // A load pressure that nobody asked for is given way to.
+/// assert!(damping.advance(&mut WashoutState::default(), 1e6, 0.0) < 0.0);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressureDamping {
     area_per_mass: f32,

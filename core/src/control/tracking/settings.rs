@@ -13,6 +13,14 @@ use crate::filter::{MotionObserver, SecondOrder};
 use core::f32::consts::TAU;
 
 /// Noise of the sensors at each tick, standard deviations: what weighs them against each other.
+///
+/// ```
+/// use shakedown_core::settings::NoiseSettings;
+///
+/// // An LVDT read in steps of 0.1 mm.
+/// let noise = NoiseSettings { displacement: 1e-4 / 12.0_f32.sqrt(), ..NoiseSettings::default() };
+/// assert!((noise.displacement - 2.89e-5).abs() < 1e-7);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct NoiseSettings {
@@ -30,6 +38,14 @@ impl Default for NoiseSettings {
 }
 
 /// A notch in the feedback, for a mode that it must leave alone.
+///
+/// ```
+/// use shakedown_core::settings::{NotchSettings, TrackingSettings};
+///
+/// // A specimen's mode at 12 Hz that the feedback leaves alone.
+/// let notch = Some(NotchSettings { frequency: 12.0, damping: 0.1 });
+/// assert!(TrackingSettings { notch, ..TrackingSettings::default() }.notch.is_some());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct NotchSettings {
@@ -40,12 +56,21 @@ pub struct NotchSettings {
 }
 
 /// Everything that is set of the tracking law beside the valve's gain, lag and null.
+///
+/// ```
+/// use shakedown_core::settings::TrackingSettings;
+/// use shakedown_core::{Controller, Settings};
+///
+/// let tracking = TrackingSettings { bandwidth: 8.0, ..TrackingSettings::default() };
+/// let controller = Controller::new(&Settings { tracking: Some(tracking), ..Settings::default() });
+/// assert!(controller.is_ok());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct TrackingSettings {
     /// Bandwidth of the feedback, Hz.
     pub bandwidth: f32,
-    /// Below this what the model lacks is undone, Hz.
+    /// Below this what the model lacks is corrected, Hz.
     pub disturbance: f32,
     /// From command to flow beyond the valve's lag, s.
     pub delay: f32,
@@ -87,6 +112,16 @@ impl Default for TrackingSettings {
 }
 
 /// What the law takes from the settings around it.
+///
+/// ```
+/// use shakedown_core::blocks::tracking::Surroundings;
+/// use shakedown_core::settings::TrackingSettings;
+///
+/// let around = Surroundings { dt: 1e-3, valve: [2.39, 0.0173], command_limit: 0.2, velocity_limit: 0.242 };
+/// let law = TrackingSettings::default().law(&around)?;
+/// assert_eq!(law.lag(), 6); // three points of 2 ms
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surroundings {
     /// Length of a tick, s.

@@ -11,12 +11,12 @@
 use crate::block::{BlockError, require};
 
 /// Ticks of the reference that are kept.
-pub const ROOM: usize = 64;
+pub(crate) const ROOM: usize = 64;
 const MASK: u32 = ROOM as u32 - 1;
 
 /// Displacement and rates at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
+pub struct ReferenceState {
     /// m.
     pub displacement: f32,
     /// m/s.
@@ -27,7 +27,7 @@ pub struct Motion {
     pub jerk: f32,
 }
 
-/// The last [`ROOM`] ticks of the reference.
+/// The last 64 ticks of the reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct History {
     ring: [f32; ROOM],
@@ -60,6 +60,18 @@ impl History {
 }
 
 /// The seven points' configuration.
+///
+/// ```
+/// use shakedown_core::blocks::tracking::{History, Stencil};
+///
+/// let stencil = Stencil::new(0.002, 1e-3)?;
+/// let mut history = History::at(0.0);
+/// for k in 0..64 {
+///     history.push(0.1 * k as f32 * 1e-3); // 0.1 m/s
+/// }
+/// assert!((stencil.at(&history, stencil.reach()).velocity - 0.1).abs() < 1e-4);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stencil {
     spacing: u32,
@@ -81,9 +93,9 @@ impl Stencil {
         3 * self.spacing
     }
 
-    /// The motion `back` ticks ago; from [`Stencil::reach`] to [`ROOM`] less as much.
+    /// The motion `back` ticks ago; from [`Stencil::reach`] to 64 less as much.
     #[inline]
-    pub fn at(&self, history: &History, back: u32) -> Motion {
+    pub fn at(&self, history: &History, back: u32) -> ReferenceState {
         let h = self.spacing;
         let here = history.back(back);
         let pair = |i: u32| {
@@ -91,7 +103,7 @@ impl Stencil {
             (after - before, (after - here) + (before - here))
         };
         let ((d1, s1), (d2, s2), (d3, s3)) = (pair(1), pair(2), pair(3));
-        Motion {
+        ReferenceState {
             displacement: here,
             velocity: self.first * (45.0 * d1 - 9.0 * d2 + d3),
             acceleration: self.second * (270.0 * s1 - 27.0 * s2 + 2.0 * s3),

@@ -14,6 +14,18 @@ use crate::block::{BlockError, require};
 use crate::math;
 
 /// The inverse's configuration.
+///
+/// ```
+/// use shakedown_core::blocks::tracking::{Valve, ValveState};
+///
+/// let valve = Valve::new([2.39, 0.0173, 0.005], 0.2, 1e-3)?;
+/// let (mut state, mut command) = (ValveState::default(), 0.0);
+/// for _ in 0..500 {
+///     (command, _) = valve.advance(&mut state, 0.1, 0.0);
+/// }
+/// assert!((command - 0.1 / 2.39).abs() < 1e-4); // settled: flow over gain
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Valve {
     rho: f32,

@@ -60,7 +60,7 @@ impl Concealed {
         let outcome = if named == truth { "found" } else { "not found" };
         let (before, after) = (&self.examined.diagnosis.judged.before, &self.examined.diagnosis.judged.after);
         format!(
-            "Concealed in recordings of a table made elsewhere: {}, {outcome}; chi2 on the run held back {:.3} -> {:.3}, 1 being \
+            "Concealed in recordings of a table made elsewhere: {}, {outcome}; chi2 on the hold-out run {:.3} -> {:.3}, 1 being \
              the noise floor.",
             truth.join(" and "),
             before.chi2,
@@ -78,7 +78,7 @@ impl Concealed {
             page::lead(&self.examined.diagnosis)
         );
         let mut items = vec![Item::Text(told), Item::Table(self.table())];
-        items.extend(page::foreseen(&self.examined).items.into_iter().take(6));
+        items.extend(page::predicted(&self.examined).items.into_iter().take(6));
         items.push(Item::Note(
             "`shakedown diagnose EXPERIMENT.toml` does this with your recordings, `shakedown init` writes the experiment, and \
              `shakedown prove` examines the diagnosis on hundreds of such cases."

@@ -7,7 +7,7 @@ use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
 use shakedown::device::{Port, Session};
-use shakedown_core::link::Request;
+use shakedown_core::link::HostRequest;
 use std::fmt::Write as _;
 use std::io::BufRead as _;
 use std::path::PathBuf;
@@ -73,7 +73,7 @@ impl Commission {
         for &(number, instruction, measures) in STEPS {
             if let Measures::Output(code) = measures {
                 clear(session)?;
-                session.order(&Request::Probe(code)).map_err(failed)?;
+                session.order(&HostRequest::Probe(code)).map_err(failed)?;
             }
             let Some(typed) = prompted(number, instruction)? else { return Ok(false) };
             let _ = writeln!(text, "\n[step-{number}]\ninstruction = {instruction:?}\ntyped = {typed:?}");
@@ -119,7 +119,7 @@ fn prompted(number: &str, instruction: &str) -> Result<Option<String>, Failure> 
 
 /// Leaves a trip behind, and what was on the output.
 fn clear(session: &mut Session<Port>) -> Result<(), Failure> {
-    match session.order(&Request::ClearTrip) {
+    match session.order(&HostRequest::ClearTrip) {
         // There was none.
         Ok(()) | Err(shakedown::device::SessionError::Refused(_)) => Ok(()),
         Err(error) => Err(failed(error)),

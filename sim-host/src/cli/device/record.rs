@@ -25,7 +25,7 @@ const SLICE: Duration = Duration::from_millis(200);
 #[command(after_help = "Examples:
   shakedown device --port /dev/ttyACM0 run reference.csv --out run/      the device takes its reference through the link
   shakedown device --port /dev/ttyACM0 run --seconds 60 --out run/       its reference, or in guard mode the existing
-                                                                         controller's command, stands at its converter
+                                                                         controller's command, is at its converter
 
 Ctrl-C fades the test out, disarms and saves what was heard; a second one leaves the device as it is, and what was heard in
 recording.part.csv.")]
@@ -34,7 +34,7 @@ pub(super) struct Run {
     /// writes.
     #[arg(value_name = "FILE", required_unless_present = "seconds")]
     file: Option<PathBuf>,
-    /// Runs a test of what stands at the converter, for so long, s.
+    /// Runs a test from the analogue input, for so long, s.
     #[arg(long, value_name = "S", conflicts_with_all = ["file", "column"])]
     seconds: Option<f64>,
     /// The column with the reference.

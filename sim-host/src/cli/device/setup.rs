@@ -6,7 +6,7 @@ use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
 use shakedown::device::{Port, Session};
 use shakedown::files::bounded;
-use shakedown_core::link::{Request, Setup};
+use shakedown_core::link::{HostRequest, Setup};
 use std::path::{Path, PathBuf};
 
 /// `device get`.
@@ -43,9 +43,9 @@ pub(super) struct Set {
 impl Set {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
         let setup = read(&self.file)?;
-        session.order(&Request::WriteSetup(setup)).map_err(failed)?;
+        session.order(&HostRequest::WriteSetup(setup)).map_err(failed)?;
         if self.save {
-            session.order(&Request::Save).map_err(failed)?;
+            session.order(&HostRequest::Save).map_err(failed)?;
         }
         Ok(())
     }

@@ -31,19 +31,17 @@ fn speed(speed: f64) -> String {
     format!("{speed:.4}")
 }
 
-/// Whether the gains stand, in a sentence or two.
+/// The gain margin, in a sentence or two.
 pub(super) fn stand(gains: &Gains) -> String {
     let stated = gains.stated.map_or("at every one".into(), |factor| format!("up to {factor:.2}"));
     let known = format!("by the stated model it settles {stated}");
     if gains.stated.is_none() && gains.found.is_none() {
-        return "The gains stand: the loop settles after a step at up to ten times what they are, with what was found and \
-                without it."
-            .into();
+        return "Gain margin above 10 (factor), with what was found and without it.".into();
     }
     match gains.found {
-        None => format!("The gains stand: the loop settles at every factor on them up to 10; {known}."),
+        None => format!("Gain margin above 10 (factor); {known}."),
         Some(factor) if gains.stand => {
-            format!("The gains stand: the loop settles after a step up to {factor:.2} times what they are; {known}.")
+            format!("Gain margin {factor:.2} (factor): the loop settles after a step up to there; {known}.")
         }
         Some(factor) if factor >= 1.0 => format!(
             "The gains are high: the loop settles after a step only up to {factor:.2} times what they are; {known}. \
@@ -51,8 +49,8 @@ pub(super) fn stand(gains: &Gains) -> String {
             factor / CUSTOMARY
         ),
         Some(factor) => format!(
-            "The gains do not stand: after a small step the loop does not come to rest as they are, only up to {factor:.2} \
-             times them; {known}."
+            "Gain margin {factor:.2} (factor), below 1: after a small step the loop does not come to rest at the present gains; \
+             {known}."
         ),
     }
 }
@@ -66,11 +64,13 @@ mod tests {
         let said = |stated, found: Option<f64>| {
             stand(&Gains { stated, found, stand: found.is_none_or(|factor| factor >= CUSTOMARY) })
         };
-        assert!(said(None, Some(3.1)).starts_with("The gains stand: the loop settles after a step up to 3.10"));
+        assert!(
+            said(None, Some(3.1)).starts_with("Gain margin 3.10 (factor): the loop settles after a step up to there")
+        );
         assert!(
             said(Some(4.0), Some(1.5)).contains("only up to 1.50") && said(Some(4.0), Some(1.5)).contains("0.75 times")
         );
-        assert!(said(Some(4.0), Some(0.6)).starts_with("The gains do not stand"));
+        assert!(said(Some(4.0), Some(0.6)).starts_with("Gain margin 0.60 (factor), below 1"));
         assert!(said(Some(4.0), None).contains("by the stated model it settles up to 4.00"));
     }
 }

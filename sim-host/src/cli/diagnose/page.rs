@@ -1,4 +1,4 @@
-//! The page of a diagnosis: what differs, where, what it is, how much better the model with it foresees.
+//! The page of a diagnosis: what differs, where, what it is, how much better the model with it predicts.
 
 use super::super::traces::{self, left, over_frequency, over_time};
 use super::{change, place, set_up};
@@ -27,7 +27,7 @@ pub(super) fn page(name: &str, examined: &Examined) -> Page {
         sections.push(place::section(examined));
         details.push(candidates(diagnosis));
     }
-    details.push(foreseen(examined));
+    details.push(predicted(examined));
     if let Some(test) = &diagnosis.next_test {
         details.push(next(test));
     }
@@ -115,14 +115,14 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
             let left = diagnosis.judged.after.chi2;
             let more = if left > 1.5 {
                 format!(
-                    " More is missing: what is left stands at chi2 {left:.2}, {:.1} % of the first excess.",
+                    " More is missing: chi2 {left:.2}; {:.1} % of the initial misfit remains.",
                     100.0 * diagnosis.share_left
                 )
             } else {
                 String::new()
             };
             let shared = if diagnosis.held_out_shared {
-                " The runs fitted do not show it: every other stretch of those held back was fitted too, and the stretches \
+                " The runs fitted do not show it: every other stretch of the hold-out runs was fitted too, and the stretches \
                  between judged."
             } else {
                 ""
@@ -200,7 +200,7 @@ fn curve(remainder: &Remainder) -> Section {
     };
     let (x, y): (Vec<f64>, Vec<f64>) = remainder.knots.iter().copied().unzip();
     let text = format!(
-        "{}{beside}. With it {:.0} % of the stated model's excess over the noise is gone on the runs held back. It is a \
+        "{}{beside}. With it {:.0} % of the stated model's excess over the noise is gone on the hold-out runs. It is a \
          description, not a cause: its shape says what to look for, and it holds only within what the runs reach.",
         remainder.equation,
         100.0 * remainder.share
@@ -240,11 +240,11 @@ fn candidates(diagnosis: &Diagnosis) -> Section {
         rows: rows.collect(),
         caption: "What else was weighed".into(),
     };
-    Section { heading: "Why not something else".into(), items: vec![Item::Table(table)] }
+    Section { heading: "Alternatives".into(), items: vec![Item::Table(table)] }
 }
 
 /// Held-out traces over each other, and what each model leaves.
-pub(in super::super) fn foreseen(examined: &Examined) -> Section {
+pub(in super::super) fn predicted(examined: &Examined) -> Section {
     let mut items = Vec::new();
     for (i, run) in examined.judging_runs().iter().enumerate() {
         for (j, measured) in run.measured.iter().enumerate() {
@@ -270,5 +270,5 @@ pub(in super::super) fn foreseen(examined: &Examined) -> Section {
             items.extend(measured.judged.then_some(spectra));
         }
     }
-    Section { heading: "How well each model foresees the runs held back".into(), items }
+    Section { heading: "Prediction of the hold-out runs".into(), items }
 }

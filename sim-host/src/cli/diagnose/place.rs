@@ -87,7 +87,7 @@ fn along(share: &StateShare) -> Item {
     let quantity = share.variable.replace('_', " ");
     let (x, y) = share.profile.iter().map(|&[x, y]| (x, y)).unzip();
     Item::Plot(Plot {
-        title: format!("What is left along {quantity}, {:.0} % of it", 100.0 * share.strength),
+        title: format!("Residual versus {quantity}, {:.0} % of it", 100.0 * share.strength),
         x: Axis { label: format!("{quantity} [{}]", unit(share.variable)), ..Axis::default() },
         y: Axis { label: "mean of measured less stated model [noise]".into(), ..Axis::default() },
         // Between the two signs there is nothing to draw a line through.

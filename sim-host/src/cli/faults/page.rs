@@ -47,7 +47,7 @@ fn classes(summary: &Summary) -> Table {
     let columns = [
         "class",
         "runs",
-        "to be seen",
+        "detection required",
         "reported",
         "promised [ms]",
         "median [ms]",
@@ -55,7 +55,7 @@ fn classes(summary: &Summary) -> Table {
         "99 % [ms]",
         "largest [ms]",
         "farthest [mm]",
-        "strayed unseen [mm]",
+        "undetected deviation [mm]",
         "broken",
     ];
     Table {
@@ -148,7 +148,7 @@ pub(super) fn facts(case: &Case, outcome: &Outcome, record: &str) -> Table {
         ("latency [ms]", outcome.latency_s.map(millis).unwrap_or_default()),
         ("limit switches [mm]", case.limit_switches.map_or_else(|| "none".into(), millimetres)),
         ("farthest [mm]", millimetres(outcome.farthest_m)),
-        ("strayed unseen [mm]", millimetres(outcome.deviation_m)),
+        ("undetected deviation [mm]", millimetres(outcome.deviation_m)),
         ("broken", broken.join(", ")),
     ];
     Table {

@@ -34,7 +34,7 @@ pub(super) fn page(name: &str, found: &Identified) -> Page {
     sections.extend(found.transfer.as_ref().map(super::transfer::section));
     let mut details = Vec::new();
     if !prepared.holdout.is_empty() {
-        details.push(runs("The runs held back", &prepared.holdout, &found.held_back));
+        details.push(runs("The hold-out runs", &prepared.holdout, &found.held_back));
     }
     details.push(runs("The runs fitted", &prepared.fit, &found.fitted));
     Page {
@@ -48,16 +48,16 @@ pub(super) fn page(name: &str, found: &Identified) -> Page {
     }
 }
 
-/// chi2 up to which a model counts as foreseeing everything but noise.
+/// chi2 up to which a model counts as predicting everything but noise.
 const NOISE_ALONE: f64 = 1.2;
 
 /// What came out, in words first.
 pub(super) fn lead(found: &Identified) -> String {
     let (fitted, judged) = (found.fit.chi2(), found.held_back.chi2);
     let on = if found.prepared.holdout.is_empty() {
-        "the runs it was fitted to (none was held back)"
+        "the runs it was fitted to (none was held out)"
     } else {
-        "the runs held back"
+        "the hold-out runs"
     };
     let verdict = if judged <= NOISE_ALONE {
         format!("The fitted model explains {on} down to the noise")
@@ -96,13 +96,13 @@ fn equations(kind: Kind) -> &'static str {
 fn tiles(found: &Identified) -> Vec<(String, String)> {
     let mut tiles = vec![
         ("chi2, fitted [1]".into(), format!("{:.3}", found.fit.chi2())),
-        ("chi2, held back [1]".into(), format!("{:.3}", found.held_back.chi2)),
+        ("chi2, held out [1]".into(), format!("{:.3}", found.held_back.chi2)),
     ];
     let judged =
         |channel| found.prepared.fit.iter().flat_map(|r| &r.measured).any(|m| m.channel == channel && m.judged);
     for (channel, nrmse) in found.held_back.nrmse.iter().filter(|(channel, _)| judged(*channel)) {
         tiles.push((
-            format!("R2 of {}, held back [1]", channel.name().replace('_', " ")),
+            format!("R2 of {}, held out [1]", channel.name().replace('_', " ")),
             format!("{:.5}", 1.0 - nrmse * nrmse),
         ));
     }
@@ -136,7 +136,7 @@ fn standings(found: &Identified) -> Table {
             of(&found.held_back, *channel),
         ]);
     }
-    let columns = ["channel", "fitted to", "noise floor", "error, fitted [%]", "error, held back [%]"];
+    let columns = ["channel", "fitted to", "noise floor", "error, fitted [%]", "error, held out [%]"];
     table(&columns, rows, "RMS of what is left over RMS of the measurement about its mean")
 }
 

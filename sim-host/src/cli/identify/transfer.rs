@@ -12,7 +12,7 @@ const LISTED: usize = 8;
 /// The section: what was chosen, among what, and how it runs through the measured points.
 pub(super) fn section(transfer: &Transfer) -> Section {
     let output = transfer.output.name();
-    let judged = if transfer.by_runs { "the runs held back" } else { "the second halves of the runs" };
+    let judged = if transfer.by_runs { "the hold-out runs" } else { "the second halves of the runs" };
     let mut items = Vec::new();
     if let Some(chosen) = transfer.trials.first() {
         items.push(Item::Text(format!(
@@ -23,7 +23,7 @@ pub(super) fn section(transfer: &Transfer) -> Section {
         )));
     }
     let rows = transfer.trials.iter().take(LISTED).map(row).collect();
-    let columns = ["numerator degree", "poles", "delay [ms]", "chi2, fitted [1]", "chi2, held back [1]"];
+    let columns = ["numerator degree", "poles", "delay [ms]", "chi2, fitted [1]", "chi2, held out [1]"];
     items.push(Item::Table(table(&columns, rows, "Orders tried, the chosen one first")));
     items.push(plot(transfer, "gain", "dB", &|r| r.points.iter().map(Point::decibels).collect()));
     items.push(plot(transfer, "phase", "deg", &Response::unwrapped_degrees));
@@ -47,7 +47,7 @@ fn plot(transfer: &Transfer, what: &str, unit: &str, of: &dyn Fn(&Response) -> V
     };
     let mut all = vec![
         series("runs fitted", &transfer.response, Style::Line),
-        series("held back", &transfer.held_back, Style::Faint),
+        series("held out", &transfer.held_back, Style::Faint),
     ];
     if let Some(chosen) = transfer.trials.first() {
         let value = |p: &Point| Point { value: chosen.fit.function.at(p.frequency), ..*p };

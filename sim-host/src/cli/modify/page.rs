@@ -168,7 +168,7 @@ pub(super) fn given_up(answer: &Answer) -> Section {
 
 /// The limits that a stretch touches, in words.
 fn touched(stretch: &Stretch) -> String {
-    if stretch.limits.is_empty() { "none: making good".into() } else { stretch.limits.join(", ") }
+    if stretch.limits.is_empty() { "none: recovering".into() } else { stretch.limits.join(", ") }
 }
 
 fn in_time(answer: &Answer) -> Section {

@@ -1,4 +1,4 @@
-//! Real recordings as a second page: what the stated model holds, what was found missing, how much better it foresees.
+//! Real recordings as a second page: what the stated model holds, what was found missing, how much better it predicts.
 
 use super::super::diagnose::failure;
 use super::super::diagnose::page::{lead, parameters};
@@ -84,7 +84,7 @@ fn found(all: &[Examined]) -> Table {
     }
 }
 
-/// Fit on the runs held back, each channel that judges.
+/// Fit on the hold-out runs, each channel that judges.
 fn fits(all: &[Examined]) -> Table {
     let rows = all.iter().flat_map(|one| {
         let (before, after) = (&one.diagnosis.judged.before, &one.diagnosis.judged.after);

@@ -56,7 +56,7 @@ fn lead(outcome: &Outcome, scenario: &Scenario) -> String {
         _ => "The table does not reproduce the record",
     };
     let saturated = if limit > 0.0 {
-        format!(", and stands at its velocity limit for {limit:.2} s")
+        format!(", and is at its velocity limit for {limit:.2} s")
     } else {
         " and never reaches its velocity limit".into()
     };
@@ -91,8 +91,7 @@ fn advice(outcome: &Outcome) -> Vec<String> {
         } else {
             "The drive asks for more than the table's speed: fit it again with `shakedown modify RECORD --velocity` below the limit"
         };
-        advice
-            .push(format!("{how}. Without that the table stands at its limit for {:.2} s.", outcome.truth.saturated_s));
+        advice.push(format!("{how}. Without that the table is at its limit for {:.2} s.", outcome.truth.saturated_s));
     }
     let late = 1e3 * score.e_a.delay;
     if late > 30.0 {

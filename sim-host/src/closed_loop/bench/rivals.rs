@@ -6,7 +6,7 @@
 use super::super::design::Table;
 use super::super::{Actuation, Law, Measured};
 use nalgebra::{DMatrix, DVector};
-use shakedown_core::filter::{MotionObserver, MotionState};
+use shakedown_core::blocks::filter::{MotionObserver, MotionState};
 use std::f64::consts::TAU;
 
 /// Noise that the observers are made for: the paper's laboratory, m and m/s2.

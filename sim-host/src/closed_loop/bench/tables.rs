@@ -8,7 +8,7 @@ use crate::plant::simulate::Placed;
 use crate::plant::stepped::Stepped;
 use std::f64::consts::TAU;
 
-/// What stands on a table.
+/// What is mounted on a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Payload {
     /// Nothing.
@@ -28,7 +28,7 @@ pub struct Bench {
     pub about: &'static str,
     /// What identification would have found: every contender is tuned on this.
     pub table: Table,
-    /// What stands on it; nobody is told.
+    /// What is mounted on it; nobody is told.
     pub payload: Payload,
     /// Its sensors.
     pub sensors: SensorModel,

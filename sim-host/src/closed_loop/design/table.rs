@@ -6,11 +6,7 @@ use crate::plant::simulate::{Placed, SimulateError};
 use crate::plant::stepped::Stepped;
 use crate::recording::model::{self, Model};
 use shakedown_core::Settings;
-use shakedown_core::control::TrackingSettings;
-use shakedown_core::control::tracking::flow::FlowSettings;
-use shakedown_core::control::tracking::friction::FrictionSettings;
-use shakedown_core::control::tracking::oil::OilSettings;
-use shakedown_core::settings::{Gains, ValveSettings};
+use shakedown_core::settings::{FlowSettings, FrictionSettings, Gains, OilSettings, TrackingSettings, ValveSettings};
 
 /// A servo table: Eq. 7 with what diagnosis has named beside it. SI.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! How far a run is, and why it ended early.
 
-use shakedown_core::link::{Cause, RefusedBecause, VERSION};
+use shakedown_core::link::{RefusedBecause, StopCause, VERSION};
 
 /// Why a run ended early.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -26,7 +26,7 @@ pub enum DriveError {
     #[error("the device stopped the run at tick {tick}: {cause:?}")]
     Stopped {
         /// Why.
-        cause: Cause,
+        cause: StopCause,
         /// When.
         tick: u32,
     },

@@ -1,4 +1,4 @@
-//! What a change of a fitted model would explain, told from one simulation without sensitivities.
+//! What a change of a fitted model would explain, estimated from one simulation without sensitivities.
 //!
 //! A look at an effect with all its derivatives costs ten times a plain simulation. The change that an effect at a starting
 //! value makes to every channel is a direction too: the chord instead of the tangent. What it explains beside the fit's own

@@ -122,13 +122,13 @@ pub struct Trial {
     pub order: Order,
     /// Its fit.
     pub fit: TransferFit,
-    /// Mean squared error on the response held back.
+    /// Mean squared error on the response held out.
     pub held_back: f64,
 }
 
-/// Fits every order to one response and judges each on another that was held back: another record, or another
+/// Fits every order to one response and judges each on another that was held out: another record, or another
 /// amplitude's repeat. The trials come back with the chosen one first: the lowest order (fewest coefficients) whose
-/// error held back is within one standard error of the best.
+/// error held out is within one standard error of the best.
 pub fn choose(response: &Response, held_back: &Response, orders: &[Order]) -> Result<Vec<Trial>, ResponseError> {
     let mut trials: Vec<Trial> = orders
         .iter()

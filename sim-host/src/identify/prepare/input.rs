@@ -1,4 +1,4 @@
-//! What drives a run: its input with gaps bridged, what is added to the command, what stands around the controller.
+//! What drives a run: its input with gaps bridged, what is added to the command, what surrounds the controller.
 
 use crate::plant::simulate::Shaping;
 use crate::recording;
@@ -13,7 +13,7 @@ pub(super) fn with_pressure_feedback(mut added: Vec<f64>, run: &recording::Run) 
     added
 }
 
-/// What stands around a run's controller, in ticks.
+/// What surrounds a run's controller, in ticks.
 pub(super) fn shaping(run: &recording::Run, ticks: usize) -> Shaping {
     let recording::Shaping { kvf, notch, late_command, late_displacement, .. } = run.shaping;
     let summed = match run.law {

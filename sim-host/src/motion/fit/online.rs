@@ -2,7 +2,7 @@
 
 use super::{FitError, Fitted, Limits, Reference};
 use shakedown_core::SettingsError;
-use shakedown_core::record::{self, causal, clip, preview};
+use shakedown_core::blocks::record::{self, causal, clip, preview};
 use shakedown_core::settings::{PREVIEW_PLACES, PREVIEW_WINDOW};
 
 /// An online modifier by name.
@@ -30,7 +30,7 @@ pub fn fit_with(
 ) -> Result<Fitted, FitError> {
     limits.check(reference)?;
     let stroke = limits.stroke.unwrap_or(10.0);
-    let table = record::Limits::new((1.0 / reference.dt) as f32, limits.velocity as f32, stroke as f32);
+    let table = record::ReferenceLimits::new((1.0 / reference.dt) as f32, limits.velocity as f32, stroke as f32);
     let start = reference.start as f32;
     let velocity = match modifier {
         Modifier::Clip => {
@@ -39,14 +39,15 @@ pub fn fit_with(
             run(reference, 0, limit_now, |x, v| clip::step(&config, &mut state, x, v))
         }
         Modifier::Causal => {
-            let config = causal::Config::new(&table, &causal::Config::WASHOUT, causal::Config::MEMORY)
+            let config = causal::Config::new(&table, &causal::Config::DRIFT_RECOVERY, causal::Config::MEMORY)
                 .map_err(|e| refusal(&e))?;
             let mut state = causal::State::at(start);
             run(reference, 0, limit_now, |x, v| causal::step(&config, &mut state, x, v))
         }
         Modifier::Preview(seconds) => {
-            let config = preview::Config::new::<PREVIEW_WINDOW>(&table, &preview::Config::WASHOUT, seconds as f32)
-                .map_err(|e| refusal(&e))?;
+            let config =
+                preview::Config::new::<PREVIEW_WINDOW>(&table, &preview::Config::DRIFT_RECOVERY, seconds as f32)
+                    .map_err(|e| refusal(&e))?;
             let mut state = preview::State::<PREVIEW_WINDOW, PREVIEW_PLACES>::at(start);
             run(reference, config.delay() as usize, limit_now, |x, v| preview::step(&config, &mut state, x, v))
         }

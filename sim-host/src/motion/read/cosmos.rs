@@ -13,7 +13,7 @@ use super::text::{Block, after, excerpt, first_number, signed_peak};
 /// Places in the real header, from 0.
 const INTERVAL: usize = 33;
 const PEAK: usize = 63;
-/// What stands for a value that is not known.
+/// What denotes a value that is not known.
 const UNKNOWN: f64 = -999.0;
 
 pub(super) fn read(block: &Block, channel: &Channel) -> Result<Record, ReadError> {

@@ -1,7 +1,7 @@
 //! What no effect of the library holds: a curve through knots, in one coordinate, at one place of the signal path.
 //!
 //! These are not physics and no search tries them: a diagnosis that has to call a mismatch unlisted fits them to what is
-//! left, so that the model foresees better and the curve's shape says what to look for.
+//! left, so that the model predicts better and the curve's shape says what to look for.
 
 use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;

@@ -54,7 +54,7 @@ impl Law {
         if matches!(self, Self::Recorded) { 0.0 } else { 1.0 }
     }
 
-    /// The law at the start of a run that begins with this velocity (m/s), run every `tick` seconds, and what stands around it.
+    /// The law at the start of a run that begins with this velocity (m/s), run every `tick` seconds, and what surrounds it.
     pub(super) fn begin<S: Scalar>(self, tick: f64, shaping: Shaping, velocity: S) -> Running<S> {
         let waiting = std::iter::repeat_n(S::from(shaping.integral), shaping.late_command).collect();
         let notch = shaping.notch.map(|notch| NotchFilter::new(notch, tick).resting_at(S::from(shaping.integral)));
@@ -73,7 +73,7 @@ impl Law {
     }
 }
 
-/// What stands around a law: feed-forward, a notch behind it, and delays.
+/// What surrounds a law: feed-forward, a notch behind it, and delays.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Shaping {
     /// Feed-forward of the backward difference of the reference, unit of u s per m.

@@ -17,7 +17,7 @@ pub fn page(summary: &Summary) -> Page {
         sections: vec![
             section("Gates", vec![Item::Table(gate_table(&summary.gates)), Item::Note(GATE_NOTE.into())]),
             section("By stratum", vec![rows(&summary.strata, "Stratum")]),
-            section("Who was taken for whom", vec![Item::Matrix(matrix(&summary.confusion))]),
+            section("Confusion matrix", vec![Item::Matrix(matrix(&summary.confusion))]),
             section("Faults of the set-up", vec![Item::Table(fault_table(summary))]),
             section("Probabilities", probabilities(summary)),
             section("Intervals", vec![Item::Table(coverage(&summary.coverage))]),

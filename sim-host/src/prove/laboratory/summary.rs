@@ -58,7 +58,7 @@ pub struct Summary {
     pub set_up: Vec<Fault>,
     /// Claims of faults that are none, by kind.
     pub set_up_false: Vec<Fault>,
-    /// Who was taken for whom.
+    /// Confusion matrix.
     pub confusion: Confusion,
     /// Probabilities against truth; none where no probabilities were given.
     pub calibration: Option<Calibration>,

@@ -135,7 +135,7 @@ pub struct Location {
     pub state: Vec<Region>,
 }
 
-/// What stands for physics in no library.
+/// What denotes physics in no library.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Remainder {
     /// Share of the stated model's excess that it removes on the runs held out.
@@ -163,7 +163,7 @@ pub struct Reply {
     /// How it fits.
     #[serde(default)]
     pub holdout: Holdout,
-    /// Whether it fitted stretches of the runs held back too.
+    /// Whether it fitted stretches of the hold-out runs too.
     #[serde(default)]
     pub held_out_shared: bool,
     /// What it finds wrong with the data.

@@ -113,6 +113,6 @@ pub struct Truth {
     /// Largest cosine between what two of the flaws leave.
     #[serde(default)]
     pub alike: Option<f64>,
-    /// Chi2 of the refitted baseline on the run held out, by the examiner's own reckoning.
+    /// Chi2 of the refitted baseline on the run held out, by the examiner's own estimate.
     pub baseline_chi2: f64,
 }

@@ -10,7 +10,7 @@ use super::{Fault, Finding, Severity};
 use crate::recording::channel::{Channel, PerChannel};
 use crate::recording::experiment::ChannelSource;
 use crate::recording::run::Run;
-use crate::recording::signal::quantile;
+use crate::recording::signal::{filled, quantile};
 use crate::recording::unit::{UNITS, Unit};
 use agreement::{Agreement, agreement};
 use std::borrow::Cow;
@@ -167,7 +167,11 @@ fn links(signals: &Signals<'_>, run: &Run) -> Vec<Link> {
     if let (Some(x), Some(y)) = (signals.get(Reference), signals.get(Displacement)) {
         let found = agreement(x, y, run.dt, 0);
         let distance = found.map_or(0.0, |a| a.low_gain.ln().abs());
-        links.push(Link { about: About::Pair(Reference, Displacement), state: followed(tracking(found)), distance });
+        let state = match tracking(found) {
+            State::Unknown => slow_part(x, y, run.dt),
+            known => known,
+        };
+        links.push(Link { about: About::Pair(Reference, Displacement), state: followed(state), distance });
     }
     if let (Some(x), Some(u)) = (signals.get(Displacement), signals.get(Channel::Command)) {
         let state = followed(driving(agreement(x, u, run.dt, 1)));
@@ -224,6 +228,27 @@ fn tracking(found: Option<Agreement>) -> State {
         return State::Broken(format!("displacement comes {:.1} ms before its reference", 1e3 * a.lead_s));
     }
     State::Sound
+}
+
+/// Between what is slow of reference and displacement lies no unit, however little else the two have in common.
+fn slow_part(reference: &[f64], displacement: &[f64], dt: f64) -> State {
+    let window = ((1.0 / (FOLLOWS * dt)) as usize).max(1);
+    let size = |samples: &[f64]| {
+        let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
+        (samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / samples.len().max(1) as f64).sqrt()
+    };
+    let slow = |samples: &[f64]| -> f64 {
+        let means: Vec<f64> =
+            filled(samples).chunks_exact(window).map(|chunk| chunk.iter().sum::<f64>() / window as f64).collect();
+        if means.len() < 8 { f64::NAN } else { size(&means) }
+    };
+    let (asked, shown) = (slow(reference), slow(displacement));
+    let ratio = shown / asked;
+    // A reference that is fast says nothing of this; a unit is a factor of ten or more.
+    if asked > 0.3 * size(&filled(reference)) && !(0.1..10.0).contains(&ratio) && ratio.is_finite() {
+        return State::Broken(format!("displacement is {ratio:.4} times the reference below {FOLLOWS} Hz"));
+    }
+    State::Unknown
 }
 
 /// A positive command moves the table towards positive displacement, whatever else stands between them.

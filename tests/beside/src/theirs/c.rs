@@ -3,8 +3,8 @@
 
 use core::f32::consts::{PI, TAU};
 
-use shakedown_core::control::LoopGains;
-use shakedown_core::math;
+use shakedown_core::blocks::control::LoopGains;
+use shakedown_core::blocks::math;
 
 use crate::target::run_one as run;
 

@@ -3,7 +3,7 @@
 use dsp_process::SplitProcess as _;
 use idsp::Build as _;
 use idsp::iir::{Biquad, BiquadClamp, DirectForm1, DirectForm2Transposed, pid};
-use shakedown_core::control::LoopGains;
+use shakedown_core::blocks::control::LoopGains;
 
 use crate::target::run_one as run;
 

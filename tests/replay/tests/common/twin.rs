@@ -1,11 +1,11 @@
-//! The same run on the host: the firmware's own [`Loop`] around the same core, the same bench, and orders at the ticks at
+//! The same run on the host: the firmware's own [`ControlLoop`] around the same core, the same bench, and orders at the ticks at
 //! which the device's telemetry says that it took them.
 
 use shakedown::device::Telemetry;
 use shakedown_core::link::Setup;
-use shakedown_core::{Request, State};
-use shakedown_firmware::Loop;
-use shakedown_firmware::queues::{Entry, Order, Point, Queues};
+use shakedown_core::{OperatorRequest, State};
+use shakedown_firmware::ControlLoop;
+use shakedown_firmware::queues::{Entry, LoopCommand, Point, Queues};
 
 use super::bench::Bench;
 use super::seen::Codes;
@@ -32,8 +32,8 @@ pub(crate) fn run(
 ) -> Twin {
     let changes = changes(telemetry);
     let mut queues = Queues::new();
-    let (loop_end, mut desk) = queues.split();
-    let mut decide = Loop::new(&setup, loop_end, false).unwrap();
+    let (loop_end, mut server) = queues.split();
+    let mut decide = ControlLoop::new(&setup, loop_end, false).unwrap();
     let mut bench = Bench::new(setup, record.to_vec());
     let mut points = record.iter().filter_map(|&point| Point::new(point)).chain([Point::END]);
     let mut twin = Twin { codes: Vec::new(), entries: Vec::new() };
@@ -41,24 +41,24 @@ pub(crate) fn run(
     for tick in 0..ticks {
         for &(_, before, after) in changes.iter().filter(|(at, ..)| *at as usize == tick) {
             let request = match (before, after) {
-                (State::Off, State::Ready) => Request::Arm,
-                (State::Ready, State::Running) => Request::Start,
-                (State::Ready, State::Off) => Request::Off,
+                (State::Off, State::Ready) => OperatorRequest::Arm,
+                (State::Ready, State::Running) => OperatorRequest::Start,
+                (State::Ready, State::Off) => OperatorRequest::Off,
                 _ => continue,
             };
-            desk.orders.enqueue(Order::Ask(request)).unwrap();
+            server.orders.enqueue(LoopCommand::Ask(request)).unwrap();
         }
         if relay
-            && desk.points.ready()
+            && server.points.ready()
             && let Some(point) = points.next()
         {
-            desk.points.enqueue(point).unwrap();
+            server.points.enqueue(point).unwrap();
         }
         let inputs = bench.codes();
         let outcome = decide.tick(|input| inputs[input]);
         let output = spoil(tick, outcome.output);
         twin.codes.push(Codes { inputs, output, relay: decide.relay() });
-        while let Some(entry) = desk.records.dequeue() {
+        while let Some(entry) = server.records.dequeue() {
             twin.entries.push(entry);
         }
         let closed = decide.relay();

@@ -1,4 +1,4 @@
-//! Effects that the data of a case do not tell apart, by the examiner's own reckoning: each rival is set as strong as the
+//! Effects that the data of a case do not tell apart, by the examiner's own estimate: each rival is set as strong as the
 //! flaw, and what the two leave beside the refitted model is compared.
 
 use super::choose::{Ingredient, mates};

@@ -6,8 +6,8 @@ use crate::cli::output::print;
 use shakedown::device::{Drive, Port, Row, Session, SessionError};
 use shakedown::faults::limit_switches;
 use shakedown::files::Unfinished;
-use shakedown_core::control::InnerLoop;
-use shakedown_core::link::{Report, Request, Setup, Source, answer};
+use shakedown_core::link::{HostRequest, Report, Setup, Source, answer};
+use shakedown_core::settings::InnerLoop;
 use shakedown_core::{Mode, State};
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
@@ -20,7 +20,7 @@ const STAND: f64 = 1.0;
 /// Shares of the record that step 12 plays.
 const SHARES: [(&str, f32); 3] = [("tenth", 0.1), ("third", 1.0 / 3.0), ("full", 1.0)];
 /// Why nothing is played.
-const AT_THE_CONVERTER: &str = "the reference stands at the converter: play it there, and `device run --seconds`";
+const AT_THE_CONVERTER: &str = "the reference is at the converter: play it there, and `device run --seconds`";
 /// Flag of a record of telemetry: the table is at its velocity limit.
 const SATURATED: u16 = 1;
 
@@ -86,15 +86,15 @@ impl Oil<'_> {
         let unfinished = Unfinished::begin();
         let challenge = self
             .session
-            .ask(&Request::RequestArming, |report| if let Report::Challenge(c) = report { Some(*c) } else { None })
+            .ask(&HostRequest::RequestArming, |report| if let Report::Challenge(c) = report { Some(*c) } else { None })
             .map_err(failed)?;
-        self.session.order(&Request::Arm(answer(challenge))).map_err(failed)?;
+        self.session.order(&HostRequest::Arm(answer(challenge))).map_err(failed)?;
         self.session.listen(Duration::from_secs(1)).map_err(failed)?;
         let heard = self.session.listen(Duration::from_secs(2)).map_err(failed)?;
         let vitals = self.session.vitals().map_err(failed)?;
         let state = vitals.state;
         // Whatever the state is, the relay opens.
-        let order = if state == State::Ready { Request::Disarm } else { Request::Trip };
+        let order = if state == State::Ready { HostRequest::Disarm } else { HostRequest::Trip };
         self.session.order(&order).map_err(failed)?;
         on(&unfinished)?;
         let rows: Vec<Row> = heard.rows().iter().copied().filter(|row| row.state == State::Ready).collect();
@@ -153,7 +153,7 @@ impl Oil<'_> {
         Ok(rows)
     }
 
-    /// From full speed to a stand, beside the distance that the guard reckons with.
+    /// From full speed to a stand, beside the distance that the guard assumes.
     fn stop(&mut self, record: Vec<f32>, text: &mut String) -> Result<(), Failure> {
         let before = self.play(record, text)?;
         let after = self.session.listen(Duration::from_millis(500)).map_err(failed)?;

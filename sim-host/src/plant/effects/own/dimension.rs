@@ -1,4 +1,4 @@
-//! Dimensions of what stands in an expression, from the units of its parameters.
+//! Dimensions of what is in an expression, from the units of its parameters.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! What stands on the table and what it stands on. Stretches m, absolute velocities m/s, forces per table mass m/s2.
+//! What is mounted on the table and what it stands on. Stretches m, absolute velocities m/s, forces per table mass m/s2.
 
 mod base;
 mod payload;

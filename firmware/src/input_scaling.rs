@@ -7,7 +7,7 @@ use crate::output::Output;
 
 /// The wiring worked out, and what of it the mode reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Wires {
+pub(crate) struct InputScaling {
     /// The lowest code that is a reading, and how far above it the highest lies.
     low: u32,
     span: u32,
@@ -22,7 +22,7 @@ pub(crate) struct Wires {
     pub(crate) guards: bool,
 }
 
-impl Wires {
+impl InputScaling {
     /// The wires of `setup`.
     pub(crate) fn new(setup: &Setup) -> Self {
         let wiring = &setup.wiring;

@@ -3,11 +3,11 @@
 use shakedown_core::State;
 use shakedown_core::link::{RefusedBecause, Report, Setup};
 
-use super::{Action, Desk, at_rest};
+use super::{Action, LinkServer, at_rest};
 use crate::control_loop::{OpenRelay, Prepared};
-use crate::queues::{Order, Verdict};
+use crate::queues::{LoopCommand, Verdict};
 
-/// What the desk waits for.
+/// What the server waits for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is one of them")]
 pub(super) enum Awaited {
@@ -17,7 +17,7 @@ pub(super) enum Awaited {
     Proof,
 }
 
-impl Desk<'_> {
+impl LinkServer<'_> {
     /// Gives back the proof under which [`Action::Save`] was carried out; `done` where the setup in force is now the one in
     /// flash. What to say of it.
     pub fn saved(&mut self, proof: OpenRelay, done: bool) -> Report {
@@ -53,7 +53,7 @@ impl Desk<'_> {
     }
 
     /// Hands a setup to the loop, which takes it or not. What is refused here would be refused there: the loop knows the relay,
-    /// and the desk only what was published last.
+    /// and the server only what was published last.
     pub(super) fn write(&mut self, setup: &Setup, state: State) -> Result<(), RefusedBecause> {
         let same_board = setup.wiring == self.setup.wiring && setup.control.rate == self.setup.control.rate;
         if !at_rest(state) && !same_board {
@@ -61,7 +61,7 @@ impl Desk<'_> {
         }
         self.limits.check(setup)?;
         self.prepare(setup)?;
-        let _ = self.queues.orders.enqueue(Order::TakeSetup);
+        let _ = self.queues.orders.enqueue(LoopCommand::TakeSetup);
         self.awaited = Some(Awaited::Setup(*setup));
         Ok(())
     }

@@ -27,7 +27,7 @@ const MOST: f32 = 0.1;
 
 /// The configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Existing {
+pub(super) struct ExternalLoopEstimator {
     lag: f32,
     smoothing: f32,
     share: f32,
@@ -36,16 +36,16 @@ pub struct Existing {
 
 /// What is remembered: the error behind the valve's lag, m; mean of velocity times it, m2/s, and of its square, m2.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ExistingState {
+pub(super) struct ExternalLoopState {
     error: f32,
     pull: f32,
     square: f32,
 }
 
-impl Existing {
+impl ExternalLoopEstimator {
     /// For a valve of time constant `lag` (s) and the [`plateau`](super::Detection::plateau) of saturation detection (m/s2) at
     /// ticks of `dt` (s).
-    pub const fn new(lag: f32, plateau: f32, dt: f32) -> Self {
+    pub(super) const fn new(lag: f32, plateau: f32, dt: f32) -> Self {
         // A lag shorter than a tick is none.
         let smoothing = if lag > dt { dt / lag } else { 1.0 };
         Self { lag, smoothing, share: dt / MEMORY, plateau: Magnitude::new(plateau) }
@@ -53,7 +53,7 @@ impl Existing {
 
     /// One tick: velocity (m/s), low-passed acceleration (m/s2) and displacement error (m) in, speed asked for (m/s) out.
     #[inline(never)]
-    pub fn advance(&self, state: &mut ExistingState, velocity: f32, acceleration: f32, error: f32) -> f32 {
+    pub(super) fn advance(&self, state: &mut ExternalLoopState, velocity: f32, acceleration: f32, error: f32) -> f32 {
         state.error += self.smoothing * (error - state.error);
         let error = state.error;
         if !self.plateau.holds(acceleration) {

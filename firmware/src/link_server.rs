@@ -1,14 +1,15 @@
-//! The desk: takes requests off the link, answers them, and sends telemetry. It runs below the loop and may take its
+//! The server: takes requests off the link, answers them, and sends telemetry. It runs below the loop and may take its
 //! time; what the loop hears of it is an order in a queue.
 
 use shakedown_core::link::{
-    Batch, Cause, Challenge, Clock, Identity, MAX_BATCH, Points, RefusedBecause, Report, Request, Setup, Vitals, answer,
+    Batch, Challenge, Clock, DeviceHealth, HostRequest, Identity, MAX_BATCH, Points, RefusedBecause, Report, Setup,
+    StopCause, answer,
 };
-use shakedown_core::{Request as Ask, State};
+use shakedown_core::{OperatorRequest as Ask, State};
 
 use crate::control_loop::OpenRelay;
 use crate::limits::Limits;
-use crate::queues::{DeskEnd, Order, POINTS, Point, Standing};
+use crate::queues::{LoopCommand, POINTS, Point, ServerEnd, TestStatus};
 
 mod awaited;
 use awaited::Awaited;
@@ -16,35 +17,35 @@ use awaited::Awaited;
 /// How long a challenge may be answered, ticks of the caller's millisecond clock.
 const CHALLENGE_LIFE: u32 = 1000;
 
-/// What the desk wants done that only the board can do.
+/// What the server wants done that only the board can do.
 #[derive(Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "lives on the stack for one call")]
 pub enum Action {
     /// Send this report.
     Send(Report),
-    /// Nothing yet: the answer is up to the loop, and [`Desk::heed`] has it after a tick. No request is taken before.
+    /// Nothing yet: the answer is up to the loop, and [`LinkServer::heed`] has it after a tick. No request is taken before.
     Wait,
-    /// Write [`Desk::setup`] to flash, then give the proof back to [`Desk::saved`].
+    /// Write [`LinkServer::setup`] to flash, then give the proof back to [`LinkServer::saved`].
     Save(OpenRelay),
 }
 
 /// What the loop published last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Seen {
+pub struct LoopStatus {
     /// Where the loop stands.
-    pub standing: Standing,
+    pub standing: TestStatus,
     /// Ticks since the reset.
     pub ticks: u32,
     /// Records that found no room.
     pub dropped: u32,
     /// A cause of a trip that stands on the board's inputs.
-    pub cause: Option<Cause>,
+    pub cause: Option<StopCause>,
 }
 
-/// The desk's own state.
+/// The server's own state.
 #[allow(missing_debug_implementations, reason = "the queues have none")]
-pub struct Desk<'a> {
-    queues: DeskEnd<'a>,
+pub struct LinkServer<'a> {
+    queues: ServerEnd<'a>,
     setup: Setup,
     stored: bool,
     clock: Clock,
@@ -53,13 +54,13 @@ pub struct Desk<'a> {
     challenge: Option<(Challenge, u32)>,
     next_point: u32,
     credit_due: bool,
-    told: Option<Standing>,
+    told: Option<TestStatus>,
     garbled: u32,
     awaited: Option<Awaited>,
 }
 
-impl<'a> Desk<'a> {
-    /// A desk for a loop that runs `setup` on a board of these `limits`. `entropy` differs from reset to reset; `stored` says that
+impl<'a> LinkServer<'a> {
+    /// A server for a loop that runs `setup` on a board of these `limits`. `entropy` differs from reset to reset; `stored` says that
     /// the setup came from flash, `clock` what the ticks are counted by.
     pub const fn new(
         setup: Setup,
@@ -67,7 +68,7 @@ impl<'a> Desk<'a> {
         clock: Clock,
         limits: Limits,
         entropy: u64,
-        queues: DeskEnd<'a>,
+        queues: ServerEnd<'a>,
     ) -> Self {
         Self {
             queues,
@@ -101,43 +102,43 @@ impl<'a> Desk<'a> {
     }
 
     /// What to do about `request`; `now` is in ms.
-    pub fn take(&mut self, request: Request, seen: Seen, now: u32) -> Action {
+    pub fn take(&mut self, request: HostRequest, seen: LoopStatus, now: u32) -> Action {
         let state = seen.standing.state;
         let report = match request {
-            Request::Identify => Report::Identity(self.identity()),
-            Request::ReadSetup => Report::Setup(self.setup),
-            Request::WriteSetup(_) | Request::Save if self.waits() => Report::Refused(RefusedBecause::Full),
-            Request::WriteSetup(setup) => match self.write(&setup, state) {
+            HostRequest::Identify => Report::Identity(self.identity()),
+            HostRequest::ReadSetup => Report::Setup(self.setup),
+            HostRequest::WriteSetup(_) | HostRequest::Save if self.waits() => Report::Refused(RefusedBecause::Full),
+            HostRequest::WriteSetup(setup) => match self.write(&setup, state) {
                 Ok(()) => return Action::Wait,
                 Err(because) => Report::Refused(because),
             },
-            Request::Save if at_rest(state) => match self.order(Order::Lend) {
+            HostRequest::Save if at_rest(state) => match self.order(LoopCommand::Lend) {
                 Report::Done => {
                     self.awaited = Some(Awaited::Proof);
                     return Action::Wait;
                 }
                 full => full,
             },
-            Request::RequestArming => self.challenge(state, now),
-            Request::Arm(given) => self.arm(given, state, now),
-            Request::Start => self.ask(Ask::Start, state == State::Ready, state),
-            Request::Stop => self.ask(Ask::Stop, matches!(state, State::Running | State::Hold), state),
-            Request::Disarm => self.ask(Ask::Off, state == State::Ready, state),
-            Request::Trip => self.ask(Ask::Trip, true, state),
-            Request::ClearTrip => match seen.cause {
+            HostRequest::RequestArming => self.challenge(state, now),
+            HostRequest::Arm(given) => self.arm(given, state, now),
+            HostRequest::Start => self.ask(Ask::Start, state == State::Ready, state),
+            HostRequest::Stop => self.ask(Ask::Stop, matches!(state, State::Running | State::Hold), state),
+            HostRequest::Disarm => self.ask(Ask::Off, state == State::Ready, state),
+            HostRequest::Trip => self.ask(Ask::Trip, true, state),
+            HostRequest::ClearTrip => match seen.cause {
                 Some(cause) => Report::Refused(RefusedBecause::CauseStands(cause)),
                 None => self.ask(Ask::Reset, state == State::Tripped, state),
             },
-            Request::Reference(points) => self.reference(&points, state),
-            Request::Probe(code) if state == State::Off => self.order(Order::Probe(Some(code))),
-            Request::ReadVitals => Report::Vitals(self.vitals(seen)),
-            Request::Save | Request::Probe(_) => Report::Refused(RefusedBecause::State(state)),
+            HostRequest::Reference(points) => self.reference(&points, state),
+            HostRequest::Probe(code) if state == State::Off => self.order(LoopCommand::Probe(Some(code))),
+            HostRequest::ReadVitals => Report::Vitals(self.vitals(seen)),
+            HostRequest::Save | HostRequest::Probe(_) => Report::Refused(RefusedBecause::State(state)),
         };
         Action::Send(report)
     }
 
-    /// What the desk has to say of its own accord: a change of state, room in the reference buffer, telemetry.
-    pub fn volunteer(&mut self, seen: Seen) -> Option<Report> {
+    /// What the server has to say of its own accord: a change of state, room in the reference buffer, telemetry.
+    pub fn volunteer(&mut self, seen: LoopStatus) -> Option<Report> {
         if self.told != Some(seen.standing) {
             let first = self.told.is_none();
             self.told = Some(seen.standing);
@@ -162,8 +163,8 @@ impl<'a> Desk<'a> {
         }
     }
 
-    fn vitals(&self, seen: Seen) -> Vitals {
-        Vitals {
+    fn vitals(&self, seen: LoopStatus) -> DeviceHealth {
+        DeviceHealth {
             state: seen.standing.state,
             cause: seen.standing.cause,
             ticks: seen.ticks,
@@ -174,7 +175,7 @@ impl<'a> Desk<'a> {
         }
     }
 
-    fn order(&mut self, order: Order) -> Report {
+    fn order(&mut self, order: LoopCommand) -> Report {
         match self.queues.orders.enqueue(order) {
             Ok(()) => Report::Done,
             Err(_) => Report::Refused(RefusedBecause::Full),
@@ -182,7 +183,7 @@ impl<'a> Desk<'a> {
     }
 
     fn ask(&mut self, request: Ask, applies: bool, state: State) -> Report {
-        if applies { self.order(Order::Ask(request)) } else { Report::Refused(RefusedBecause::State(state)) }
+        if applies { self.order(LoopCommand::Ask(request)) } else { Report::Refused(RefusedBecause::State(state)) }
     }
 
     fn challenge(&mut self, state: State, now: u32) -> Report {
@@ -190,7 +191,7 @@ impl<'a> Desk<'a> {
             return Report::Refused(RefusedBecause::State(state));
         }
         // Who asks to arm is done with probing: the valve is back at zero flow before any oil comes.
-        if self.queues.orders.enqueue(Order::Probe(None)).is_err() {
+        if self.queues.orders.enqueue(LoopCommand::Probe(None)).is_err() {
             return Report::Refused(RefusedBecause::Full);
         }
         self.entropy = self.entropy.wrapping_add(1);

@@ -1,4 +1,4 @@
-//! Walls at the edge: nothing that is not a believable number goes any farther.
+//! InputGate at the edge: nothing that is not a believable number goes any farther.
 //!
 //! A reading passes when it is a number within its range; otherwise the last one that passed is kept, channel by
 //! channel, and the channel is reported missing. Channels that the settings do not use are not looked at.
@@ -32,13 +32,24 @@ impl Within {
 }
 
 /// Which channels are read, and what they may say.
+///
+/// ```
+/// use shakedown_core::blocks::guard::InputGate;
+/// use shakedown_core::{Channels, Sample, Settings};
+///
+/// let gate = InputGate::new(&Settings::default());
+/// let mut readings = Sample::default();
+/// let missing = gate.take(&Sample::new(0.01, f32::NAN, 0.0), &mut readings);
+/// assert_eq!(missing, Channels::DISPLACEMENT);
+/// assert_eq!((readings.reference, readings.displacement), (0.01, 0.0)); // the last believable ones
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Walls {
+pub struct InputGate {
     ranges: Within,
     read: Channels,
 }
 
-impl Walls {
+impl InputGate {
     /// A gate that reads no channel, of a device without settings.
     pub(crate) fn shut() -> Self {
         Self { ranges: Within::new(&Ranges::default()), read: Channels::NONE }
@@ -58,7 +69,7 @@ impl Walls {
             (settings.reads_second_displacement(), Channels::SECOND_DISPLACEMENT),
         ];
         let read =
-            channels.iter().fold(Channels::NONE, |all, &(read, channel)| if read { all.and(channel) } else { all });
+            channels.iter().fold(Channels::NONE, |all, &(read, channel)| if read { all.union(channel) } else { all });
         Self { ranges: Within::new(&settings.ranges), read }
     }
 
@@ -68,11 +79,11 @@ impl Walls {
         (to.limit_switch, to.relay_closed) = (s.limit_switch, s.relay_closed);
         let mut missing = Channels::NONE;
         let mut take = |channel, value: f32, range: Magnitude, reading: &mut f32| {
-            if self.read.any(channel) {
+            if self.read.intersects(channel) {
                 if range.holds(value) {
                     *reading = value;
                 } else {
-                    missing = missing.and(channel);
+                    missing = missing.union(channel);
                 }
             }
         };

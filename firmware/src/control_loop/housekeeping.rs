@@ -3,13 +3,13 @@
 use shakedown_core::link::Record;
 use shakedown_core::{Command, State};
 
-use super::{Codes, Loop, News, Outcome};
+use super::{Codes, ControlLoop, Notifications, Outcome};
 use crate::queues::Entry;
 
-impl Loop<'_> {
+impl ControlLoop<'_> {
     /// The rest of a tick in which something is due or may have changed.
     #[inline(never)]
-    pub(super) fn attend(&mut self, inputs: Codes, command: &Command, new_setup: bool) -> Outcome {
+    pub(super) fn housekeeping(&mut self, inputs: Codes, command: &Command, new_setup: bool) -> Outcome {
         let output = match self.probe {
             Some(code) if self.controller.state() == State::Off => self.wires.output.nearest(code),
             _ => self.wires.output.code(command.valve),
@@ -19,7 +19,7 @@ impl Loop<'_> {
         let changes = u16::from(self.controller.changes());
         let changed = changes != self.told;
         self.told = changes;
-        self.news = News { new_setup, tell: changed || ticks % self.round == 0 };
+        self.news = Notifications { new_setup, tell: changed || ticks % self.round == 0 };
         self.schedule(ticks);
         Outcome { output, news: true }
     }
