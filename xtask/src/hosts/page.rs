@@ -62,7 +62,7 @@ fn html(program: &str) -> Result<String, Problem> {
     let mut page = part("page.html")?;
     for (place, content) in [
         ("/*STYLE*/", part("page.css")?),
-        ("/*WORKER*/", part("worker.js")?),
+        ("/*WORKER*/", part("wasi.js")? + &part("worker.js")?),
         ("/*PAGE*/", part("page.js")?),
         ("/*PROGRAM*/", program.to_owned()),
     ] {
