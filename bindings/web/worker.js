@@ -2,6 +2,7 @@
 //
 // In: { module } once, then { id, args, files: [{ name, blob }], wanted: [name] }. Out: { id, progress, share } while it works, then
 // { id, status, said, written: { name: bytes } }, or { id, error } where the program itself came to grief.
+
 // One run of the program: its status, what it said, and the files that are wanted of what it wrote.
 async function run(module, { args, files, wanted }, hear) {
   const system = new System(["shakedown", ...args], files, hear);
