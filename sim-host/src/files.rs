@@ -50,7 +50,8 @@ impl Drop for Unfinished {
 /// From now on an interrupt (Ctrl-C), a hang-up or a request to end removes what is half written, and ends the process with
 /// status 130, unless work is [`Unfinished`]. Without it the files written stay whole as well, but a part of one may stay beside its place.
 pub fn clean_up_when_interrupted() {
-    // Refused where another handler stands already, which then decides.
+    // Refused where another handler stands already, which then decides. A browser's page has no signals.
+    #[cfg(all(feature = "cli", not(target_family = "wasm")))]
     let _ = ctrlc::set_handler(|| {
         if WAITS.swap(false, Ordering::SeqCst) {
             ASKED.store(true, Ordering::SeqCst);

@@ -9,6 +9,7 @@ pub mod files;
 pub mod identify;
 pub mod motion;
 pub mod plant;
+#[cfg(feature = "cli")]
 pub mod prove;
 pub mod recording;
 pub mod report;

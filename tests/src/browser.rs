@@ -110,6 +110,33 @@ impl Browser {
         self.call("Input.dispatchMouseEvent", &event).map(drop)
     }
 
+    /// Puts files into the field of the page that `selector` finds, as a reader drops them there.
+    pub fn choose(&mut self, selector: &str, files: &[&Path]) -> Result<()> {
+        let document = self.call("DOM.getDocument", &json!({}))?;
+        let asked = json!({"nodeId": document["root"]["nodeId"], "selector": selector});
+        let field = self.call("DOM.querySelector", &asked)?;
+        let files: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+        self.call("DOM.setFileInputFiles", &json!({"nodeId": field["nodeId"], "files": files})).map(drop)
+    }
+
+    /// Whether closing the page asks the reader first; it is not closed then.
+    pub fn asks_before_closing(&mut self) -> Result<bool> {
+        self.events.retain(|e| e["method"] != "Page.javascriptDialogOpening");
+        self.call("Page.close", &json!({}))?;
+        loop {
+            if let Some(asked) = self.events.iter().position(|e| e["method"] == "Page.javascriptDialogOpening") {
+                self.events.remove(asked);
+                self.call("Page.handleJavaScriptDialog", &json!({"accept": false}))?;
+                return Ok(true);
+            }
+            let event = self.receive()?;
+            if event["method"] == "Target.detachedFromTarget" {
+                return Ok(false);
+            }
+            self.events.push(event);
+        }
+    }
+
     /// Shows the page as a reader with this colour scheme sees it: `light` or `dark`.
     pub fn scheme(&mut self, scheme: &str) -> Result<()> {
         let feature = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});

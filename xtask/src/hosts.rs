@@ -5,6 +5,7 @@
 
 mod c;
 mod fmu;
+pub(crate) mod page;
 mod rust;
 mod tape;
 mod venv;
@@ -15,6 +16,10 @@ use crate::output::say;
 use crate::shell::{Problem, command, metadata, read, run as execute, top};
 use std::path::{Path, PathBuf};
 use tape::{Tape, difference, digest};
+
+/// Most that Python's call may cost over C's, ns, and most that a run from Python may cost of one from C.
+const DEARER: f64 = 1000.0;
+const SLOWER: f64 = 1.1;
 
 /// A host of the core.
 struct Host {
@@ -78,8 +83,11 @@ struct Played {
     answers: Vec<u8>,
 }
 
-/// The chore: every host, or those named.
+/// The chore: every host, or those named; or `cost`.
 pub(crate) fn run(wanted: &[String]) -> Result<(), Problem> {
+    if wanted == ["cost"] {
+        return costs();
+    }
     let names: Vec<&str> = HOSTS.iter().map(|host| host.name).collect();
     if let Some(unknown) = wanted.iter().find(|name| !names.contains(&name.as_str())) {
         return Err(Problem::Usage(format!("there is no host `{unknown}`; there are: {}", names.join(", "))));
@@ -139,7 +147,26 @@ fn compare(tape: &Tape, played: &[(&str, Result<Played, Problem>)]) -> Result<()
 
 /// Builds and runs the examples of other hosts.
 pub(crate) fn examples() -> Result<(), Problem> {
-    c::example(&Work::new()?)
+    let work = Work::new()?;
+    c::example(&work)?;
+    c::bare_example(&work)?;
+    rust::examples(&work)
+}
+
+/// What a tick costs from C and from Python, on the wheel that is installed. Of an idle processor: no test.
+fn costs() -> Result<(), Problem> {
+    let work = Work::new()?;
+    let (c, (step, steps)) = (c::cost(&work)?, wheel::cost(&work)?);
+    say(&format!("C: {c:.0} ns a call of step"));
+    say(&format!("Python: {step:.0} ns a call of step, {:.0} over C (at most {DEARER:.0})", step - c));
+    say(&format!("Python: {steps:.0} ns a sample of steps, {:.2} of C (at most {SLOWER})", steps / c));
+    let kept = step - c <= DEARER && steps <= SLOWER * c;
+    if kept { Ok(()) } else { Err(Problem::Failed("Python costs more than it may".into())) }
+}
+
+/// Runs the notebooks of the Python package, each to its end.
+pub(crate) fn notebooks() -> Result<(), Problem> {
+    wheel::notebooks(&Work::new()?)
 }
 
 /// The top of the bindings.

@@ -13,6 +13,7 @@ mod house;
 mod law_cost;
 mod nightly;
 mod output;
+mod packages;
 mod properties;
 mod release;
 mod reproduce;
@@ -60,10 +61,16 @@ const CHORES: &[Chore] = &[
     Chore { name: "hil", does: "tests the board's own code, emulated and on a board with a probe", run: hil::run },
     Chore {
         name: "hosts",
-        does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...]",
+        does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...|cost]",
         run: hosts::run,
     },
+    Chore { name: "page", does: "builds the page that does the host tool's work in a browser", run: hosts::page::run },
     Chore { name: "header", does: "writes the C header anew, or compares it [check]", run: header::run },
+    Chore {
+        name: "packages",
+        does: "packages what is published, as `cargo publish` would, or compares interfaces with the last version's [semver]",
+        run: packages::run,
+    },
     Chore {
         name: "nightly",
         does: "runs what takes longer than tests may: front end, board, hosts, header, examples, pages",

@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, run as execute};
-use crate::{front_end, header, hil, hosts, setup};
+use crate::{front_end, header, hil, hosts, packages, setup};
 
 type Chore = (&'static str, fn() -> Result<(), Problem>);
 
@@ -12,7 +12,11 @@ const CHORES: &[Chore] = &[
     ("hosts", || hosts::run(&[])),
     ("header", header::check),
     ("examples", hosts::examples),
-    ("pages", pages),
+    ("notebooks", hosts::notebooks),
+    ("packages", || packages::run(&[]).and_then(|()| packages::run(&["semver".into()]))),
+    ("page", || hosts::page::run(&[]).and_then(|()| shown("web"))),
+    ("pages", || shown("pages")),
+    ("live", || shown("live")),
 ];
 
 /// The chore: all of them.
@@ -30,8 +34,8 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     if failed.is_empty() { Ok(()) } else { Err(Problem::Failed(failed.join("\n"))) }
 }
 
-/// The pages of every command as pictures.
-fn pages() -> Result<(), Problem> {
-    let line = "cargo test --locked --release --package shakedown-tests --test pages -- --include-ignored";
+/// Tests that a browser shows: of what the tool does in a page, or the pages of every command as pictures.
+fn shown(test: &str) -> Result<(), Problem> {
+    let line = format!("cargo test --locked --release --package shakedown-tests --test {test} -- --include-ignored");
     execute(&mut command(&line.split(' ').collect::<Vec<_>>()))
 }

@@ -5,6 +5,7 @@ mod controller;
 mod library;
 mod motion;
 mod settings;
+mod work;
 
 use pyo3::prelude::*;
 
@@ -29,6 +30,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(motion::read_record, module)?)?;
     module.add_function(wrap_pyfunction!(library::fit_record, module)?)?;
     module.add_function(wrap_pyfunction!(library::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(library::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(library::design, module)?)?;
     module.add_function(wrap_pyfunction!(library::identify, module)?)?;
     module.add_function(wrap_pyfunction!(library::diagnose, module)?)?;
     Ok(())

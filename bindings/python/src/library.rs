@@ -1,10 +1,11 @@
 //! The library's commands: what the command line writes as JSON, as text that the Python side reads.
 
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use pyo3::prelude::*;
+use shakedown::closed_loop::bode::{self, Grid};
+use shakedown::closed_loop::design::{Demand, Spread, Table, answer as design_answer};
 use shakedown::closed_loop::trial::{Seen, Setup, Trial};
 use shakedown::closed_loop::twin::Twin;
 use shakedown::diagnose::Options;
@@ -15,69 +16,45 @@ use shakedown::motion::fit::method::{Method, modify};
 use shakedown::motion::fit::named::PREVIEW;
 use shakedown::motion::fit::{Limits, Norm};
 use shakedown::plant::sensors::SensorModel;
-use shakedown::recording::Experiment;
+use shakedown::recording::{Experiment, Model};
 
 use crate::motion::{PyMotion, PyRecord, array};
 use crate::said;
 use crate::settings::PySettings;
+use crate::work::Teller;
 
-/// Calls a Python function from whichever thread tells of progress; what it raises is kept.
-struct Teller {
-    progress: Option<Py<PyAny>>,
-    raised: Mutex<Option<PyErr>>,
-}
-
-impl Teller {
-    fn new(progress: Option<Py<PyAny>>) -> Self {
-        Self { progress, raised: Mutex::new(None) }
-    }
-
-    fn tell(&self, what: &str, share: f64) {
-        Python::attach(|py| {
-            let called = self.progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (what, share)).map(drop));
-            if let Err(error) = called.and_then(|()| py.check_signals())
-                && let Ok(mut raised) = self.raised.lock()
-            {
-                raised.get_or_insert(error);
-            }
-        });
-    }
-
-    /// What was raised meanwhile.
-    fn end(self) -> PyResult<()> {
-        self.raised.into_inner().ok().flatten().map_or(Ok(()), Err)
-    }
-}
-
-fn load(path: &Path) -> PyResult<Experiment> {
-    Experiment::load(path).map_err(said)
-}
+/// Control rate of a sweep, Hz: that of the command line.
+const SWEEP_RATE: f64 = 1000.0;
 
 /// Where model and recordings part: the command line's JSON without what it says of itself and of the files.
 ///
-/// `progress` is called with what is being done and a share of the whole; what it raises is raised when the work has ended.
+/// `progress` is called with what is being done and a share of the whole; what it raises ends the work.
 #[pyfunction]
 #[pyo3(signature = (path, progress = None))]
 pub(crate) fn diagnose(py: Python<'_>, path: PathBuf, progress: Option<Py<PyAny>>) -> PyResult<String> {
-    let experiment = load(&path)?;
-    let teller = Teller::new(progress);
-    let say = |what: &str, share: f64| teller.tell(what, share);
-    let examined = py.detach(|| shakedown::diagnose::diagnose(&experiment, &Options { progress: Some(&say) }));
-    teller.end()?;
-    serde_json::to_string(&examined.map_err(said)?.diagnosis).map_err(said)
+    let examined = Teller::new(progress).run(py, move |teller| {
+        let experiment = Experiment::load(&path).map_err(|e| e.to_string())?;
+        let say = |what: &str, share: f64| teller.tell(what, share);
+        let options = Options { progress: Some(&say) };
+        let examined = shakedown::diagnose::diagnose(&experiment, &options).map_err(|e| e.to_string())?;
+        serde_json::to_string(&examined.diagnosis).map_err(|e| e.to_string())
+    })?;
+    examined.map_err(said)
 }
 
 /// A model fitted to recordings, with error bars: the same of `shakedown identify`.
 #[pyfunction]
 pub(crate) fn identify(py: Python<'_>, path: PathBuf) -> PyResult<String> {
-    let experiment = load(&path)?;
-    let found = py.detach(|| outcome::identify(&experiment)).map_err(said)?;
-    Ok(answer::value(&found).to_string())
+    let found = Teller::new(None).run(py, move |_| {
+        let experiment = Experiment::load(&path).map_err(|e| e.to_string())?;
+        outcome::identify(&experiment).map(|found| answer::value(&found).to_string()).map_err(|e| e.to_string())
+    })?;
+    found.map_err(said)
 }
 
 /// A record fitted to limits: the same of `shakedown modify`, and the motion that came out.
 #[pyfunction]
-#[pyo3(signature = (record, method, velocity, stroke, acceleration, jerk, stall, preview, as_is))]
+#[pyo3(signature = (record, method, velocity, stroke, acceleration, jerk, stall, preview, as_is, progress))]
 #[allow(clippy::too_many_arguments, reason = "the Python side names them")]
 pub(crate) fn fit_record(
     py: Python<'_>,
@@ -90,6 +67,7 @@ pub(crate) fn fit_record(
     stall: Option<f64>,
     preview: Option<f64>,
     as_is: bool,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, PyMotion)> {
     let method = match method {
         "convex" => Method::Convex(Norm::Two),
@@ -104,14 +82,17 @@ pub(crate) fn fit_record(
     }
     let limits = Limits { acceleration, jerk, stall, ..Limits::table(velocity, stroke) };
     let motion = record.conditioned(as_is)?;
-    py.detach(|| {
+    let (name, conditioning) = (record.0.name.clone(), PyRecord::conditioning(as_is));
+    let fitted = Teller::new(progress).run(py, move |teller| {
         let begin = Instant::now();
-        let modified = modify(&motion, &limits, method, |_| {}).map_err(said)?;
+        // How far a convex program has come is not known beforehand.
+        let tell = |what: &str| teller.tell(what, f64::NAN);
+        let modified = modify(&motion, &limits, method, tell).map_err(|e| e.to_string())?;
         let seconds = begin.elapsed().as_secs_f64();
-        let clipped = modify(&motion, &limits, Method::Clip, |_| {}).map_err(said)?.motion;
+        let clipped = modify(&motion, &limits, Method::Clip, |_| {}).map_err(|e| e.to_string())?.motion;
         let answer = Answer {
-            name: record.0.name.clone(),
-            conditioning: PyRecord::conditioning(as_is),
+            name,
+            conditioning,
             method,
             limits,
             motion,
@@ -122,8 +103,10 @@ pub(crate) fn fit_record(
             seconds,
             drive: Vec::new(),
         };
-        Ok((answer.json().map_err(said)?.to_string(), PyMotion(answer.modified.motion)))
-    })
+        let figures = answer.json().map_err(|e| e.to_string())?.to_string();
+        Ok::<_, String>((figures, PyMotion(answer.modified.motion)))
+    })?;
+    fitted.map_err(said)
 }
 
 /// A run of the closed loop: arrays by name, and how near the table came to the motion.
@@ -164,4 +147,77 @@ fn scores(trial: &Trial) -> PyResult<String> {
         "saturated_s": scores.saturated_s,
     });
     Ok(value.to_string())
+}
+
+/// Bode diagrams of the displacement loop around the paper's plant: the part `bode` of `shakedown sweep`.
+#[pyfunction]
+#[pyo3(signature = (gains, amplitudes, frequencies, progress = None))]
+pub(crate) fn sweep(
+    py: Python<'_>,
+    gains: Vec<(f64, f64)>,
+    amplitudes: Vec<f64>,
+    frequencies: Vec<f64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    if let Some((kp, ki)) = gains.iter().find(|&&pair| !bode::settles(pair)) {
+        return Err(said(format!(
+            "gains {kp},{ki}: the loop is not stable with them; expected Kp above zero, Ki zero or more"
+        )));
+    }
+    let inside = |values: &[f64], most: f64| !values.is_empty() && values.iter().all(|v| *v > 0.0 && *v <= most);
+    if !inside(&amplitudes, 1.0) {
+        return Err(said("amplitudes: expected amplitudes above 0 and at most 1 m, for instance [0.001, 0.01]"));
+    }
+    if !inside(&frequencies, SWEEP_RATE / 20.0) || frequencies.windows(2).any(|two| two[0] >= two[1]) {
+        return Err(said(
+            "frequencies: expected ascending frequencies above 0 and at most 50 Hz, for instance [0.5, 1.0]",
+        ));
+    }
+    let grid = Grid { amplitudes, frequencies };
+    let swept = Teller::new(progress).run(py, move |teller| {
+        let mut all = Vec::new();
+        for (k, &pair) in gains.iter().enumerate() {
+            teller.tell(&format!("gains {},{}", pair.0, pair.1), k as f64 / gains.len() as f64);
+            let curves = bode::displacement_loop(pair, SWEEP_RATE, &grid, || {}).map_err(|e| e.to_string())?;
+            let curves: Vec<_> = curves.iter().map(bode::Curve::json).collect();
+            all.push(serde_json::json!({"kp": pair.0, "ki": pair.1, "curves": curves}));
+        }
+        Ok::<_, String>(serde_json::Value::from(all).to_string())
+    })?;
+    swept.map_err(said)
+}
+
+/// Gains of the tracking law from a model and its uncertainty, margins first: the JSON of `shakedown design`, and the settings.
+#[pyfunction]
+#[pyo3(signature = (path, spread, margins, rate, progress = None))]
+pub(crate) fn design(
+    py: Python<'_>,
+    path: PathBuf,
+    spread: f64,
+    margins: (f64, f64),
+    rate: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, PySettings)> {
+    for (name, value, low, high) in [
+        ("spread", spread, 0.0, 0.95),
+        ("gain_margin", margins.0, 0.0, 40.0),
+        ("phase_margin", margins.1, 0.0, 90.0),
+        ("rate", rate, 200.0, 20_000.0),
+    ] {
+        if !(low..=high).contains(&value) {
+            return Err(said(format!("{name} {value}: expected {low} to {high}")));
+        }
+    }
+    let designed = Teller::new(progress).run(py, move |teller| {
+        let refuse = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+        let model = Model::load(&path).map_err(|e| e.to_string())?;
+        let (table, unused) = Table::from_model(&model).map_err(|e| refuse(&e))?;
+        let demand = Demand { margins, spread: Spread::stated(&model, spread), rate };
+        let tell = |bandwidth: f64, disturbance: f64| {
+            teller.tell(&format!("feedback of {bandwidth:.1} Hz, disturbances up to {disturbance:.0} Hz"), f64::NAN);
+        };
+        let found = shakedown::closed_loop::design::design(&table, &demand, tell).map_err(|e| refuse(&e))?;
+        Ok::<_, String>((design_answer::json(&found, &demand, &unused).to_string(), PySettings(found.settings)))
+    })?;
+    designed.map_err(said)
 }

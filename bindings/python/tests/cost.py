@@ -1,4 +1,4 @@
-"""What calls cost, in time of the processor: cost.py. Prints medians."""
+"""What calls cost, in time of the processor, ns: cost.py. Prints the medians of `step` a call and of `steps` a sample."""
 
 import statistics
 import time
@@ -20,11 +20,12 @@ def main() -> None:
         times.append((time.thread_time_ns() - begin) / BLOCK)
     samples, whole = np.zeros(60_000, st.SAMPLE), []
     samples["reference"] = 0.01
+    controller = st.Controller()
     for _ in range(50):
         begin = time.thread_time_ns()
         controller.steps(samples)
         whole.append((time.thread_time_ns() - begin) / len(samples))
-    print(f"step: {statistics.median(times):.0f} ns a call; steps: {statistics.median(whole):.0f} ns a sample")
+    print(f"{statistics.median(times):.1f} {statistics.median(whole):.1f}")
 
 
 if __name__ == "__main__":

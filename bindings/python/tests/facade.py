@@ -4,10 +4,13 @@ SHAKEDOWN is the command line's binary, whose JSON the package's dictionaries mu
 """
 
 import json
+import os
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,7 +19,7 @@ import numpy as np
 import shakedown_table as st
 
 #: What a command says of itself, of its files and of the time it took.
-OWN = {"version", "inputs", "seconds", "out"}
+OWN = {"version", "inputs", "seconds", "out", "times_real_time"}
 
 
 def without(value: object) -> object:
@@ -108,6 +111,49 @@ def records(shakedown: str, folder: Path) -> None:
     assert set(trial.arrays) >= {"reference", "displacement", "command"} and 0 < trial.scores["e_a"] < 1
 
 
+def loops(shakedown: str, folder: Path) -> None:
+    """Sweeps and designs are the command line's."""
+    gains, frequencies = [(3.7, 0.6), (1.0, 0.0)], [1.0, 2.0, 3.0]
+    mine = st.sweep(gains, amplitudes=[0.001, 0.05], frequencies=frequencies)
+    words = ["sweep", "bode", "--gains", "3.7,0.6", "--gains", "1,0", "--amplitudes", "1,50", "--step", "1", "--to", "3"]
+    assert {"bode": without(mine)} == command(shakedown, *words)
+    assert "not stable" in refused(lambda: st.sweep([(-1.0, 0.0)]))
+    assert "frequencies" in refused(lambda: st.sweep(frequencies=[2.0, 1.0]))
+    model = folder / "model.toml"
+    model.write_text('[model]\nkind = "servo"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n')
+    designed = st.design(model, spread=0.1)
+    assert without(designed.figures) == command(shakedown, "design", str(model), "--spread", "0.1")
+    assert "tracking" in designed.settings.to_toml()
+    assert "spread" in refused(lambda: st.design(model, spread=2.0))
+    assert "no gains are safe" in refused(lambda: st.design(model, spread=0.95, gain_margin=30.0))
+
+
+def work_ends(shakedown: str, folder: Path) -> None:
+    """What a progress function raises ends the work, and so does an interrupt, at once."""
+    subprocess.run([shakedown, "sweep", "--write", str(folder / "sweeps")], check=True, capture_output=True)
+    path, told = folder / "sweeps" / "experiment.toml", []
+
+    def enough(what: str, share: float) -> None:
+        told.append(what)
+        raise RuntimeError("enough")
+
+    try:
+        st.diagnose(path, progress=enough)
+    except RuntimeError as error:
+        assert str(error) == "enough" and len(told) == 1
+    else:
+        raise AssertionError("the work went on")
+    threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    begin = time.monotonic()
+    try:
+        while time.monotonic() - begin < 60:
+            st.diagnose(path)
+    except KeyboardInterrupt:
+        print(f"interrupted after {time.monotonic() - begin:.2f} s")
+    else:
+        raise AssertionError("an interrupt was not heard")
+
+
 def experiments(shakedown: str, paths: list[str]) -> None:
     for path in paths:
         told: list[float] = []
@@ -126,8 +172,10 @@ def main(shakedown: str, *paths: str) -> None:
     interpreter_is_free()
     with tempfile.TemporaryDirectory() as folder:
         records(shakedown, Path(folder))
+        loops(shakedown, Path(folder))
+        work_ends(shakedown, Path(folder))
     experiments(shakedown, list(paths))
-    print(f"{3 + len(paths)} passed, 0 failed")
+    print(f"{5 + len(paths)} passed, 0 failed")
 
 
 if __name__ == "__main__":

@@ -4,8 +4,7 @@ use super::failure::within;
 use super::output::{Outputs, print, write_whole};
 use super::places::place;
 use super::{Failure, present, progress};
-use serde_json::json;
-use shakedown::closed_loop::design::{Demand, Design, DesignError, Spread, Table, design};
+use shakedown::closed_loop::design::{Demand, Design, DesignError, Spread, Table, answer, design};
 use shakedown::closed_loop::margin::{BAND, Margins};
 use shakedown::recording::model::Model;
 use shakedown::report::{self, Item, Page, Section};
@@ -43,29 +42,6 @@ pub(crate) struct Args {
     outputs: Outputs,
 }
 
-/// The model's intervals as relative half widths, `usual` where it states none.
-fn spread(model: &Model, usual: f64) -> Spread {
-    let of = |name: &str, value: f64| {
-        let known = model.accuracy.get(name)?;
-        let (low, high) = (known.low?, known.high?);
-        (value != 0.0).then(|| ((high - value) / value).abs().max(((value - low) / value).abs()))
-    };
-    let stated = |name: &str| {
-        let (owner, key) = name.split_once('.')?;
-        model.effects.iter().find(|e| e.id == owner)?.parameters.get(key).copied()
-    };
-    let baseline = |name: &str| model.baseline.parameters().into_iter().find(|(n, _)| *n == name).map(|(_, v)| v);
-    let held = |found: Option<f64>| found.unwrap_or(usual).min(0.95);
-    let frequency = stated("oil_compliance.frequency").and_then(|f| of("oil_compliance.frequency", f));
-    Spread {
-        gain: held(baseline("b0").and_then(|b0| of("b0", b0))),
-        pole: held(baseline("a1").and_then(|a1| of("a1", a1))),
-        // The frequency goes with the root of the mass.
-        mass: held(frequency.map(|share| 2.0 * share)),
-        supply: usual.min(0.95),
-    }
-}
-
 /// Designs, states the margins, writes the settings.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let refuse = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", args.model.display()));
@@ -79,7 +55,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     let model = Model::load(&args.model).map_err(|e| Failure::Input(e.to_string()))?;
     let (table, unused) = Table::from_model(&model).map_err(|e| refuse(&e))?;
-    let spread = spread(&model, args.spread);
+    let spread = Spread::stated(&model, args.spread);
     let demand = Demand { margins: (args.gain_margin, args.phase_margin), spread, rate: args.rate };
     let bar = progress::spinner("designing".into());
     let tell = |bandwidth: f64, disturbance: f64| {
@@ -98,7 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let settings = toml::to_string(&found.settings).map_err(|e| Failure::Work(format!("design: settings: {e}")))?;
     write(args.out.as_deref(), &settings, args.outputs.quiet())?;
     let inputs = [args.model.clone()];
-    args.outputs.write_json(json(&found, &demand, &unused), &inputs)?;
+    args.outputs.write_json(answer::json(&found, &demand, &unused), &inputs)?;
     let mut page = page(&found, args, section);
     args.outputs.write_report(&mut page, &inputs)
 }
@@ -177,16 +153,4 @@ fn section(found: &Design, demand: &Demand, unused: &[String]) -> Section {
         items.push(Item::Note(format!("not used by the law, left to its observers: {}", unused.join(", "))));
     }
     Section { heading: "Stability first".into(), items }
-}
-
-fn json(found: &Design, demand: &Demand, unused: &[String]) -> serde_json::Value {
-    let of = |m: &Margins| {
-        json!({"gain_margin_db": m.gain_db, "phase_margin_degrees": m.phase_degrees, "crossover_hz": m.crossover_hz,
-               "peak_sensitivity": m.peak_sensitivity, "left": m.left})
-    };
-    let s = demand.spread;
-    json!({"settings": found.settings, "nominal": of(&found.nominal), "worst": of(&found.worst),
-           "corners": found.corners, "unused_effects": unused,
-           "expected": {"uncertainty": found.expected[0], "noise": found.expected[1]},
-           "spread": {"gain": s.gain, "pole": s.pole, "mass": s.mass, "supply": s.supply}})
 }

@@ -48,7 +48,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         .map_err(|e| failure::refused(&args.experiment, e, failure::EXPERIMENT))?;
     super::source::told(&experiment);
     let spinner = progress::spinner("reading".into());
-    let say = |what: &str, _share: f64| spinner.set_message(what.to_owned());
+    let say = |what: &str, share: f64| progress::at(&spinner, what, share);
     let examined = diagnose(&experiment, &Options { progress: Some(&say) }).map_err(failure)?;
     spinner.finish_and_clear();
     let value = serde_json::to_value(&examined.diagnosis).map_err(|e| Failure::Work(e.to_string()))?;

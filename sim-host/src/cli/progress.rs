@@ -1,28 +1,12 @@
-//! Progress on standard error for anything over a second; nothing where nobody watches.
+//! Progress on standard error for anything over a second: a bar or a spinner where somebody watches a terminal, nothing where
+//! nobody does, lines for the page around it in a browser.
 
-use indicatif::{ProgressBar, ProgressStyle};
-use std::time::Duration;
+#[cfg(target_family = "wasm")]
+mod lines;
+#[cfg(not(target_family = "wasm"))]
+mod terminal;
 
-/// A bar over `total` steps of `what` (a plural noun: `runs`, `cases`), with the time left.
-pub(crate) fn bar(total: u64, what: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new(total);
-    styled(&bar, "{prefix} {wide_bar} {pos}/{len}, {eta} left");
-    bar.set_prefix(what);
-    bar
-}
-
-/// A spinner for work whose length is not known: `reading Kobe`.
-pub(crate) fn spinner(what: String) -> ProgressBar {
-    let bar = ProgressBar::new_spinner();
-    styled(&bar, "{spinner} {msg} ({elapsed})");
-    bar.set_message(what);
-    bar
-}
-
-fn styled(bar: &ProgressBar, template: &str) {
-    // A template that does not parse costs the bar its looks, never the work.
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-}
+#[cfg(target_family = "wasm")]
+pub(crate) use lines::{at, bar, spinner};
+#[cfg(not(target_family = "wasm"))]
+pub(crate) use terminal::{at, bar, spinner};

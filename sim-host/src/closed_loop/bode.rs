@@ -1,9 +1,12 @@
 //! Bode diagrams of the closed loop at several amplitudes: Figs. 4, 5 and 10.
 
 use super::frequency::{Dwell, Point, measure};
-use super::{Clock, ClosedLoopError, Law};
+use super::published::Gains;
+use super::{Clock, ClosedLoopError, Law, named};
 use crate::plant::Plant;
+use crate::plant::paper::{FixedStep, Paper};
 use rayon::prelude::*;
+use shakedown_core::Controller;
 
 /// What a diagram covers.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,6 +70,39 @@ impl Curve {
         };
         self.points.iter().map(unwrap).collect()
     }
+
+    /// The curve in the units of its keys, as `shakedown sweep bode` writes it.
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "amplitude_m": self.amplitude,
+            "bandwidth_hz": self.bandwidth(),
+            "saturates_from_hz": self.saturates_from(),
+            "points": self.points.iter().map(|p| serde_json::json!({
+                "frequency_hz": p.frequency, "gain_db": p.decibels(), "phase_deg": p.degrees(), "saturated": p.saturated,
+            })).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Whether the displacement loop with gains Kp (1) and Ki (1/s) settles around the paper's plant without its limit, by Routh's
+/// criterion on (b1 s + b0)(Kp s + Ki) + s^2 (s + a1): the response of a loop that does not is a number without meaning.
+pub fn settles((kp, ki): (f64, f64)) -> bool {
+    let Paper { b1, b0, a1, .. } = Paper::default();
+    let [c2, c1, c0] = [a1 + b1 * kp, b0 * kp + b1 * ki, b0 * ki];
+    c2 > 0.0 && c1 > 0.0 && c0 >= 0.0 && c2 * c1 > c0 && kp <= 1e4
+}
+
+/// Measures the core's displacement loop with gains Kp (1) and Ki (1/s) at `rate` (Hz) around the paper's plant.
+pub fn displacement_loop(
+    gains: (f64, f64),
+    rate: f64,
+    grid: &Grid,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Curve>, ClosedLoopError> {
+    let clock = Clock::new(rate, 2)?;
+    let settings = named::settings(Gains { displacement: gains, acceleration: (0.0, 0.0), velocity: (0.0, 0.0) }, rate);
+    let make = || Ok((FixedStep::new(Paper::default(), clock.plant_step(), 0.0)?, Controller::new(&settings)?));
+    survey(grid, clock, make, done)
 }
 
 /// Measures every point of `grid`, each from rest on a loop that `make` sets up, over all cores; `done` is called after

@@ -6,6 +6,7 @@
 //! least of both: the share of a motion that the uncertainty leaves in the worst corner, and the share that noise adds. A
 //! model known well gets a quiet law. Where no pair is safe, nothing is written and the nearest is named.
 
+pub mod answer;
 mod noise;
 mod table;
 

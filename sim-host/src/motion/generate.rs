@@ -6,11 +6,13 @@
 //! ```
 //! The noise is white, band-passed, and shaped by Jennings' envelope: a parabola up, a plateau, an exponential down. What
 //! velocity and displacement are left at the end is taken out by two slow waves, so that the motion ends at rest where it
-//! began. A seed gives the same record on every run of one build; the last bits of sine and cosine are the platform's.
+//! began. A seed gives the same record everywhere: sine, cosine and exponential are `libm`'s, not the platform's, whose last bits
+//! would be other ones in a browser.
 
 use super::condition::MAX_SAMPLES;
 use super::filter::{Band, Butterworth, FilterError, Pass};
 use super::{Fact, Format, Motion, Record, peak};
+use libm::{cos, exp, sin};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
@@ -34,7 +36,7 @@ impl Pulse {
     /// Velocity at a time (s), m/s.
     pub fn velocity(&self, time: f64) -> f64 {
         let (slow, fast, inside) = self.angles(time);
-        if inside { 0.5 * self.amplitude * (1.0 + slow.cos()) * (fast + self.phase).cos() } else { 0.0 }
+        if inside { 0.5 * self.amplitude * (1.0 + cos(slow)) * cos(fast + self.phase) } else { 0.0 }
     }
 
     /// Acceleration at a time (s), m/s².
@@ -44,7 +46,7 @@ impl Pulse {
             return 0.0;
         }
         let fast = fast + self.phase;
-        let bracket = slow.sin() * fast.cos() + self.oscillations * fast.sin() * (1.0 + slow.cos());
+        let bracket = sin(slow) * cos(fast) + self.oscillations * sin(fast) * (1.0 + cos(slow));
         -self.amplitude * PI * self.frequency / self.oscillations * bracket
     }
 
@@ -76,7 +78,7 @@ pub struct Noise {
 impl Noise {
     /// The envelope at a time (s), 0 to 1.
     fn envelope(&self, time: f64) -> f64 {
-        if time < self.rise { (time / self.rise).powi(2) } else { (-self.decay * (time - self.fall).max(0.0)).exp() }
+        if time < self.rise { (time / self.rise).powi(2) } else { exp(-self.decay * (time - self.fall).max(0.0)) }
     }
 }
 
@@ -196,7 +198,7 @@ fn ending_at_rest(acceleration: &[f64], dt: f64) -> Vec<f64> {
     };
     // Both begin and end at zero: one moves the velocity, both the displacement.
     let wave = |f: fn(f64) -> f64| -> Vec<f64> { (0..n).map(|k| f(PI * k as f64 / (n - 1) as f64)).collect() };
-    let (once, twice) = (wave(|s| s.sin().powi(2)), wave(|s| s.sin() * (2.0 * s).sin()));
+    let (once, twice) = (wave(|s| sin(s).powi(2)), wave(|s| sin(s) * sin(2.0 * s)));
     let ((v1, x1), (v2, x2)) = (end(&once), end(&twice));
     let (v, x) = end(acceleration);
     let determinant = v1 * x2 - v2 * x1;

@@ -1,7 +1,7 @@
 //! Rust on this machine, and on an emulated Cortex-M4F.
 
 use super::Work;
-use crate::shell::{Problem, command, read, run as execute, works};
+use crate::shell::{Problem, command, read, run as execute, top, works};
 use crate::toolchain::{self, TARGET};
 use std::path::Path;
 
@@ -18,6 +18,19 @@ pub(super) fn build_image(_: &Work) -> Result<(), Problem> {
     let found = toolchain::find().ok_or(Problem::Failed(none))?;
     let words = ["rustc", "--locked", "--profile", "firmware", "--package", IMAGE, "--bin", IMAGE];
     execute(found.cargo(&words)?.env("RUSTFLAGS", "-C link-arg=-Tlink.x"))
+}
+
+/// Other firmware in Rust: the loops run on this machine, the image of Embassy's built.
+pub(super) fn examples(work: &Work) -> Result<(), Problem> {
+    let at = |name: &str, words: &[&str]| {
+        let mut cargo = command(&[&["cargo"], words].concat());
+        // In its own folder, whose configuration links the image.
+        cargo.current_dir(top().join("examples").join(name)).env("CARGO_TARGET_DIR", work.folder.join("examples"));
+        execute(&mut cargo)
+    };
+    at("stepper-table", &["test", "--locked"])?;
+    at("embassy", &["test", "--locked", "--lib"])?;
+    at("embassy", &["build", "--locked", "--release", "--target", TARGET])
 }
 
 pub(super) fn play_image(work: &Work, folder: &Path) -> Result<(), Problem> {

@@ -19,11 +19,17 @@ const FLAGS: [&str; 7] = [
     "--dump-dom",
 ];
 
-pub(super) fn build(_: &Work) -> Result<(), Problem> {
-    let libraries = read(&mut command(&["rustc", "--print", "target-libdir", "--target", WASM]));
-    if !libraries.is_ok_and(|folder| Path::new(folder.trim()).is_dir()) {
-        execute(&mut command(&["rustup", "target", "add", WASM]))?;
+/// Sees to it that there is a standard library for the target.
+pub(super) fn target(name: &str) -> Result<(), Problem> {
+    let libraries = read(&mut command(&["rustc", "--print", "target-libdir", "--target", name]));
+    if libraries.is_ok_and(|folder| Path::new(folder.trim()).is_dir()) {
+        return Ok(());
     }
+    execute(&mut command(&["rustup", "target", "add", name]))
+}
+
+pub(super) fn build(_: &Work) -> Result<(), Problem> {
+    target(WASM)?;
     let words = ["cargo", "build", "--locked", "--release", "--package", "shakedown-c", "--target", WASM];
     execute(&mut command(&words))
 }

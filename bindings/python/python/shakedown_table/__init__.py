@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,7 @@ __all__ = [
     "SAMPLE",
     "Command",
     "Controller",
+    "Designed",
     "Fitted",
     "Motion",
     "Record",
@@ -30,11 +32,13 @@ __all__ = [
     "ShakedownError",
     "Trial",
     "__version__",
+    "design",
     "diagnose",
     "fit_record",
     "identify",
     "read_record",
     "simulate",
+    "sweep",
 ]
 
 #: One sample of a run; `flags` has bit 0 for the limit switch, bit 1 for the relay's contact.
@@ -76,6 +80,14 @@ class Trial:
     scores: dict[str, float]
 
 
+@dataclass(frozen=True)
+class Designed:
+    """Gains of the tracking law: the settings, and the command line's JSON of `shakedown design`."""
+
+    settings: Settings
+    figures: dict[str, Any]
+
+
 class Controller(_native.Controller):
     """The control core: `step` for one tick, `steps` for a run."""
 
@@ -91,7 +103,8 @@ class Controller(_native.Controller):
 def diagnose(experiment: Path, *, progress: Progress | None = None) -> dict[str, Any]:
     """Where model and recordings part, what physics was left out, how much better it fits: the command line's JSON.
 
-    `experiment` is the file that `shakedown init` writes. `progress` is told what is being done and a share of the whole.
+    `experiment` is the file that `shakedown init` writes. `progress` is told what is being done and a share of the whole (NaN
+    where that is not known); what it raises, and Ctrl-C, end the work.
     """
     verdict: dict[str, Any] = json.loads(_native.diagnose(experiment, progress))
     return verdict
@@ -121,11 +134,12 @@ def fit_record(
     method: str = "convex",
     preview: float | None = None,
     as_is: bool = False,
+    progress: Progress | None = None,
 ) -> Fitted:
     """Fits a record to a table's limits (m/s, m, m/s2, m/s3, m/s2): convex, taut, clip, causal or preview."""
     given = record if isinstance(record, Record) else read_record(record)
     figures, motion = _native.fit_record(
-        given, method, velocity, stroke, acceleration, jerk, stall, preview, as_is
+        given, method, velocity, stroke, acceleration, jerk, stall, preview, as_is, progress
     )
     return Fitted(motion, json.loads(figures))
 
@@ -134,3 +148,39 @@ def simulate(motion: Motion, settings: Settings | None = None, *, table: Path | 
     """Plays a motion to the control core in the loop with a table: the paper's, or that of a model file."""
     arrays, scores = _native.simulate(motion, settings or Settings(), table)
     return Trial(arrays, json.loads(scores))
+
+
+def sweep(
+    gains: Sequence[tuple[float, float]] = ((3.70205, 0.61701),),
+    *,
+    amplitudes: Sequence[float] = (0.001, 0.01, 0.1),
+    frequencies: Sequence[float] = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
+    progress: Progress | None = None,
+) -> list[dict[str, Any]]:
+    """Bode diagrams of the displacement loop (Kp, Ki in 1/s) around the paper's plant, by amplitude (m) and frequency (Hz).
+
+    One dictionary a pair of gains: the part `bode` of the command line's JSON of `shakedown sweep`.
+    """
+    pairs = [(float(kp), float(ki)) for kp, ki in gains]
+    swept: list[dict[str, Any]] = json.loads(
+        _native.sweep(pairs, [float(a) for a in amplitudes], [float(f) for f in frequencies], progress)
+    )
+    return swept
+
+
+def design(
+    model: Path,
+    *,
+    spread: float = 0.3,
+    gain_margin: float = 6.0,
+    phase_margin: float = 30.0,
+    rate: float = 1000.0,
+    progress: Progress | None = None,
+) -> Designed:
+    """Gains of the tracking law for the model of a file (`identify --out`, `diagnose --model`) and its uncertainty.
+
+    `spread` is the relative uncertainty, each way, of what the model states no interval for; the margins (dB, degrees) hold in
+    every corner; `rate` is the control rate, Hz. Refused where no gains are safe.
+    """
+    figures, settings = _native.design(model, spread, (gain_margin, phase_margin), rate, progress)
+    return Designed(settings, json.loads(figures))

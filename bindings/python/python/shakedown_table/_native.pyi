@@ -1,5 +1,5 @@
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import final
 
 import numpy as np
@@ -15,11 +15,13 @@ __all__ = [
     "Settings",
     "ShakedownError",
     "__version__",
+    "design",
     "diagnose",
     "fit_record",
     "identify",
     "read_record",
     "simulate",
+    "sweep",
 ]
 
 __version__: str
@@ -138,10 +140,24 @@ def fit_record(
     stall: float | None,
     preview: float | None,
     as_is: bool,
+    progress: Callable[[str, float], object] | None,
 ) -> tuple[str, Motion]: ...
 def simulate(
     motion: Motion, settings: Settings, table: str | os.PathLike[str] | None
 ) -> tuple[dict[str, NDArray[np.float64]], str]: ...
+def sweep(
+    gains: Sequence[tuple[float, float]],
+    amplitudes: Sequence[float],
+    frequencies: Sequence[float],
+    progress: Callable[[str, float], object] | None = None,
+) -> str: ...
+def design(
+    path: str | os.PathLike[str],
+    spread: float,
+    margins: tuple[float, float],
+    rate: float,
+    progress: Callable[[str, float], object] | None = None,
+) -> tuple[str, Settings]: ...
 def identify(path: str | os.PathLike[str]) -> str: ...
 def diagnose(
     path: str | os.PathLike[str], progress: Callable[[str, float], object] | None = None

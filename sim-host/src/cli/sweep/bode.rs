@@ -3,13 +3,10 @@
 use super::super::present::Part;
 use super::super::{Failure, progress};
 use serde_json::json;
-use shakedown::closed_loop::bode::{Curve, Grid, survey};
+use shakedown::closed_loop::bode::{Curve, Grid, displacement_loop, settles};
 use shakedown::closed_loop::frequency::linear;
-use shakedown::closed_loop::published::Gains;
-use shakedown::closed_loop::{Clock, ClosedLoopError, named};
-use shakedown::plant::paper::{FixedStep, Paper};
+use shakedown::plant::paper::Paper;
 use shakedown::report::{Axis, Item, Plot, Section, Series, Style, Table};
-use shakedown_core::Controller;
 
 /// Control rate of the sweep, Hz.
 pub(super) const RATE: f64 = 1000.0;
@@ -65,12 +62,8 @@ impl Args {
 impl Args {
     /// Refuses gains at which the linear loop does not settle: its response to a sine would be a number without meaning.
     pub(super) fn stable(&self) -> Result<(), Failure> {
-        let Paper { b1, b0, a1, .. } = Paper::default();
         for &(kp, ki) in &self.gains {
-            // (b1 s + b0)(kp s + ki) + s^2 (s + a1), the closed loop's characteristic polynomial: Routh.
-            let [c2, c1, c0] = [a1 + b1 * kp, b0 * kp + b1 * ki, b0 * ki];
-            let settles = c2 > 0.0 && c1 > 0.0 && c0 >= 0.0 && c2 * c1 > c0;
-            if !(settles && kp <= 1e4) {
+            if !settles((kp, ki)) {
                 let text = format!(
                     "--gains {kp},{ki}: the loop is not stable with them; expected Kp above zero, Ki zero or more"
                 );
@@ -92,22 +85,15 @@ pub(super) fn run(args: &Args) -> Result<Part, Failure> {
     let mut json = Vec::new();
     let bar = progress::bar((grid.len() * args.gains.len()) as u64, "Bode points");
     for &pair in &args.gains {
-        let curves = measure(pair, &grid, || bar.inc(1)).map_err(|e| Failure::Input(format!("sweep: {e}")))?;
+        let curves =
+            displacement_loop(pair, RATE, &grid, || bar.inc(1)).map_err(|e| Failure::Input(format!("sweep: {e}")))?;
         items.push(Item::Table(table(pair, &curves)));
         items.extend(plots(pair, &curves).map(Item::Plot));
-        json.push(json!({"kp": pair.0, "ki": pair.1, "curves": curves.iter().map(curve_json).collect::<Vec<_>>()}));
+        json.push(json!({"kp": pair.0, "ki": pair.1, "curves": curves.iter().map(Curve::json).collect::<Vec<_>>()}));
     }
     bar.finish_and_clear();
     let section = Section { heading: "Bode diagrams by amplitude (Figs. 4, 5, 10)".into(), items };
     Ok(Part { key: "bode", json: json.into(), section, inputs: Vec::new() })
-}
-
-/// The core's displacement loop with these gains against the paper's plant.
-fn measure(pair: (f64, f64), grid: &Grid, done: impl Fn() + Sync) -> Result<Vec<Curve>, ClosedLoopError> {
-    let clock = Clock::new(RATE, 2)?;
-    let settings = named::settings(Gains { displacement: pair, acceleration: (0.0, 0.0), velocity: (0.0, 0.0) }, RATE);
-    let make = || Ok((FixedStep::new(Paper::default(), clock.plant_step(), 0.0)?, Controller::new(&settings)?));
-    survey(grid, clock, make, done)
 }
 
 fn table((kp, ki): (f64, f64), curves: &[Curve]) -> Table {
@@ -166,16 +152,4 @@ fn plots((kp, ki): (f64, f64), curves: &[Curve]) -> [Plot; 2] {
         }),
         plot("Phase", "deg", phase, &Curve::unwrapped_degrees),
     ]
-}
-
-/// A curve in the units of its keys.
-pub(super) fn curve_json(curve: &Curve) -> serde_json::Value {
-    json!({
-        "amplitude_m": curve.amplitude,
-        "bandwidth_hz": curve.bandwidth(),
-        "saturates_from_hz": curve.saturates_from(),
-        "points": curve.points.iter().map(|p| json!({
-            "frequency_hz": p.frequency, "gain_db": p.decibels(), "phase_deg": p.degrees(), "saturated": p.saturated,
-        })).collect::<Vec<_>>(),
-    })
 }

@@ -2,7 +2,7 @@
 
 use super::super::present::Part;
 use super::super::{Failure, progress};
-use super::bode::{self, RATE, curve_json};
+use super::bode::{self, RATE};
 use serde_json::json;
 use shakedown::closed_loop::bode::{Curve, Grid, farthest_apart, survey};
 use shakedown::closed_loop::published::Gains;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &bode::Args) -> Result<Part, Failure> {
         Item::Plot(plot(&empty, &loaded)),
     ];
     let json = json!({"difference_db": decibels, "difference_deg": degrees,
-                      "empty": curve_json(&empty), "loaded": curve_json(&loaded)});
+                      "empty": empty.json(), "loaded": loaded.json()});
     let section = Section { heading: "5 t on the table (Fig. 4)".into(), items };
     Ok(Part { key: "mass", json, section, inputs: Vec::new() })
 }
