@@ -6,8 +6,13 @@ use crate::{header, hosts, setup};
 
 type Chore = (&'static str, fn() -> Result<(), Problem>);
 
-const CHORES: &[Chore] =
-    &[("hosts", || hosts::run(&[])), ("header", header::check), ("examples", hosts::examples), ("pages", pages)];
+const CHORES: &[Chore] = &[
+    ("hosts", || hosts::run(&[])),
+    ("header", header::check),
+    ("examples", hosts::examples),
+    ("pages", pages),
+    ("live", live),
+];
 
 /// The chore: all of them.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
@@ -27,5 +32,12 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
 /// The pages of every command as pictures.
 fn pages() -> Result<(), Problem> {
     let line = "cargo test --locked --release --package shakedown-tests --test pages -- --include-ignored";
+    execute(&mut command(&line.split(' ').collect::<Vec<_>>()))
+}
+
+/// Ten minutes of a bench watched live.
+fn live() -> Result<(), Problem> {
+    let line =
+        "cargo test --locked --release --package shakedown-tests --test live -- --include-ignored --test-threads 1";
     execute(&mut command(&line.split(' ').collect::<Vec<_>>()))
 }

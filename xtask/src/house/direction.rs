@@ -9,7 +9,8 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-core", &[]),
     ("shakedown-truth", &[]),
     ("shakedown-firmware", &["shakedown-core"]),
-    ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay"]),
+    // The twin of `live` is the firmware's own loop and desk; the library alone, without a board.
+    ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay", "shakedown-firmware"]),
     ("shakedown-replay", &["shakedown-core", "shakedown", "shakedown-firmware", "shakedown-second-opinion"]),
     ("shakedown-tests", &["shakedown-core", "shakedown", "shakedown-truth"]),
     ("shakedown-no-panic", &["shakedown-core"]),
@@ -31,6 +32,7 @@ const ROOMS: &[&[&str]] = &[
     &["identify"],
     &["diagnose"],
     &["device", "faults", "prove"],
+    &["live"],
 ];
 
 /// Who may use `report`: the command line, and `prove`, whose page is as long as its scoring.
