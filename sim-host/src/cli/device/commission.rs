@@ -6,7 +6,6 @@ use super::failed;
 use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
-use crate::cli::reference::resampled;
 use shakedown::device::{Port, Session};
 use shakedown_core::link::Request;
 use std::fmt::Write as _;
