@@ -1,6 +1,6 @@
 //! The one door for output: text and JSON to standard output or a file, written whole or not at all.
 
-use super::places::{place, place_or_stdout};
+use super::places::{folder, place, place_or_stdout};
 use super::{Failure, asked};
 use sha2::{Digest, Sha256};
 use shakedown::report::{Page, Table, terminal};
@@ -21,7 +21,7 @@ pub(crate) struct Outputs {
     #[arg(long, value_name = "FILE", value_parser = place())]
     pub(crate) report: Option<PathBuf>,
     /// Writes the page's figures into this folder: each as SVG, and what they draw as `figures.json`.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = folder())]
     pub(crate) figures: Option<PathBuf>,
 }
 

@@ -10,9 +10,6 @@ const DATA: &str = "figures.json";
 
 /// Writes all of them.
 pub(super) fn write(page: &Page, folder: &Path) -> Result<(), Failure> {
-    if folder.exists() && !folder.is_dir() {
-        return Err(Failure::Input(format!("--figures {}: is a file, name a folder", folder.display())));
-    }
     let plots: Vec<&Plot> = page.plots().collect();
     let mut listed = Vec::new();
     for (number, plot) in plots.iter().enumerate() {
