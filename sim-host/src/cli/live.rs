@@ -48,7 +48,7 @@ pub(crate) struct Args {
     /// Plays a run of this experiment instead.
     #[arg(long, value_name = "EXPERIMENT.toml")]
     recording: Option<PathBuf>,
-    /// Which run of it.
+    /// Which run of it; one that is split to be held out counts as two.
     #[arg(long, value_name = "N", default_value_t = 1, requires = "recording")]
     run: usize,
     /// How much faster it is played than it was recorded.
