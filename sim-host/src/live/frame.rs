@@ -24,7 +24,9 @@ impl Frames {
 
     /// Takes samples.
     pub(super) fn take(&mut self, samples: &[Sample]) {
-        samples.iter().for_each(|sample| self.spectra.take(sample));
+        for sample in samples {
+            self.spectra.take(sample);
+        }
         self.samples.extend_from_slice(samples);
     }
 
@@ -47,7 +49,7 @@ impl Frames {
         if let Ok(status) = serde_json::to_string(status) {
             let _ = write!(text, ",\"status\":{status}");
         }
-        if self.number % SPECTRA_EVERY == 0 {
+        if self.number.is_multiple_of(SPECTRA_EVERY) {
             self.spectra(&mut text);
         }
         text.push('}');

@@ -77,7 +77,7 @@ impl SoftDevice {
         let (reports, from) = sync_channel(HELD);
         let over = Arc::new(AtomicBool::new(false));
         let ends = Ends { requests, reports, over: Arc::clone(&over) };
-        let thread = std::thread::spawn(move || run(setup, table, &ends));
+        let thread = std::thread::spawn(move || run(&setup, table, &ends));
         Ok(Self { to, from, heard: VecDeque::new(), over, thread: Some(thread) })
     }
 }
@@ -180,13 +180,13 @@ impl Bench {
     }
 }
 
-fn run(setup: Setup, table: Twin, ends: &Ends) {
+fn run(setup: &Setup, table: Twin, ends: &Ends) {
     let mut queues = Queues::new();
     let (loop_end, desk_end) = queues.split();
     let rate = f64::from(setup.control.rate);
-    let (Ok(mut decide), Ok(mut bench)) = (Loop::new(&setup, loop_end, false), Bench::new(table, rate)) else { return };
+    let (Ok(mut decide), Ok(mut bench)) = (Loop::new(setup, loop_end, false), Bench::new(table, rate)) else { return };
     let entropy = getrandom::u64().unwrap_or_else(|_| u64::from(std::process::id()));
-    let desk = Desk::new(setup, false, Clock::Crystal, defaults::LIMITS, entropy, desk_end);
+    let desk = Desk::new(*setup, false, Clock::Crystal, defaults::LIMITS, entropy, desk_end);
     let mut server = Served { desk, assembler: Assembler::new(), answer: None, allowance: 0.0 };
     let mut start = Instant::now();
     let mut elapsed = Duration::ZERO;
@@ -200,7 +200,7 @@ fn run(setup: Setup, table: Twin, ends: &Ends) {
         let wall = start.elapsed();
         match elapsed.checked_sub(wall) {
             Some(ahead) if ahead >= Duration::from_millis(1) => std::thread::sleep(ahead),
-            None if wall > elapsed + CATCH_UP => start += wall - elapsed - CATCH_UP,
+            None => start += wall.saturating_sub(elapsed + CATCH_UP),
             _ => {}
         }
     }

@@ -55,10 +55,9 @@ impl Scale {
             return all.filter(|v| (self.from..=self.to).contains(&v.log10())).map(|v| (v, words(v, v))).collect();
         }
         let step = if self.log { step.max(1.0).round() } else { step };
-        let first = (self.from / step).ceil() as i64;
-        (first..)
+        let (first, last) = ((self.from / step).ceil() as i64, (self.to / step + 1e-9).floor() as i64);
+        (first..=last)
             .map(|k| k as f64 * step)
-            .take_while(|v| *v <= self.to + 1e-9 * step)
             .map(|v| if self.log { (10f64.powf(v), words(10f64.powf(v), 10f64.powf(v))) } else { (v, words(v, step)) })
             .collect()
     }
@@ -136,10 +135,10 @@ fn axes(out: &mut String, plot: &Plot, x: &Scale, y: &Scale) {
         out,
         "<path d=\"M{left} {top}V{bottom}H{right}\" fill=\"none\" stroke=\"#8a9096\"/>\n<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\" \
          fill=\"#1b1f24\">{}</text>\n<text transform=\"translate(17 {:.1}) rotate(-90)\" text-anchor=\"middle\" fill=\"#1b1f24\">{}</text>",
-        (left + right) / 2.0,
+        f64::midpoint(left, right),
         HEIGHT - 10.0,
         named(&plot.x),
-        (top + bottom) / 2.0,
+        f64::midpoint(top, bottom),
         named(&plot.y)
     );
 }

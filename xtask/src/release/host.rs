@@ -78,13 +78,12 @@ pub(super) fn run() -> Result<(), Problem> {
     let installed = read(&mut command(&["rustup", "target", "list", "--installed"])).unwrap_or_default();
     let (mut sums, mut told) = (String::new(), String::new());
     for system in &SYSTEMS {
-        let outcome = match missing(system, &installed) {
-            Some(what) => format!("not built here: {what}"),
-            None => {
-                let file = built(system, &folder)?;
-                let _ = writeln!(sums, "{}  {}", sha256(&file)?, name(system));
-                tried(system, &file)?
-            }
+        let outcome = if let Some(what) = missing(system, &installed) {
+            format!("not built here: {what}")
+        } else {
+            let file = built(system, &folder)?;
+            let _ = writeln!(sums, "{}  {}", sha256(&file)?, name(system));
+            tried(system, &file)?
         };
         let _ = writeln!(told, "{:28} {}: {outcome}", system.target, system.name);
     }

@@ -40,9 +40,12 @@ impl Arming {
     }
 }
 
+/// Most tests in one folder.
+const TESTS: u32 = 99_999;
+
 /// The folder of the next test: `test-001`, or the first number that is free.
 pub(super) fn next_folder(folder: &Path) -> PathBuf {
-    let free = (1..).map(|number| folder.join(format!("test-{number:03}"))).find(|path: &PathBuf| !path.exists());
+    let free = (1..=TESTS).map(|number| folder.join(format!("test-{number:03}"))).find(|path: &PathBuf| !path.exists());
     free.unwrap_or_else(|| folder.to_path_buf())
 }
 
