@@ -96,14 +96,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         folder: args.out.clone(),
     };
     let name = args.table.as_ref().map_or_else(|| "the paper's table".to_owned(), |path| path.display().to_string());
-    let twin = twin(setup, setup_of, args)?;
+    let twin = twin(&setup, setup_of, args)?;
     serve(args, Attendant::new(twin, "twin", name, setup, storage), &inputs(args))
 }
 
 /// The twin at work.
-fn twin(setup: shakedown_core::link::Setup, of: Twin, args: &Args) -> Result<SoftDevice, Failure> {
+fn twin(setup: &shakedown_core::link::Setup, of: Twin, args: &Args) -> Result<SoftDevice, Failure> {
     let place = args.table.as_ref().map_or_else(String::new, |path| format!("{}: ", path.display()));
-    SoftDevice::start(setup, of).map_err(|e| Failure::Input(format!("{place}{e}")))
+    SoftDevice::start(*setup, of).map_err(|e| Failure::Input(format!("{place}{e}")))
 }
 
 fn inputs(args: &Args) -> Vec<PathBuf> {

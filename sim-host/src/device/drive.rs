@@ -261,6 +261,8 @@ impl Drive {
             (Step::Vitals | Challenge | Arm(_), State::Ready) => self.go(self.armed()),
             (Arm(_), State::Off) if vitals.cause.is_some() => self.failed = Some(stopped(vitals.cause)),
             (Start, State::Running) => self.go(self.started()),
+            // An operator's stop disarms whatever ended the test before it: one that ran dry included.
+            (Stand, State::Ready) if self.ending && self.operator.present => self.go(Disarm),
             (Stream | Attend(_) | Stand, State::Ready) if vitals.cause.is_some() => {
                 self.failed = Some(stopped(vitals.cause));
             }

@@ -17,7 +17,8 @@ pub(super) struct Operator {
 impl Drive {
     /// Ends whatever test the device is in, one that another host began included: stops it, waits for the stand, disarms.
     pub fn closing() -> Self {
-        Self { step: Step::Stop, ending: true, ..Self::playing(Play::Streamed(Vec::new())) }
+        let operator = Operator { present: true, ..Operator::default() };
+        Self { step: Step::Stop, ending: true, operator, ..Self::playing(Play::Streamed(Vec::new())) }
     }
 
     /// The same run in an operator's hands: armed and filled it waits for [`Self::begin`], and [`Self::hold`] fades it out with
