@@ -18,6 +18,7 @@ mod identify;
 mod indices;
 mod init;
 mod learn;
+mod live;
 mod modify;
 mod output;
 mod places;
@@ -25,6 +26,7 @@ mod present;
 mod progress;
 mod prove;
 mod qualify;
+mod reference;
 mod replay;
 mod run;
 mod shard;
@@ -66,6 +68,7 @@ enum Command {
     Demo(demo::Args),
     Design(design::Args),
     Learn(learn::Args),
+    Live(Box<live::Args>),
     #[cfg(unix)]
     Device(device::Args),
     Completions(desk::Completions),
@@ -109,6 +112,7 @@ pub(crate) fn main() -> ExitCode {
             Command::Demo(args) => demo::run(&args),
             Command::Design(args) => design::run(&args),
             Command::Learn(args) => learn::run(&args),
+            Command::Live(args) => live::run(&args),
             #[cfg(unix)]
             Command::Device(args) => device::run(&args),
             Command::Completions(args) => {

@@ -7,6 +7,7 @@ pub mod diagnose;
 pub mod faults;
 pub mod files;
 pub mod identify;
+pub mod live;
 pub mod motion;
 pub mod plant;
 #[cfg(feature = "cli")]

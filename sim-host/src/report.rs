@@ -9,6 +9,7 @@ mod escape;
 mod figure;
 mod html;
 mod matrix;
+mod svg;
 pub mod terminal;
 
 use std::path::Path;
@@ -150,7 +151,20 @@ pub struct Band {
     pub label: String,
 }
 
+impl Plot {
+    /// The figure by itself as SVG; none where it has nothing to show.
+    pub fn svg(&self) -> Option<String> {
+        svg::figure(self)
+    }
+}
+
 impl Page {
+    /// Its figures, in the order of the page.
+    pub fn plots(&self) -> impl Iterator<Item = &Plot> {
+        let items = self.sections.iter().chain(&self.details).flat_map(|section| &section.items);
+        items.filter_map(|item| if let Item::Plot(plot) = item { Some(plot) } else { None })
+    }
+
     /// The whole page as text: style, scripts and data inside, no request leaves it.
     pub fn html(&self) -> String {
         html::page(self)

@@ -78,8 +78,13 @@ impl Browser {
 
     /// Opens a file and waits until it is loaded and has drawn.
     pub fn open(&mut self, path: &Path) -> Result<()> {
+        self.visit(&format!("file://{}", path.display()))
+    }
+
+    /// Opens an address and waits until it is loaded and has drawn.
+    pub fn visit(&mut self, address: &str) -> Result<()> {
         self.events.retain(|e| e["method"] != "Page.loadEventFired");
-        self.call("Page.navigate", &json!({"url": format!("file://{}", path.display())}))?;
+        self.call("Page.navigate", &json!({"url": address}))?;
         while !self.events.iter().any(|e| e["method"] == "Page.loadEventFired") {
             let event = self.receive()?;
             self.events.push(event);
@@ -135,6 +140,38 @@ impl Browser {
             }
             self.events.push(event);
         }
+    }
+
+    /// Presses and releases a key by its name, such as `a`, `Enter` or `Escape`.
+    pub fn key(&mut self, key: &str) -> Result<()> {
+        let text = match key {
+            "Enter" => "\r",
+            one if one.len() == 1 => one,
+            _ => "",
+        };
+        let code = match key {
+            "Enter" => 13,
+            "Escape" => 27,
+            _ => i32::from(key.to_uppercase().as_bytes()[0]),
+        };
+        for kind in ["keyDown", "keyUp"] {
+            let event = json!({"type": kind, "key": key, "text": if kind == "keyDown" { text } else { "" },
+                "windowsVirtualKeyCode": code, "nativeVirtualKeyCode": code});
+            self.call("Input.dispatchKeyEvent", &event)?;
+        }
+        Ok(())
+    }
+
+    /// Bytes of the page's scripts after a collection of garbage.
+    pub fn heap(&mut self) -> Result<f64> {
+        self.call("HeapProfiler.collectGarbage", &json!({}))?;
+        let usage = self.call("Runtime.getHeapUsage", &json!({}))?;
+        Ok(usage["usedSize"].as_f64().unwrap_or(f64::NAN))
+    }
+
+    /// Forgets what was recorded of requests and complaints.
+    pub fn forget(&mut self) {
+        self.events.clear();
     }
 
     /// Shows the page as a reader with this colour scheme sees it: `light` or `dark`.

@@ -388,6 +388,25 @@ const OTHERS: [Case; 36] = [
     ("init none", &["none", "name a folder"]),
 ];
 
+/// The bench watched live, and figures.
+const LIVE: [Case; 15] = [
+    ("live --seconds 0", &["--seconds 0", "expected 0.1"]),
+    ("live --seconds nan", &["--seconds NaN", "expected"]),
+    ("live --listen 99999", &["--listen", "99999"]),
+    ("live --speed 2", &["--recording"]),
+    ("live --run 2", &["--recording"]),
+    ("live none.csv", &["none.csv", "no file"]),
+    ("live three.csv", &["three.csv", "reference"]),
+    ("live --port none", &["none", "device list"]),
+    ("live run.csv --port none", &["--out DIR", "recorded"]),
+    ("live --port none --for 0", &["--for 0", "expected"]),
+    ("live --table m-b0.toml", &["m-b0.toml", "above zero"]),
+    ("live --table m-rigid.toml", &["m-rigid.toml", "servo"]),
+    ("live --recording none.toml", &["none.toml", "no file"]),
+    ("live --recording x-typo.toml", &["line 4", "did you mean `b0`"]),
+    ("effects leakage --figures file", &["--figures", "name a folder"]),
+];
+
 /// Files of records.
 const RECORDS: [Case; 24] = [
     ("run --record none.AT2", &["none.AT2", "no such file"]),
@@ -540,7 +559,7 @@ fn faults(folder: &Path, line: &str, parts: &[&str], before: &[String]) -> Vec<S
 fn every_wrong_input_is_refused_with_file_place_and_remedy() {
     let folder = folder();
     let before = listing(folder.path());
-    let plain = [&OPTIONS[..], &TABLES, &OTHERS, &RECORDS, &MODELS].concat();
+    let plain = [&OPTIONS[..], &TABLES, &OTHERS, &LIVE, &RECORDS, &MODELS].concat();
     let read = ["identify", "diagnose"]
         .into_iter()
         .flat_map(|command| EXPERIMENTS.iter().map(move |(file, parts)| (format!("{command} {file}"), *parts)));

@@ -7,6 +7,8 @@ use crate::shell::{Problem, command, metadata_of, run as execute, top};
 const SECONDS: u32 = 60;
 /// Most memory a target may take, MiB: readers promise to stay below what a file of any size needs.
 const MEMORY: u32 = 1024;
+/// The target that is no parser.
+const COMMAND_LINE: &str = "command-line";
 /// What cargo-fuzz passes too.
 const FLAGS: &str = "--cfg fuzzing -Ccodegen-units=1 -Cpasses=sancov-module \
     -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters \
@@ -14,6 +16,11 @@ const FLAGS: &str = "--cfg fuzzing -Ccodegen-units=1 -Cpasses=sancov-module \
 
 /// The chore: runs one target or all, each for so many seconds.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
+    if let Some((name, rest)) = words.split_first()
+        && name == COMMAND_LINE
+    {
+        return command_line(rest);
+    }
     let known = targets()?;
     let (chosen, seconds) = match words {
         [] => (known.clone(), SECONDS),
@@ -26,13 +33,27 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
         _ => return Err(Problem::Usage("fuzz takes a target and a number of seconds".into())),
     };
     if let Some(unknown) = chosen.iter().find(|target| !known.contains(target)) {
-        return Err(Problem::Usage(format!("there is no target `{unknown}`; there are: {}", known.join(", "))));
+        return Err(Problem::Usage(format!(
+            "there is no target `{unknown}`; there are: {}, {COMMAND_LINE}",
+            known.join(", ")
+        )));
     }
     let folder = build()?;
     for target in &chosen {
         fuzz(target, seconds, &folder)?;
     }
     Ok(())
+}
+
+/// The command line has no parser of ours to be instrumented: the binary is run with words drawn from its own help.
+fn command_line(words: &[String]) -> Result<(), Problem> {
+    let seconds: u32 = match words {
+        [] => SECONDS,
+        [seconds] => seconds.parse().map_err(|_| Problem::Usage(format!("`{seconds}` is no number of seconds")))?,
+        _ => return Err(Problem::Usage("fuzz command-line takes a number of seconds".into())),
+    };
+    let line = "cargo test --locked --package shakedown-tests --test command_line -- --nocapture";
+    execute(command(&line.split(' ').collect::<Vec<_>>()).env("SHAKEDOWN_FUZZ_SECONDS", seconds.to_string()))
 }
 
 /// Whether all targets compile, which no other workspace asks. The engine is not built for it: nothing is linked.

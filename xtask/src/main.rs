@@ -110,6 +110,11 @@ const CHORES: &[Chore] = &[
         does: "builds host tool and image from two folders and compares the bytes [tool|firmware]",
         run: reproduce::run,
     },
+    Chore {
+        name: "release",
+        does: "builds and tries the files that are handed to users, and names what cannot be built here [host]",
+        run: release::run,
+    },
     Chore { name: "help", does: "prints this", run: help },
 ];
 

@@ -67,12 +67,19 @@ pub(crate) fn open(args: &Open) -> Result<(), Failure> {
     if !page.is_file() {
         return Err(Failure::Input(format!("{place}: is no file; name a page that `--report` wrote")));
     }
+    show(page.as_os_str())
+}
+
+/// Hands a page or an address to whatever the desktop opens it with.
+pub(crate) fn show(what: impl AsRef<std::ffi::OsStr>) -> Result<(), Failure> {
     let program = match std::env::consts::OS {
         "macos" => "open",
         "windows" => "explorer",
         _ => "xdg-open",
     };
+    let what = what.as_ref();
     let started =
-        Command::new(program).arg(&page).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-    started.map(drop).map_err(|e| Failure::Work(format!("{program}: {e}; open {place} in a browser by hand")))
+        Command::new(program).arg(what).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    let by_hand = || format!("open {} in a browser by hand", std::path::Path::new(what).display());
+    started.map(drop).map_err(|e| Failure::Work(format!("{program}: {e}; {}", by_hand())))
 }

@@ -1,6 +1,6 @@
 //! The one door for output: text and JSON to standard output or a file, written whole or not at all.
 
-use super::places::{place, place_or_stdout};
+use super::places::{folder, place, place_or_stdout};
 use super::{Failure, asked};
 use sha2::{Digest, Sha256};
 use shakedown::report::{Page, Table, terminal};
@@ -8,6 +8,8 @@ use std::fmt::Write as _;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+
+mod figures;
 
 /// `--json` and `--report`, the same on every command.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -18,6 +20,9 @@ pub(crate) struct Outputs {
     /// Writes one HTML page that opens with no network.
     #[arg(long, value_name = "FILE", value_parser = place())]
     pub(crate) report: Option<PathBuf>,
+    /// Writes the page's figures into this folder: each as SVG, and what they draw as `figures.json`.
+    #[arg(long, value_name = "DIR", value_parser = folder())]
+    pub(crate) figures: Option<PathBuf>,
 }
 
 impl Outputs {
@@ -40,6 +45,9 @@ impl Outputs {
     /// Writes the page where `--report` asks for it and says where it is; the version and the inputs' fingerprints are
     /// added to what the page says of its origin.
     pub(crate) fn write_report(&self, page: &mut Page, inputs: &[PathBuf]) -> Result<(), Failure> {
+        if let Some(folder) = &self.figures {
+            figures::write(page, folder)?;
+        }
         let Some(path) = &self.report else { return Ok(()) };
         spared(path, inputs)?;
         let mut origin = vec![("command".to_owned(), asked::line())];

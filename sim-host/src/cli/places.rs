@@ -21,6 +21,13 @@ pub(crate) fn place_or_stdout() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| if path.as_os_str() == "-" { Ok(path) } else { writable(path) })
 }
 
+/// Reads which folder files go to; it may be made later.
+pub(crate) fn folder() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        if path.exists() && !path.is_dir() { Err("is a file, name a folder".to_owned()) } else { Ok(path) }
+    })
+}
+
 fn writable(path: PathBuf) -> Result<PathBuf, String> {
     shakedown::files::writable(&path).map_err(|e| format!("no file can be written there: {}", e.kind()))?;
     Ok(path)

@@ -1,6 +1,7 @@
 //! A table as its model file describes it: Eq. 7 and the limiter, and beside them what a diagnosis added.
 
 use super::{Clock, ClosedLoopError, Law, Trace, run};
+use crate::plant::Plant;
 use crate::plant::effects::entry;
 use crate::plant::model::Baseline;
 use crate::plant::paper::{FixedStep, Paper};
@@ -86,6 +87,15 @@ impl Twin {
     /// Load at which its flow stalls, as table acceleration, m/s2; none where no load slows it.
     pub fn stall(&self) -> Option<f64> {
         self.effects.iter().find(|e| e.id == "load_dependent_flow").and_then(|e| e.parameters.first()).copied()
+    }
+
+    /// The table at rest at `start` (m), to be moved on in steps of `dt` (s) by whoever holds the clock.
+    pub fn plant(&self, dt: f64, start: f64) -> Result<Box<dyn Plant>, ClosedLoopError> {
+        Ok(if self.effects.is_empty() {
+            Box::new(FixedStep::new(self.plant, dt, start)?)
+        } else {
+            Box::new(self.moved(dt, start)?)
+        })
     }
 
     /// Runs a law along a reference (m), from rest at `start` (m).

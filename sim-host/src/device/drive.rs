@@ -12,9 +12,11 @@ use shakedown_core::link::{
 
 use super::{Row, Talker, Telemetry};
 
+mod operator;
 mod progress;
 mod step;
 
+use operator::Operator;
 pub use progress::{DriveError, Progress};
 use step::Step;
 
@@ -44,6 +46,8 @@ pub struct Drive {
     step: Step,
     /// To be ended as soon as it can be.
     ending: bool,
+    /// What an operator decides during the run.
+    operator: Operator,
     now: u64,
     asked: Option<u64>,
     repeats: u32,
@@ -70,6 +74,7 @@ impl Drive {
             play,
             step: Step::Identify,
             ending: false,
+            operator: Operator::default(),
             now: 0,
             asked: None,
             repeats: 0,
@@ -128,6 +133,8 @@ impl Drive {
             Step::Arm(_) | Step::Fill | Step::Start | Step::Stream | Step::Attend(_) if self.ending || over => {
                 self.go(Step::Stop);
             }
+            Step::Stream | Step::Attend(_) if self.operator.hold => self.go(Step::Stop),
+            Step::Held if self.ending => self.go(Step::Disarm),
             _ => {}
         }
     }
@@ -164,7 +171,8 @@ impl Drive {
         Some(match self.step {
             Step::Identify => HostRequest::Identify,
             Step::Setup => self.setup.map_or(HostRequest::ReadSetup, HostRequest::WriteSetup),
-            Step::Vitals | Step::Attend(_) | Step::Stand => HostRequest::ReadVitals,
+            Step::Start if self.waits() => HostRequest::ReadVitals,
+            Step::Vitals | Step::Attend(_) | Step::Stand | Step::Held => HostRequest::ReadVitals,
             Step::ClearTrip => HostRequest::ClearTrip,
             Step::Challenge => HostRequest::RequestArming,
             Step::Arm(answer) => HostRequest::Arm(answer),
@@ -204,7 +212,8 @@ impl Drive {
         self.repeats = 0;
     }
 
-    fn take(&mut self, report: Report) {
+    /// Takes a report.
+    pub(crate) fn take(&mut self, report: Report) {
         match (self.step, report) {
             (_, Report::Telemetry(batch)) => self.telemetry.take(&batch),
             (step, Report::Vitals(vitals)) => self.vitals(step, vitals),
@@ -212,6 +221,8 @@ impl Drive {
             (Step::Setup, Report::Setup(_) | Report::Done) => self.go(Step::Vitals),
             (Step::ClearTrip, Report::Done) => self.go(Step::Vitals),
             (Step::Challenge, Report::Challenge(challenge)) => self.go(Step::Arm(answer(challenge))),
+            // Before the operator's start it answers something earlier.
+            (Step::Start, Report::Done) if self.waits() => {}
             (Step::Start, Report::Done) => self.go(self.started()),
             (Step::Stop, Report::Done | Report::Refused(RefusedBecause::State(_))) => self.go(Step::Stand),
             (Step::Disarm, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Done),
@@ -226,7 +237,7 @@ impl Drive {
             (Step::Stream, Report::Refused(RefusedBecause::State(_))) => self.go(Step::Stand),
             // It is armed; this answers the asking once more.
             (
-                Step::Fill | Step::Start | Step::Stream | Step::Attend(_) | Step::Stop | Step::Stand,
+                Step::Fill | Step::Start | Step::Stream | Step::Attend(_) | Step::Stop | Step::Stand | Step::Held,
                 Report::Refused(RefusedBecause::Challenge),
             ) => {}
             // A device that is busy with what was asked before is asked again when patience is at an end.
@@ -240,8 +251,8 @@ impl Drive {
 
     /// The device says where it stands: the answer to a question, or because it changed.
     fn vitals(&mut self, step: Step, vitals: DeviceHealth) {
-        use Step::{Arm, Attend, Challenge, Disarm, Done, Fill, Stand, Start, Stop, Stream};
-        let moving = matches!(step, Fill | Start | Stream | Attend(_) | Stop | Stand | Disarm);
+        use Step::{Arm, Attend, Challenge, Disarm, Done, Fill, Held, Stand, Start, Stop, Stream};
+        let moving = matches!(step, Fill | Start | Stream | Attend(_) | Stop | Stand | Held | Disarm);
         let stopped = |cause: Option<StopCause>| {
             let cause = cause.unwrap_or(StopCause::Asked);
             DriveError::Stopped { cause, tick: vitals.ticks }
@@ -252,18 +263,26 @@ impl Drive {
             (Step::Vitals | Challenge | Arm(_), State::Ready) => self.go(self.armed()),
             (Arm(_), State::Off) if vitals.cause.is_some() => self.failed = Some(stopped(vitals.cause)),
             (Start, State::Running) => self.go(self.started()),
+            // An operator's stop disarms whatever ended the test before it: one that ran dry included.
+            (Stand, State::Ready) if self.ending && self.operator.present => self.go(Disarm),
             (Stream | Attend(_) | Stand, State::Ready) if vitals.cause.is_some() => {
                 self.failed = Some(stopped(vitals.cause));
             }
+            (Stand, State::Ready) if self.operator.hold && !self.ending => self.go(Held),
             (Stream | Attend(_) | Stand, State::Ready) => self.go(Disarm),
-            (Disarm, State::Off) => self.go(Done),
+            (Disarm | Held, State::Off) => self.go(Done),
+            // Another host disarmed it.
+            (Start, State::Off) if self.waits() => self.failed = Some(stopped(vitals.cause)),
             // It was to be ended before it was armed.
             (Stand, State::Off) if self.ending => self.go(Done),
             // What was done was the start.
-            (Stand, State::Running) if self.ending || matches!(self.play, Play::Attended(_)) => self.go(Stop),
+            (Stand, State::Running) if self.ending || self.operator.hold || matches!(self.play, Play::Attended(_)) => {
+                self.go(Stop);
+            }
             (_, State::Tripped) if moving => self.failed = Some(stopped(vitals.cause)),
-            // It answers: the test, and the stand, may take as long as they take.
-            (Attend(_) | Stand, _) => self.repeats = 0,
+            // It answers: the test, the stand and the operator may take as long as they take.
+            (Attend(_) | Stand | Held, _) => self.repeats = 0,
+            (Start, State::Ready) if self.waits() => self.repeats = 0,
             _ => {}
         }
     }

@@ -68,6 +68,11 @@ impl Telemetry {
         &self.gaps
     }
 
+    /// The gaps since the last time, which are not kept any longer.
+    pub fn take_gaps(&mut self) -> Vec<Gap> {
+        std::mem::take(&mut self.gaps)
+    }
+
     /// What the device says it dropped since its reset.
     pub const fn dropped(&self) -> u32 {
         self.dropped

@@ -10,7 +10,8 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-truth", &[]),
     ("shakedown-rehearsal", &["shakedown-core"]),
     ("shakedown-firmware", &["shakedown-core", "shakedown-rehearsal"]),
-    ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay"]),
+    // The twin of `live` is the firmware's own loop and link server; the library alone, without a board.
+    ("shakedown", &["shakedown-core", "shakedown-truth", "shakedown-replay", "shakedown-firmware"]),
     (
         "shakedown-replay",
         &["shakedown-core", "shakedown", "shakedown-firmware", "shakedown-rehearsal", "shakedown-second-opinion"],
@@ -36,6 +37,7 @@ const ROOMS: &[&[&str]] = &[
     &["identify"],
     &["diagnose"],
     &["device", "faults", "prove"],
+    &["live"],
 ];
 
 /// Who may use `report`: the command line, and `prove`, whose page is as long as its scoring.

@@ -2,7 +2,7 @@
 
 mod oil;
 
-use super::{failed, record};
+use super::failed;
 use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
@@ -101,7 +101,7 @@ impl Commission {
         clear(session)?;
         let setup = session.setup().map_err(failed)?;
         let record = match &self.record {
-            Some(file) => Some(record::resampled(file, "reference", f64::from(setup.control.rate))?),
+            Some(file) => Some(crate::cli::reference::resampled(file, "reference", f64::from(setup.control.rate))?),
             None => None,
         };
         oil::Oil { session, setup, record }.walk(text)

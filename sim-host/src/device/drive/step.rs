@@ -17,6 +17,8 @@ pub(super) enum Step {
     Attend(u64),
     Stop,
     Stand,
+    /// Faded out and held until the operator ends the test.
+    Held,
     Disarm,
     Done,
 }
@@ -27,7 +29,7 @@ impl Step {
         match self {
             Self::Identify => "who it is",
             Self::Setup => "its setup",
-            Self::Vitals | Self::Attend(_) | Self::Stand => "how it fares",
+            Self::Vitals | Self::Attend(_) | Self::Stand | Self::Held => "how it fares",
             Self::ClearTrip => "clearing the trip",
             Self::Challenge | Self::Arm(_) => "arming",
             Self::Fill | Self::Stream => "the reference",
