@@ -6,8 +6,13 @@ use crate::{header, hosts, setup};
 
 type Chore = (&'static str, fn() -> Result<(), Problem>);
 
-const CHORES: &[Chore] =
-    &[("hosts", || hosts::run(&[])), ("header", header::check), ("examples", hosts::examples), ("pages", pages)];
+const CHORES: &[Chore] = &[
+    ("hosts", || hosts::run(&[])),
+    ("header", header::check),
+    ("examples", hosts::examples),
+    ("pages", pages),
+    ("readers", readers),
+];
 
 /// The chore: all of them.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
@@ -28,4 +33,9 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
 fn pages() -> Result<(), Problem> {
     let line = "cargo test --locked --release --package shakedown-tests --test pages -- --include-ignored";
     execute(&mut command(&line.split(' ').collect::<Vec<_>>()))
+}
+
+/// The readers of recordings against those of others, value by value; what is not installed is said and left out.
+fn readers() -> Result<(), Problem> {
+    execute(&mut command(&["python3", "tests/readers/check.py"]))
 }
