@@ -90,7 +90,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         print_table(&table);
         print(&format!("\n{lead}\n"));
     }
-    failed.iter().for_each(|line| tell(&format!("failed: {line}")));
+    for line in &failed {
+        tell(&format!("failed: {line}"));
+    }
     let values: Vec<Value> = results.iter().map(|(_, value)| value.clone()).collect();
     inputs.insert(0, args.campaign.clone());
     args.outputs

@@ -74,7 +74,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", requires = "synthesise")]
     seed: Option<u64>,
     #[command(flatten)]
-    within: within_limits::Table,
+    within: within_limits::Kept,
     /// Sampling interval, s, where the file states none.
     #[arg(long, value_name = "S")]
     dt: Option<f64>,

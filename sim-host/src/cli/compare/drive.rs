@@ -28,7 +28,9 @@ pub(super) fn run(args: &Args, recording: &Path, asked: Asked) -> Result<(), Fai
     if !args.outputs.quiet() {
         print(&format!("{}\n\n", page.lead));
         page.details.iter().for_each(present::print_section);
-        page.advice.iter().for_each(|line| print(&format!("{line}\n")));
+        for line in &page.advice {
+            print(&format!("{line}\n"));
+        }
         print(&format!("\n{entry}"));
     }
     args.outputs.write_report(&mut { page }, &inputs)
@@ -44,7 +46,9 @@ fn seen(args: &Args, recording: &Path) -> Result<Look, Failure> {
     let stated: Vec<(Channel, String)> =
         stated.into_iter().filter_map(|(channel, name)| Some((channel, name.clone()?))).collect();
     let seen = look(recording, &args.text.stated(), &stated).map_err(|e| Failure::Input(e.to_string()))?;
-    seen.notes.iter().for_each(|note| tell(&format!("note: {}: {note}", recording.display())));
+    for note in &seen.notes {
+        tell(&format!("note: {}: {note}", recording.display()));
+    }
     Ok(seen)
 }
 

@@ -49,7 +49,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         )));
     }
     let differ = rows.iter().filter(|(_, x, y)| x != y).count();
-    let inputs: Vec<_> = paths.iter().map(|p| p.to_path_buf()).collect();
+    let inputs: Vec<_> = paths.iter().map(|p| (*p).clone()).collect();
     args.outputs
         .write_json(json!({ "values": rows.iter().map(as_json).collect::<Vec<_>>(), "differ": differ }), &inputs)?;
     let lead = match differ {

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// The table's limits, as options.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[group(skip)]
-pub(super) struct Table {
+pub(super) struct Kept {
     /// The motion keeps this speed, m/s [default: the table's].
     #[arg(long, value_name = "M/S", requires = "synthesise")]
     velocity: Option<f64>,
@@ -37,7 +37,7 @@ pub(super) struct Table {
     from: Option<PathBuf>,
 }
 
-impl Table {
+impl Kept {
     /// True where the motion is to keep limits.
     pub(super) fn asked(&self) -> bool {
         let numbers = [self.velocity, self.stroke, self.acceleration, self.stall];
