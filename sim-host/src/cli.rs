@@ -2,6 +2,7 @@
 
 mod asked;
 mod bench;
+mod campaign;
 mod compare;
 mod demo;
 mod described;
@@ -64,6 +65,7 @@ enum Command {
     Identify(identify::Args),
     Init(init::Args),
     Bench(bench::Args),
+    Campaign(campaign::Args),
     Compare(compare::Args),
     Demo(demo::Args),
     Design(design::Args),
@@ -108,6 +110,7 @@ pub(crate) fn main() -> ExitCode {
             Command::Identify(args) => identify::run(&args),
             Command::Init(args) => init::run(&args),
             Command::Bench(args) => bench::run(&args),
+            Command::Campaign(args) => campaign::run(&args),
             Command::Compare(args) => compare::run(&args),
             Command::Demo(args) => demo::run(&args),
             Command::Design(args) => design::run(&args),

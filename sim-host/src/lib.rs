@@ -7,6 +7,7 @@ pub mod diagnose;
 pub mod faults;
 pub mod files;
 pub mod identify;
+#[cfg(feature = "cli")]
 pub mod live;
 pub mod motion;
 pub mod plant;

@@ -19,7 +19,7 @@ pub mod spectrum;
 mod unit;
 pub mod write;
 
-pub use record::{Fact, Format, Motion, Record};
+pub use record::{Fact, Format, Motion, Record, central_difference};
 pub use unit::{AccelerationUnit, STANDARD_GRAVITY, UnknownUnit};
 
 /// The largest magnitude of a signal, 0 where it is empty.

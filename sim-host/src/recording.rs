@@ -16,6 +16,7 @@ pub mod excerpt;
 pub mod experiment;
 pub mod file;
 pub mod holdout;
+pub mod inner_loop;
 pub mod law;
 pub mod mat;
 pub mod model;

@@ -155,3 +155,97 @@ fn what_was_not_written_is_no_success() {
     assert_eq!(output.status.code(), Some(1));
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+/// `compare` by what the files are: a drive and its recording, two recordings, two results; and what does not go together.
+#[test]
+fn comparing_goes_by_what_the_files_are() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    done(at, "modify near-field-moderate --method taut --velocity 0.1 --out drive.csv");
+    for (name, controller) in [("a", "strong"), ("b", "current")] {
+        let line = format!("run --record drive.csv --controller {controller} --trace {name}.csv --json {name}.json");
+        done(at, &line);
+    }
+    done(at, "compare drive.csv a.csv --json played.json --report played.html");
+    let played = json(at, "played.json");
+    let number = |place: &str| played.pointer(place).and_then(serde_json::Value::as_f64).unwrap();
+    assert!(number("/start_s").abs() < 2e-3 && number("/covered") > 0.999, "{played}");
+    assert!(number("/reference_error") < 1e-3);
+    let ran = json(at, "a.json");
+    let of_run = |place: &str| ran.pointer(place).and_then(serde_json::Value::as_f64).unwrap();
+    assert!((number("/metrics/e_d") - of_run("/metrics_with_sensors/e_d")).abs() < 5e-3);
+    assert!((number("/metrics/e_a") - of_run("/metrics_with_sensors/e_a")).abs() < 0.02);
+    assert!((number("/delay_s") - of_run("/indices/delay_s")).abs() < 3e-3);
+    assert!(played["runs_entry"].as_str().unwrap().contains("[[runs]]\nfile = \"a.csv\""));
+    // The order does not matter, and another drive is none of it.
+    done(at, "compare a.csv drive.csv");
+    done(at, "modify far-field --method taut --velocity 0.1 --out other.csv");
+    let other = run(at, "compare other.csv a.csv");
+    assert_eq!(other.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&other.stderr).contains("nothing in the recording resembles the drive"));
+    done(at, "compare a.json b.json --json both.json");
+    let both = json(at, "both.json");
+    assert!(both["differ"].as_u64().unwrap() > 5);
+    let values = both["values"].as_array().unwrap();
+    assert!(values.iter().any(|v| v["value"] == "metrics.e_a" && v["a"] != v["b"]));
+    let mixed = run(at, "compare a.json a.csv");
+    assert_eq!(mixed.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&mixed.stderr).contains("is a result and a.csv is a recording"));
+}
+
+/// A campaign runs what is missing and nothing twice; pieces make the whole; a wrong name is refused before anything runs.
+#[test]
+fn a_campaign_goes_on_where_it_stopped() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    for (name, hertz) in [("slow", 0.8), ("fast", 2.5)] {
+        let mut text = String::from("time [s],acceleration [g]\n");
+        for k in 0..1200 {
+            let t = f64::from(k) * 0.01;
+            let rise = (t / 3.0).min((12.0 - t) / 3.0).clamp(0.0, 1.0);
+            text += &format!("{t:.2},{:.6}\n", 0.05 * rise * (6.283 * hertz * t).sin());
+        }
+        fs::write(at.join(format!("{name}.csv")), text).unwrap();
+    }
+    let campaign =
+        "records = [\"slow.csv\", \"fast.csv\"]\nscales = [0.5, \"0.06g\"]\ncontrollers = [\"current\", \"strong\"]\n";
+    fs::write(at.join("autumn.toml"), campaign).unwrap();
+    let said = done(at, "campaign autumn.toml --out results --shard 1/2 --json half.json");
+    assert!(said.contains("8 tests: 0 done before, 4 to run"), "{said}");
+    assert_eq!(json(at, "half.json")["open"].as_u64(), Some(4));
+    let said = done(at, "campaign autumn.toml --out results --json all.json --report all.html");
+    assert!(said.contains("8 tests: 4 done before, 4 to run"), "{said}");
+    let all = json(at, "all.json");
+    let results = all["results"].as_array().unwrap();
+    assert_eq!(results.len(), 8);
+    let peak = |i: usize| results[i].pointer("/metrics/reference_peak_g").and_then(serde_json::Value::as_f64).unwrap();
+    assert!((peak(2) / 0.06 - 1.0).abs() < 0.05 && peak(0) < 0.03, "{} {}", peak(0), peak(2));
+    let said = done(at, "campaign autumn.toml --out results");
+    assert!(said.contains("8 done before, 0 to run"), "{said}");
+    fs::write(at.join("wrong.toml"), campaign.replace("strong", "stronger")).unwrap();
+    let wrong = run(at, "campaign wrong.toml --out elsewhere");
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&wrong.stderr).contains("stronger") && !at.join("elsewhere").exists());
+}
+
+/// A learnt drive carries what it is true for, and is refused where that has changed.
+#[test]
+fn a_learnt_drive_goes_on_or_is_stale() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let learn = "learn --seed 2 --velocity 0.2 --runs 2";
+    done(at, &format!("{learn} --out learnt.csv --json first.json"));
+    let text = fs::read_to_string(at.join("learnt.csv")).unwrap();
+    assert!(text.contains("# method = learnt, run 2 of 2") && text.contains("# model_sha256 = the paper's table"));
+    done(at, &format!("{learn} --from learnt.csv --json second.json"));
+    let e_a = |name: &str, run: usize| json(at, name)["runs"][run]["e_a"].as_f64().unwrap();
+    assert!((e_a("second.json", 0) / e_a("first.json", 1) - 1.0).abs() < 0.2, "it begins where it stopped");
+    let stale = run(at, &format!("{learn} --controller strong --from learnt.csv"));
+    assert_eq!(stale.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&stale.stderr).contains("is stale: its controller"));
+    done(at, "learn --check check.csv");
+    done(at, "run --record check.csv --controller strong --trace then.csv");
+    done(at, "run --record check.csv --controller strong --trace now.csv");
+    done(at, "compare then.csv now.csv --json same.json");
+    assert_eq!(json(at, "same.json")["stale"].as_bool(), Some(false));
+}

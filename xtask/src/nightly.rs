@@ -17,6 +17,7 @@ const CHORES: &[Chore] = &[
     ("page", || hosts::page::run(&[]).and_then(|()| shown("web"))),
     ("pages", || shown("pages")),
     ("live", live),
+    ("readers", readers),
 ];
 
 /// The chore: all of them.
@@ -45,4 +46,9 @@ fn live() -> Result<(), Problem> {
     let line =
         "cargo test --locked --release --package shakedown-tests --test live -- --include-ignored --test-threads 1";
     execute(&mut command(&line.split(' ').collect::<Vec<_>>()))
+}
+
+/// The readers of recordings against those of others, value by value; what is not installed is said and left out.
+fn readers() -> Result<(), Problem> {
+    execute(&mut command(&["python3", "tests/readers/check.py"]))
 }

@@ -1,92 +1,124 @@
-//! `shakedown compare`: what changed on a table between two dates.
+//! `shakedown compare`: two files, by what they are.
 
-use super::output::{Outputs, print, print_table};
-use super::{Failure, failure, progress};
-use serde_json::json;
-use shakedown::identify::change::{Change, CompareError, compare};
-use shakedown::identify::outcome::IdentifyError;
-use shakedown::recording::Experiment;
-use shakedown::report::{Item, Page, Section, Table};
-use std::path::PathBuf;
+mod drive;
+mod experiments;
+mod recordings;
+mod reports;
 
-/// What changed on a table between two dates: one model fitted to two experiments, number by number, with intervals.
+use super::Failure;
+use super::output::Outputs;
+use super::source::Text;
+use shakedown::motion::drive::Drive;
+use shakedown::motion::read::{self, Options};
+use shakedown::motion::{Format, Motion, Record};
+use std::path::{Path, PathBuf};
+
+/// Compares two files by what they are: two experiments (what changed on the table), a drive and the recording of it (indices, delay,
+/// gain, coherence), two recordings of one motion (whether a learnt drive is stale), or two results of `--json` (side by side).
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  shakedown compare march.toml october.toml
-  shakedown compare march.toml october.toml --report health.html
+  shakedown compare march.toml october.toml                      what changed, number by number, with intervals
+  shakedown compare drive.csv recording.csv --report run.html    how near the table came to the drive
+  shakedown compare drive.rpc test.tdms --displacement LVDT --reference Setpoint
+  shakedown compare check_may.csv check_june.csv                 a check run then and now: has the specimen changed?
+  shakedown compare before.json after.json                       two results of one command
 
-Both experiments state the same model; `fit` says what may differ, and without it all that the model states may.")]
+Two experiments state the same model; `fit` says what may differ, and without it all that the model states may.
+A drive is found in the recording wherever it begins; rates may differ. Where the recording holds the reference that the controller
+was given, the table's delay is known; without it the start is taken from the motion.")]
 pub(crate) struct Args {
-    /// The experiment of the earlier date.
-    #[arg(value_name = "A.toml")]
-    before: PathBuf,
-    /// The experiment of the later date.
-    #[arg(value_name = "B.toml")]
-    after: PathBuf,
+    /// An experiment (.toml), a drive or ground-motion record, or a result of `--json`.
+    #[arg(value_name = "A")]
+    first: PathBuf,
+    /// An experiment, a recording, or another result of the same command.
+    #[arg(value_name = "B")]
+    second: PathBuf,
+    /// Recording: column of the table's displacement [default: by its name].
+    #[arg(long, value_name = "COLUMN")]
+    displacement: Option<String>,
+    /// Recording: column of the table's acceleration [default: by its name; else from the displacement].
+    #[arg(long, value_name = "COLUMN")]
+    acceleration: Option<String>,
+    /// Recording: column of the reference that the controller was given [default: by its name, if any].
+    #[arg(long, value_name = "COLUMN")]
+    reference: Option<String>,
+    #[command(flatten)]
+    text: Text,
     #[command(flatten)]
     outputs: Outputs,
 }
 
-/// Fits both, compares and shows.
+/// What a file is to this command.
+enum Kind {
+    Experiment,
+    Result,
+    Motion(Box<Asked>),
+    Other,
+}
+
+/// What the table was asked for, and what its file says of it.
+struct Asked {
+    motion: Motion,
+    /// What the drive's file says of its making; of a record, its title.
+    facts: Vec<(String, String)>,
+    /// `drive`, or `record`.
+    what: &'static str,
+}
+
+/// Compares the two.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let load = |path: &PathBuf| Experiment::load(path).map_err(|e| failure::refused(path, e, failure::EXPERIMENT));
-    let (before, after) = (load(&args.before)?, load(&args.after)?);
-    let spinner = progress::spinner("fitting both".into());
-    let changes = compare(&before, &after);
-    spinner.finish_and_clear();
-    let changes = changes.map_err(|e| match e {
-        CompareError::Fit { problem: IdentifyError::Simulate(_), .. } => Failure::Work(e.to_string()),
-        other => Failure::Input(format!("{} and {}: {other}", args.before.display(), args.after.display())),
-    })?;
-    let inputs: Vec<PathBuf> = before.inputs.iter().chain(&after.inputs).cloned().collect();
-    args.outputs.write_json(json!({ "changes": changes, "changed": changed(&changes) }), &inputs)?;
-    let (lead, table) = (lead(&changes), table(&changes));
-    if !args.outputs.quiet() {
-        print_table(&table);
-        print(&format!("\n{lead}\n"));
+    for path in [&args.first, &args.second] {
+        if let Err(e) = std::fs::metadata(path) {
+            return Err(Failure::Input(format!("{}: cannot be read: {e}", path.display())));
+        }
     }
-    let sections = vec![Section { heading: "Number by number".into(), items: vec![Item::Table(table)] }];
-    let title = format!("{} and {}", before.name, after.name);
-    args.outputs.write_report(&mut Page { title, lead, sections, ..Page::default() }, &inputs)
+    match (kind(&args.first)?, kind(&args.second)?) {
+        (Kind::Experiment, Kind::Experiment) => experiments::run(args),
+        (Kind::Result, Kind::Result) => reports::run(args),
+        (Kind::Motion(asked), Kind::Other) => drive::run(args, &args.second, *asked),
+        (Kind::Other, Kind::Motion(asked)) => drive::run(args, &args.first, *asked),
+        (Kind::Other, Kind::Other) => recordings::run(args),
+        (a, b) => Err(Failure::Input(format!(
+            "{} is {} and {} is {}: expected two experiments, a drive and its recording, two recordings of one motion, or two results of --json",
+            args.first.display(),
+            a.words(),
+            args.second.display(),
+            b.words()
+        ))),
+    }
 }
 
-fn changed(changes: &[Change]) -> Vec<&str> {
-    changes.iter().filter(|c| c.changed == Some(true)).map(|c| c.name.as_str()).collect()
+impl Kind {
+    fn words(&self) -> &'static str {
+        match self {
+            Self::Experiment => "an experiment",
+            Self::Result => "a result",
+            Self::Motion(asked) if asked.what == "drive" => "a drive",
+            Self::Motion(_) => "a ground-motion record",
+            Self::Other => "a recording",
+        }
+    }
 }
 
-fn lead(changes: &[Change]) -> String {
-    let told = |c: &Change| match c.share {
-        Some(share) => format!("{} by {:+.1} %", c.name, 100.0 * share),
-        None => format!("{} by {:+.4} {}", c.name, c.difference, c.unit),
-    };
-    let certain: Vec<String> = changes.iter().filter(|c| c.changed == Some(true)).map(told).collect();
-    let open: Vec<&str> = changes.iter().filter(|c| c.changed.is_none()).map(|c| c.name.as_str()).collect();
-    let mut text = if certain.is_empty() {
-        "Nothing changed by more than chance allows.".to_owned()
-    } else {
-        format!("Changed: {}.", certain.join(", "))
-    };
-    if !open.is_empty() {
-        text += &format!(" Not determined by these runs: {}.", open.join(", "));
+fn kind(path: &Path) -> Result<Kind, Failure> {
+    let named = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    if named("json") {
+        return Ok(Kind::Result);
     }
-    text
+    if named("toml") {
+        return Ok(Kind::Experiment);
+    }
+    if let Some(drive) = Drive::read(path).map_err(|e| Failure::Input(e.to_string()))? {
+        return Ok(Kind::Motion(Box::new(Asked { motion: drive.motion(), facts: drive.facts, what: "drive" })));
+    }
+    // A record that states its unit and step by itself; columns of text are recordings.
+    Ok(match read::record(path, &Options::default()) {
+        Ok(record) if record.format != Format::Columns => Kind::Motion(Box::new(of_record(&record))),
+        _ => Kind::Other,
+    })
 }
 
-fn table(changes: &[Change]) -> Table {
-    let number = |v: Option<f64>| v.map_or_else(|| "open".to_owned(), |v| format!("{v:.5}"));
-    let row = |c: &Change| {
-        let verdict = match c.changed {
-            Some(true) => "changed",
-            Some(false) => "the same",
-            None => "not determined",
-        };
-        let values = [Some(c.before), Some(c.after), Some(c.difference), c.low, c.high].map(number);
-        std::iter::once(c.name.clone()).chain(values).chain([c.unit.to_owned(), verdict.to_owned()]).collect()
-    };
-    let columns = ["parameter", "before", "after", "difference", "90 % from", "90 % to", "unit", "verdict"];
-    Table {
-        columns: columns.map(String::from).into(),
-        rows: changes.iter().map(row).collect(),
-        caption: "One model fitted to both dates".into(),
-    }
+fn of_record(record: &Record) -> Asked {
+    let facts = vec![("source".to_owned(), record.name.clone()), ("format".into(), record.format.name().into())];
+    Asked { motion: record.motion(), facts, what: "record" }
 }

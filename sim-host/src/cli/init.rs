@@ -4,6 +4,7 @@ use super::Failure;
 use super::output::{Outputs, print, write_whole};
 use super::source::Text;
 use serde_json::json;
+use shakedown::recording::inner_loop::{Closure, InnerLoop};
 use shakedown::recording::propose::{Proposal, propose_as};
 use shakedown::recording::{Experiment, Severity, check};
 use shakedown::report::{Item, Page, Section, Table};
@@ -84,7 +85,21 @@ fn as_json(proposal: &Proposal, experiment: Option<&PathBuf>) -> serde_json::Val
     json!({
         "experiment": experiment, "files": proposal.files, "left_out": left_out.collect::<Vec<_>>(),
         "channels": channels.collect::<Vec<_>>(), "notes": proposal.notes, "to_settle": proposal.open,
+        "inner_loop": proposal.inner.as_ref().map(inner_loop),
         "controller": proposal.control.as_ref().map(|law| json!({ "law": law.text, "misses": law.error })),
+    })
+}
+
+/// The inner loop, for other tools.
+fn inner_loop(found: &InnerLoop) -> serde_json::Value {
+    let gains = found
+        .gains
+        .iter()
+        .map(|g| (g.term.name().to_owned(), json!({ "value": g.value, "std": g.std, "share": g.share })));
+    json!({
+        "closed_by": if found.closure == Closure::Command { "command" } else { "hardware" },
+        "gains": gains.collect::<serde_json::Map<_, _>>(), "delay_s": found.delay, "lag_s": found.lag,
+        "scale": found.scale, "misses": found.misses, "from_hz": found.band.0, "to_hz": found.band.1,
     })
 }
 
@@ -125,6 +140,9 @@ fn summary(proposal: &Proposal, path: &Path) -> String {
     }
     for note in &proposal.notes {
         let _ = writeln!(text, "Found: {note}");
+    }
+    if let Some(inner) = &proposal.inner {
+        let _ = writeln!(text, "Inner loop: {}", inner.describe());
     }
     for (name, reason) in &proposal.left_out {
         let _ = writeln!(text, "Left out {name}: {reason}");

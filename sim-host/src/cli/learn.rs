@@ -2,21 +2,24 @@
 
 use super::described::{self, Found};
 use super::failure::within;
-use super::output::Outputs;
+use super::output::{Outputs, announce, print, sha256};
+use super::places::place;
 use super::source::{Source, plausible};
-use super::{Failure, present, progress};
+use super::{Failure, asked, present, progress};
 use clap::builder::PossibleValuesParser;
 use serde_json::json;
-use shakedown::closed_loop::learning::{Learned, Learning, Limits, Peaks, Round, learn};
+use shakedown::closed_loop::learning::stale::check_motion;
+use shakedown::closed_loop::learning::{Learned, Learning, Limits, Peaks, Round, learn_from};
 use shakedown::closed_loop::named;
 use shakedown::closed_loop::trial::Setup;
 use shakedown::closed_loop::twin::Twin;
 use shakedown::motion::condition::Recipe;
+use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
 use shakedown::motion::fit::named::{ASKED, Fit};
 use shakedown::motion::{Motion, Record};
 use shakedown::plant::sensors::SensorModel;
 use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Table};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Learns a drive over repeated runs on the twin: the next run's peaks are predicted, and an unsafe drive is refused.
 #[derive(Debug, clap::Args)]
@@ -24,8 +27,12 @@ use std::path::PathBuf;
   shakedown learn --record taft.AT2 --controller current --runs 6
   shakedown learn --record kobe.AT2 --velocity 0.2          learns the record fitted to 0.2 m/s
   shakedown learn --record kobe.AT2 --fit none              refused: as it is it asks for more than the table can do
+  shakedown learn --record kobe.AT2 --table table.toml --out learnt.csv
+  shakedown learn --record kobe.AT2 --table table.toml --from learnt.csv    goes on, unless the table has changed since
+  shakedown learn --check check.csv                         a weak motion, to be recorded with each drive that is learnt
 
-A drive that is predicted to pass a limit is not run, be it the first or a later one.")]
+A drive that is predicted to pass a limit is not run, be it the first or a later one. Before a learnt drive is played, record the
+check motion again and hold the two recordings against each other: `shakedown compare check_then.csv check_now.csv`.")]
 pub(crate) struct Args {
     #[command(flatten)]
     source: Source,
@@ -39,6 +46,15 @@ pub(crate) struct Args {
     /// Fits the record to speed and stroke first; `none` leaves it as it is.
     #[arg(long, value_name = "NAME", default_value = "nearest", value_parser = PossibleValuesParser::new(fits()))]
     fit: String,
+    /// Writes the drive of the run that came nearest: CSV or RPC III, displacement in mm at the control rate, with its provenance.
+    #[arg(long, value_name = "FILE", value_parser = place())]
+    out: Option<PathBuf>,
+    /// Begins with a learnt drive; refused where it was learnt for another motion, on another table or by another controller.
+    #[arg(long, value_name = "DRIVE")]
+    from: Option<PathBuf>,
+    /// Writes the check motion as a drive and does nothing else.
+    #[arg(long, value_name = "FILE", value_parser = place(), conflicts_with_all = ["out", "from", "record", "seed"])]
+    check: Option<PathBuf>,
     /// Runs at most, 1 to 50.
     #[arg(long, value_name = "N", default_value_t = 6)]
     runs: usize,
@@ -109,24 +125,161 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let described = described::found(args.table.as_deref())?;
     let table = super::table(described.path.as_deref())?;
     let limits = args.limits(&described, &table);
+    if let Some(path) = &args.check {
+        return check(path, &limits);
+    }
+    let form = args
+        .out
+        .as_deref()
+        .map(|path| Form::of(path).map_err(|why| Failure::Input(format!("--out {}: {why}", path.display()))));
+    let form = form.transpose()?;
+    if form == Some(Form::Peer) {
+        return Err(Failure::Input(
+            "--out: a learnt drive is a displacement, and .AT2 holds acceleration; name a .csv or .rpc file".into(),
+        ));
+    }
     let record = args.source.load()?;
     let wanted = args.wanted(&record, &limits)?;
     let name = args.controller.as_deref().or(described.table.controller.as_deref()).unwrap_or("current");
     let settings = named::by_name(name, named::RATE)
         .ok_or_else(|| Failure::Input(format!("controller {name}: expected one of {}", named::names().join(" "))))?;
     let setup = Setup { settings, table, sensors: SensorModel::laboratory(1), steps: 10 };
+    let mut origin = origin(args, &record, &described, name, &setup)?;
+    let begin = args.from.as_deref().map(|path| begin(path, &origin, &setup)).transpose()?;
     let how = Learning { band: args.band, runs: args.runs, ..Learning::default() };
     let bar = progress::spinner(format!("learning {}", record.name));
-    let learned = learn(&setup, &wanted, &limits, &how).map_err(|e| Failure::Work(format!("learn: {e}")))?;
+    let learned =
+        learn_from(begin, &setup, &wanted, &limits, &how).map_err(|e| Failure::Work(format!("learn: {e}")))?;
     bar.finish_and_clear();
     let section = section(&learned, &record.name);
     if !args.outputs.quiet() {
         present::print_section(&section);
     }
-    let inputs: Vec<PathBuf> = args.source.inputs().into_iter().chain(described.path).collect();
+    let inputs: Vec<PathBuf> =
+        args.source.inputs().into_iter().chain(described.path).chain(args.from.clone()).collect();
+    if let (Some(path), Some(form)) = (&args.out, form) {
+        write(path, form, &learned, &limits, &mut origin, wanted.dt)?;
+    }
     args.outputs.write_json(json(&learned), &inputs)?;
     let mut page = page(&learned, &record.name, section);
     args.outputs.write_report(&mut page, &inputs)
+}
+
+/// What a learnt drive is true for: of another motion, table or controller it is stale.
+const TRUE_FOR: [&str; 4] = ["source_sha256", "seed", "model_sha256", "controller"];
+
+/// Where a learnt drive comes from, as far as it is known before the work.
+fn origin(
+    args: &Args,
+    record: &Record,
+    described: &Found,
+    controller: &str,
+    setup: &Setup,
+) -> Result<Vec<(String, String)>, Failure> {
+    let mut facts: Vec<(String, String)> = Vec::new();
+    let mut put = |key: &str, value: String| facts.push((key.to_owned(), value));
+    if let Some(path) = &args.source.record {
+        put("source", path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
+        put("source_sha256", sha256(path)?);
+    } else {
+        put("source", format!("generated {}", record.name));
+        put("seed", args.source.seed.unwrap_or(1).to_string());
+    }
+    put("model_sha256", described.path.as_deref().map_or_else(|| Ok("the paper's table".into()), sha256)?);
+    put("controller", format!("{controller} at {} Hz", setup.rate()));
+    put("fit", args.fit.clone());
+    put(
+        "conditioning",
+        "table1: 3 s of rest before and 5 s after, 4.7 Hz 6th-order low-pass, 0.05 Hz high-pass".into(),
+    );
+    Ok(facts)
+}
+
+/// A drive that was learnt before, m, a value a tick; refused where something that it is true for has changed since.
+fn begin(path: &Path, origin: &[(String, String)], setup: &Setup) -> Result<Vec<f64>, Failure> {
+    let refuse = |why: String| Failure::Input(format!("{}: {why}", path.display()));
+    let drive = Drive::read(path).map_err(|e| Failure::Input(e.to_string()))?;
+    let drive = drive.ok_or_else(|| refuse("is no drive: name one that `learn --out` wrote".into()))?;
+    if drive.quantity != Quantity::Displacement || (1.0 / drive.dt / setup.rate() - 1.0).abs() > 1e-6 {
+        return Err(refuse(format!("is no displacement at {} Hz: learn again without --from", setup.rate())));
+    }
+    for key in TRUE_FOR {
+        let now = origin.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str());
+        let then = drive.fact(key);
+        if now != then {
+            let short = |value: Option<&str>| value.map_or("none".to_owned(), |v| v.chars().take(20).collect());
+            return Err(refuse(format!(
+                "is stale: its {key} is {} and now it is {}; learn again without --from",
+                short(then),
+                short(now)
+            )));
+        }
+    }
+    Ok(drive.values)
+}
+
+/// Writes the drive of the best run.
+fn write(
+    path: &Path,
+    form: Form,
+    learned: &Learned,
+    limits: &Limits,
+    origin: &mut Vec<(String, String)>,
+    dt: f64,
+) -> Result<(), Failure> {
+    let best =
+        learned.rounds.iter().enumerate().min_by(|(_, a), (_, b)| a.score.e_a.ratio.total_cmp(&b.score.e_a.ratio));
+    let Some((run, best)) = best else {
+        return Err(Failure::Work(format!("{}: nothing was run, and nothing written", path.display())));
+    };
+    let mut put = |key: &str, value: String| origin.push((key.to_owned(), value));
+    put("method", format!("learnt, run {} of {}", run + 1, learned.rounds.len()));
+    put("limit_velocity", limits.velocity.to_string());
+    put("limit_stroke", limits.displacement.to_string());
+    put("limit_acceleration", limits.acceleration.to_string());
+    put("peak_displacement_m", format!("{:.6}", best.reached.displacement));
+    put("peak_velocity_m_per_s", format!("{:.6}", best.reached.velocity));
+    put("peak_acceleration_m_per_s2", format!("{:.6}", best.reached.acceleration));
+    put("e_a", format!("{:.6}", best.score.e_a.ratio));
+    written(path, form, best.drive.clone(), dt, std::mem::take(origin))
+}
+
+/// A drive in mm.
+fn written(
+    path: &Path,
+    form: Form,
+    values: Vec<f64>,
+    dt: f64,
+    mut facts: Vec<(String, String)>,
+) -> Result<(), Failure> {
+    facts.push(("command_line".into(), asked::line()));
+    facts.push(("version".into(), env!("CARGO_PKG_VERSION").into()));
+    facts.push(("written".into(), asked::utc()));
+    let unit = DriveUnit { symbol: "mm".into(), in_si: 1e-3 };
+    let drive = Drive { quantity: Quantity::Displacement, dt, values, unit, facts };
+    announce(path);
+    drive.write(path, form).map_err(|e| {
+        let text = format!("learn: {e}");
+        if e.is_io() { Failure::Work(text) } else { Failure::Input(text) }
+    })
+}
+
+/// Share of the speed and of the stroke that the check motion takes.
+const CHECKED: (f64, f64) = (0.17, 0.1);
+
+/// Writes the check motion.
+fn check(path: &Path, limits: &Limits) -> Result<(), Failure> {
+    let form = Form::of(path).map_err(|why| Failure::Input(format!("--check {}: {why}", path.display())))?;
+    let (speed, reach) = (CHECKED.0 * limits.velocity, CHECKED.1 * limits.displacement);
+    let facts = vec![
+        ("source".to_owned(), "generated check motion".to_owned()),
+        ("method".into(), "a sweep from 0.4 to 15 Hz at even speed".into()),
+        ("peak_velocity_m_per_s".into(), format!("{speed:.6}")),
+        ("peak_displacement_m".into(), format!("{reach:.6}")),
+    ];
+    written(path, form, check_motion(named::RATE, speed, reach), 1.0 / named::RATE, facts)?;
+    print(&format!("{}: 26 s, at most {speed:.3} m/s and {reach:.4} m\n", path.display()));
+    Ok(())
 }
 
 /// The page: what was gained, what to do, the runs.
@@ -161,7 +314,8 @@ fn page(learned: &Learned, record: &str, section: Section) -> Page {
             "{refusal}: give the record more room, by a smaller `--velocity` or `--stroke` or a smaller scale."
         )],
         None => vec![
-            "Play the last drive with the controller it was learnt with; a specimen that has softened makes it stale."
+            "Play the drive (`--out`) with the controller it was learnt with. A specimen that has softened makes it stale: record the check \
+             motion (`--check`) now and again before it is played, and hold the two against each other with `shakedown compare`."
                 .into(),
         ],
     };

@@ -1,6 +1,7 @@
 //! `shakedown qualify`: a measured or a planned motion against a standard for seismic qualification.
 
 mod page;
+mod within_limits;
 
 use super::failure::within;
 use super::output::{Outputs, write_whole};
@@ -24,6 +25,11 @@ use std::path::{Path, PathBuf};
   shakedown qualify run.csv --channel acceleration --standard ieee693 --level high
   shakedown qualify run.AT2 --standard ieee344 --rrs floor.csv
   shakedown qualify --synthesise motion.csv --standard ac156 --sds 1.0 --margin 1.1
+  shakedown qualify --synthesise motion.csv --standard ac156 --sds 1.0 --velocity 0.5 --stroke 0.125
+  shakedown qualify --synthesise motion.csv --from kobe.AT2 --standard ieee344 --rrs floor.csv --table table.toml
+
+With --velocity and --stroke, or --table, the motion keeps the table's limits, or the frequencies are named that no motion within
+them can reach.
 
 Exit status 1 where a rule is broken. No text of a standard was at hand when the rules were written: each says whether it was
 checked. The verdict is an analysis and no certificate.")]
@@ -67,6 +73,8 @@ pub(crate) struct Args {
     /// Its seed [default: 1]; axes of one test take different ones.
     #[arg(long, value_name = "N", requires = "synthesise")]
     seed: Option<u64>,
+    #[command(flatten)]
+    within: within_limits::Kept,
     /// Sampling interval, s, where the file states none.
     #[arg(long, value_name = "S")]
     dt: Option<f64>,
@@ -127,6 +135,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let standard = args.stated()?;
     let required = args.required(&standard)?;
     let lowest = args.from(&standard)?;
+    if args.within.asked() {
+        return within_limits::run(args, standard, required, lowest);
+    }
     let (name, acceleration, dt, axes) = args.motion(&standard, &required, lowest)?;
     let place = args.record.as_ref().map_or_else(|| name.clone(), |path| path.display().to_string());
     let judged = judge(&acceleration, dt, &axes, &standard, &required, lowest)
@@ -247,7 +258,7 @@ impl Args {
 }
 
 /// The motion as columns.
-fn columns(answer: &Answer) -> String {
+pub(super) fn columns(answer: &Answer) -> String {
     let mut text = String::from("time [s],acceleration [g]\n");
     for (k, a) in answer.acceleration.iter().enumerate() {
         let _ = writeln!(text, "{:.6},{:.9}", k as f64 * answer.dt, a / STANDARD_GRAVITY);
@@ -255,7 +266,7 @@ fn columns(answer: &Answer) -> String {
     text
 }
 
-fn value(answer: &Answer) -> Value {
+pub(super) fn value(answer: &Answer) -> Value {
     let judged = &answer.judged;
     let rule = |rule: &Rule| {
         json!({"name": rule.name, "found": rule.found, "bound": rule.bound, "at_least": rule.at_least, "unit": rule.unit,

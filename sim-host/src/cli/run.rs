@@ -181,6 +181,7 @@ fn motion(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Played, Fai
     let place = source.record.as_ref().map_or_else(|| record.name.clone(), |path| path.display().to_string());
     let refuse = |what: &str, e: String| Failure::Input(format!("{place}: {what}{e}"));
     let mut recipe = scenario.recipe(setup.rate(), record.dt);
+    recipe.steps.extend(scenario.scale.map(|factor| Step::Scale { factor }));
     if let Some(text) = &scenario.scale_to {
         let peak = peak_acceleration(text).map_err(|e| Failure::Input(format!("--scale-to: {e}")))?;
         recipe.steps.push(Step::ScaleToPeak { peak });
@@ -215,6 +216,7 @@ fn drive(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Option<Playe
     let given = [
         ("--fit", scenario.fit.is_some()),
         ("--scale-to", scenario.scale_to.is_some()),
+        ("scale", scenario.scale.is_some()),
         ("--conditioning", !matches!(scenario.conditioning, Conditioning::Unstated)),
         ("--dt", record.dt.is_some()),
         ("--unit", record.unit.is_some()),
@@ -260,6 +262,9 @@ fn conditioning(scenario: &Scenario) -> String {
         }
         Conditioning::Steps(recipe) => format!("{} steps of the scenario", recipe.steps.len()),
     };
+    if let Some(factor) = scenario.scale {
+        text += &format!("; scaled by {factor}");
+    }
     if let Some(peak) = &scenario.scale_to {
         text += &format!("; scaled to {peak}");
     }
@@ -306,9 +311,14 @@ fn test(played: Played, setup: &Setup) -> Result<Outcome, Failure> {
     Ok(Outcome { played, ideal, sensed, truth, with_sensors, indices, times_real_time })
 }
 
-/// Runs the test, prints its figures, writes `--json`, `--trace` and `--report`.
-pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let mut scenario = args.scenario()?;
+/// A scenario with the table it runs on.
+struct Ready {
+    scenario: Scenario,
+    described: described::Found,
+    setup: Setup,
+}
+
+fn ready(mut scenario: Scenario) -> Result<Ready, Failure> {
     let described = described::found(scenario.table.as_deref())?;
     scenario.table.clone_from(&described.path);
     if scenario.controller.is_none() && scenario.settings.is_none() {
@@ -318,6 +328,19 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(stroke) = described.table.stroke {
         setup.settings.stroke = stroke as f32;
     }
+    Ok(Ready { scenario, described, setup })
+}
+
+/// What `run --json` says of a scenario, for commands that run many.
+pub(super) fn result(scenario: Scenario) -> Result<serde_json::Value, Failure> {
+    let Ready { scenario, setup, .. } = ready(scenario)?;
+    let outcome = test(motion(&scenario, &Text::default(), &setup)?, &setup)?;
+    Ok(json(&outcome, &scenario))
+}
+
+/// Runs the test, prints its figures, writes `--json`, `--trace` and `--report`.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let Ready { scenario, described, setup } = ready(args.scenario()?)?;
     let outcome = test(motion(&scenario, &args.source.text, &setup)?, &setup)?;
     if !args.outputs.quiet() {
         present::print_section(&page::figures_section(&outcome, &setup));

@@ -12,6 +12,7 @@
 //! peaks are predicted and held against what the table can do before anything moves.
 
 mod spectrum;
+pub mod stale;
 
 use super::trial::{Setup, TrialError, low_passed};
 use super::{Clock, ClosedLoopError};
@@ -52,17 +53,33 @@ pub struct Learning {
     pub band: f64,
     /// Runs at most, the first included.
     pub runs: usize,
+    /// What the next drive follows from.
+    pub update: Update,
+    /// How often a correction that is predicted to pass a limit is halved before learning stops.
+    pub halvings: usize,
+}
+
+/// What the next drive follows from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Update {
+    /// The error through the inverse of the response found.
+    #[default]
+    Inverse,
+    /// The error itself, `R' = R + g W (D - X)`: plain iterative learning, to compare with.
+    Plain,
 }
 
 impl Default for Learning {
     fn default() -> Self {
-        Self { gain: 1.0, band: 12.0, runs: 6 }
+        Self { gain: 1.0, band: 12.0, runs: 6, update: Update::Inverse, halvings: 4 }
     }
 }
 
 /// One run.
 #[derive(Debug, Clone)]
 pub struct Round {
+    /// The true motion's peaks, whole band.
+    pub reached: Peaks,
     /// The drive, m, one value a tick.
     pub drive: Vec<f64>,
     /// The true motion against the one wanted, both low-passed at 15 Hz.
@@ -124,13 +141,26 @@ impl Peaks {
 /// Learns to make `wanted` (at the control rate) on the twin that `setup` describes; the same controller, the same
 /// sensors, new noise in every run.
 pub fn learn(setup: &Setup, wanted: &Motion, limits: &Limits, how: &Learning) -> Result<Learned, TrialError> {
+    learn_from(None, setup, wanted, limits, how)
+}
+
+/// The same from a drive that was learnt before, m, one value a tick; the motion wanted where there is none.
+pub fn learn_from(
+    begin: Option<Vec<f64>>,
+    setup: &Setup,
+    wanted: &Motion,
+    limits: &Limits,
+    how: &Learning,
+) -> Result<Learned, TrialError> {
     let mut learned = Learned { rounds: Vec::new(), refused: None };
-    let mut drive = wanted.displacement.clone();
+    let played_before = begin.is_some();
+    let mut drive = begin.unwrap_or_else(|| wanted.displacement.clone());
+    drive.resize(wanted.len(), drive.last().copied().unwrap_or(0.0));
     let mut forecast: Option<Peaks> = None;
     let mut delay = 0.0;
     // Of the first run nothing is known but that a table that follows does what it is told.
     let told = Peaks::of(&Spectrum::of(&drive).low_passed(how.band, wanted.dt), wanted.dt);
-    learned.refused = told.beyond(limits, 1);
+    learned.refused = if played_before { None } else { told.beyond(limits, 1) };
     if learned.refused.is_some() {
         return Ok(learned);
     }
@@ -142,21 +172,46 @@ pub fn learn(setup: &Setup, wanted: &Motion, limits: &Limits, how: &Learning) ->
         }
         let (r, x) = (Spectrum::of(&drive), Spectrum::of(&seen));
         let peaks = Peaks::of(&x.low_passed(how.band, wanted.dt), wanted.dt);
-        learned.rounds.push(Round { drive: drive.clone(), score, predicted: forecast, peaks });
+        learned.rounds.push(Round {
+            drive: drive.clone(),
+            score,
+            predicted: forecast,
+            peaks,
+            reached: reached(&truth),
+        });
         if run == how.runs {
             break;
         }
         let d = Spectrum::of(&wanted.displacement).delayed(delay, wanted.dt);
-        let now = Learning { gain: how.gain / run as f64, ..*how };
-        let next = correction(&r, &x, &d, &now, wanted.dt);
-        let expected = Peaks::of(&predicted(&r, &x, &next, how.band, wanted.dt), wanted.dt);
-        learned.refused = expected.beyond(limits, run + 1);
+        let mut gain = how.gain / run as f64;
+        // A correction too large for the table is made in smaller steps: the last run was within the limits, and so is a small one.
+        for _ in 0..=how.halvings {
+            let next = correction(&r, &x, &d, &Learning { gain, ..*how }, wanted.dt);
+            let expected = Peaks::of(&predicted(&r, &x, &next, how.band, wanted.dt), wanted.dt);
+            learned.refused = expected.beyond(limits, run + 1);
+            if learned.refused.is_none() {
+                (drive, forecast) = (next, Some(expected));
+                break;
+            }
+            gain /= 2.0;
+        }
         if learned.refused.is_some() {
             break;
         }
-        (drive, forecast) = (next, Some(expected));
     }
     Ok(learned)
+}
+
+/// The true peaks of a motion.
+fn reached(truth: &Motion) -> Peaks {
+    let (acceleration, velocity, displacement) =
+        (peak(&truth.acceleration), peak(&truth.velocity), peak(&truth.displacement));
+    Peaks { displacement, velocity, acceleration }
+}
+
+/// Plays a drive (m, one value a tick) on the twin and gives its displacement as the LVDT shows it, m.
+pub fn played(setup: &Setup, drive: &[f64], seed: u64) -> Result<Vec<f64>, TrialError> {
+    play(setup, drive, seed).map(|(_, seen)| seen)
 }
 
 /// One run of the twin: its true motion, and its displacement as the LVDT shows it.
@@ -217,10 +272,15 @@ mod tests {
         let most = free.rounds.iter().map(found).fold(0.0, f64::max);
         // Told no more than the limit, a later drive is expected to pass it.
         let tight = Limits { velocity: 0.999 * most, ..WIDE };
-        let held = learn(&setup, &wanted, &tight, &Learning::default()).unwrap();
+        let at_once = Learning { halvings: 0, ..Learning::default() };
+        let held = learn(&setup, &wanted, &tight, &at_once).unwrap();
         let refusal = held.refused.unwrap();
         assert_eq!((refusal.run, refusal.what), (held.rounds.len() + 1, "velocity"));
         assert!(refusal.run > 1 && held.rounds.iter().all(|r| r.peaks.velocity <= 1.02 * tight.velocity), "{refusal}");
+        // In smaller steps it goes on, and no step is predicted to pass the limit.
+        let slower = learn(&setup, &wanted, &tight, &Learning::default()).unwrap();
+        assert!(slower.rounds.len() > held.rounds.len());
+        assert!(slower.rounds.iter().filter_map(|r| r.predicted).all(|p| p.velocity <= tight.velocity));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! name = "Kobe at the strong gains"
 //! controller = "strong"           # a name of Table 1, or "tracking"; or settings = "core.toml", the control core's own settings
 //! conditioning = "specimen"       # or "table1", "plain", "fitting", or a list of steps: [{ do = "scale", factor = 0.5 }]
-//! scale_to = "0.74g"              # peak acceleration, after conditioning
+//! scale_to = "0.74g"              # peak acceleration, after conditioning; or scale = 0.5, a factor
 //! fit = "convex"                  # beforehand: "clip", "taut", "convex", "spectrum", "causal" or "preview", or Fig. 13:
 //!                                 # "peak-kept", "peak-scaled", "record-scaled" or "time-compressed"; or "nearest", which leaves the loop room
 //! modification = "causal"         # online, in the core: "off", "clip" (Eq. 10), "causal" or { preview = { seconds = 0.5 } }
@@ -49,6 +49,8 @@ pub struct Scenario {
     pub conditioning: Conditioning,
     /// Peak acceleration with its unit, after conditioning.
     pub scale_to: Option<String>,
+    /// Factor on the motion, after conditioning and before `scale_to`.
+    pub scale: Option<f64>,
     /// How the motion is brought within the table's limits beforehand.
     pub fit: Option<Fit>,
     /// How the core modifies the reference; without it, as the controller says.
@@ -78,6 +80,7 @@ impl Default for Scenario {
             settings: None,
             conditioning: Conditioning::default(),
             scale_to: None,
+            scale: None,
             fit: None,
             modification: None,
             rate_hz: None,

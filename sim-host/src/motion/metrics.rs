@@ -7,11 +7,13 @@
 mod coherence;
 mod indices;
 mod intensity;
+mod played;
 mod shift;
 
 pub use coherence::{Coherence, coherence};
 pub use indices::{At, BandError, Indices, indices};
 pub use intensity::{Intensity, intensity, peak_jerk};
+pub use played::{Played, PlayedError, Recorded, played};
 pub use shift::{Shift, relative_error};
 
 use super::spectrum::ResponseSpectrum;

@@ -4,6 +4,7 @@
 //! No standard's text was at hand: the rules are data with their edition and status ([`Standard`]), and every verdict says
 //! which of them were not checked against the text. A verdict is an analysis and no certificate.
 
+pub mod attain;
 mod judge;
 mod measures;
 mod required;

@@ -3,6 +3,7 @@
 //! Nothing is guessed silently. Sample counts, units and peaks that a header states are checked against the data, and a
 //! contradiction is an error that quotes both. A file of more than [`SIZE_LIMIT`] bytes is refused before it is read.
 
+mod archive;
 mod columns;
 mod cosmos;
 mod csmip;
@@ -70,9 +71,19 @@ pub struct Options {
     pub text: Stated,
 }
 
-/// Reads one component of a ground-motion record.
+/// Reads one component of a ground-motion record; of a zipped folder the file that `options.channel` names.
 pub fn record(path: &Path, options: &Options) -> Result<Record, ReadError> {
-    let record = parse(&Source::open(path)?, options, false)?;
+    let zipped = archive::entry(path, &options.channel)?;
+    let record = match zipped {
+        Some(archive::Entry { name, bytes, channel }) => {
+            let options = Options { channel, ..options.clone() };
+            let mut record = parse(&Source::from_bytes(&name, bytes)?, &options, false)?;
+            let value = format!("{} of the zipped folder", name.display());
+            record.facts.push(Fact { key: "layout", value, line: 1 });
+            record
+        }
+        None => parse(&Source::open(path)?, options, false)?,
+    };
     let samples = record.acceleration.len();
     if samples < LEAST_SAMPLES {
         let problem = Box::new(Problem::TooShort { samples });

@@ -7,6 +7,7 @@ use std::path::Path;
 
 pub mod bytes;
 pub mod hdf5;
+pub mod mseed;
 pub mod rpc;
 pub mod tdms;
 
@@ -19,6 +20,8 @@ pub enum Form {
     Tdms,
     /// HDF5, MATLAB 7.3 included.
     Hdf5,
+    /// miniSEED 2 and 3.
+    MiniSeed,
 }
 
 impl Form {
@@ -30,6 +33,8 @@ impl Form {
             Some(Self::Hdf5)
         } else if start.starts_with(b"FORMAT\0") {
             Some(Self::Rpc)
+        } else if mseed::is_start(start) {
+            Some(Self::MiniSeed)
         } else {
             None
         }
@@ -77,6 +82,7 @@ fn content(input: impl Read, form: Form, path: &Path) -> Result<Content, Recordi
         Form::Rpc => rpc::parse(&bytes),
         Form::Tdms => tdms::parse(&bytes),
         Form::Hdf5 => hdf5::parse(bytes),
+        Form::MiniSeed => mseed::parse(&bytes),
     };
     parsed.map_err(|flaw| refuse(Problem::Malformed(flaw)))
 }

@@ -1,4 +1,4 @@
-//! A recording's file, whatever its form, which its first bytes say: text, MATLAB, HDF5, TDMS or RPC III.
+//! A recording's file, whatever its form, which its first bytes say: text, MATLAB, HDF5, TDMS, RPC III or miniSEED.
 
 use super::binary;
 use super::error::{Place, Problem, RecordingError};

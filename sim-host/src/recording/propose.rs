@@ -3,6 +3,7 @@
 
 use super::error::RecordingError;
 use super::file;
+use super::inner_loop::InnerLoop;
 use super::table::{Heading, Table};
 use crate::files::layout::Stated;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,8 @@ pub struct Proposal {
     pub choices: Vec<Choice>,
     /// The controller that reproduces the recorded command.
     pub control: Option<Loop>,
+    /// The inner loop identified from reference, command and motion, whatever its law.
+    pub inner: Option<InnerLoop>,
     /// What the user must settle before the experiment can be believed.
     pub open: Vec<String>,
 }
@@ -50,7 +53,7 @@ pub enum ProposeError {
         error: std::io::Error,
     },
     /// No file in it is a recording.
-    #[error("{path}: holds no recording (text with a header, .mat, .h5, .tdms or .rpc){}", reasons(.left_out))]
+    #[error("{path}: holds no recording (text with a header, .mat, .h5, .tdms, .rpc or .mseed){}", reasons(.left_out))]
     NoRecordings {
         /// The folder.
         path: PathBuf,
@@ -113,17 +116,81 @@ pub fn propose_as(folder: &Path, stated: &Stated) -> Result<Proposal, ProposeErr
     let facts = columns::facts(&recording);
     let mut choices = columns::choose(&facts);
     units::settle(&mut choices, &facts);
-    let control = control::find(&choices, &facts);
+    let inner = control::inner(&choices, &facts);
+    let control = control::find(&choices, &facts).or_else(|| inner.as_ref().and_then(control::stated));
     let open = write::open_questions(&choices, control.as_ref());
     let mut text = write::experiment(folder, &files, &left_out, &facts, &choices, control.as_ref(), &open);
+    if let Some(inner) = &inner {
+        write::inner_loop(&mut text, inner);
+    }
     write::layout(&mut text, stated, &notes);
-    Ok(Proposal { text, files, left_out, notes, choices, control, open })
+    Ok(Proposal { text, files, left_out, notes, choices, control, inner, open })
+}
+
+/// One recording's columns as channels.
+#[derive(Debug, Clone)]
+pub struct Look {
+    /// Every column of numbers.
+    pub facts: Vec<Facts>,
+    /// Which of them is which channel, in which unit, and what speaks for it.
+    pub choices: Vec<Choice>,
+    /// What was assumed to read the file, in words.
+    pub notes: Vec<String>,
+}
+
+impl Look {
+    /// A channel's samples in SI, gaps bridged; none where no column is it or its unit is open.
+    pub fn channel(&self, channel: super::Channel) -> Option<Vec<f64>> {
+        let choice = self.choices.iter().find(|c| c.channel == channel)?;
+        let factor = choice.unit?.factor;
+        Some(self.facts[choice.column].samples.iter().map(|x| x * factor).collect())
+    }
+
+    /// The step, s; none where no column is the time.
+    pub fn step(&self) -> Option<f64> {
+        let time = self.choices.iter().find(|c| c.channel == super::Channel::Time)?;
+        Some(self.facts[time.column].step? * time.unit?.factor)
+    }
+}
+
+/// Looks at one recording. A column named in `stated` is that channel, whatever its name suggests.
+pub fn look(path: &Path, layout: &Stated, stated: &[(super::Channel, String)]) -> Result<Look, RecordingError> {
+    let headings = file::headings_as(path, layout)?;
+    for (_, column) in stated {
+        super::table::locate(&headings, &[column], path)?;
+    }
+    let (folder, name) = (path.parent().unwrap_or(Path::new("")), path.file_name().unwrap_or_default());
+    let (mut files, mut left_out) = (vec![name.to_string_lossy().into_owned()], Vec::new());
+    let recording = first_readable(folder, &headings, &mut files, &mut left_out, layout).map_err(|e| match e {
+        ProposeError::Recording(e) => e,
+        other => super::Place::file(path).refuse(super::Problem::Contradiction(other.to_string())),
+    })?;
+    let facts = columns::facts(&recording);
+    let mut choices = columns::choose(&facts);
+    for (channel, column) in stated {
+        let Some(found) = facts.iter().position(|f| f.heading.text == *column || f.heading.name == *column) else {
+            continue;
+        };
+        choices.retain(|c| c.channel != *channel && c.column != found);
+        choices.push(Choice {
+            channel: *channel,
+            column: found,
+            unit: None,
+            evidence: vec!["as stated".into()],
+            doubtful: false,
+        });
+    }
+    choices.sort_by_key(|c| c.channel);
+    units::settle(&mut choices, &facts);
+    Ok(Look { facts, choices, notes: recording.table.notes })
 }
 
 /// Names of the files that could be recordings, in order.
 fn candidates(folder: &Path) -> Result<Vec<String>, ProposeError> {
-    const KINDS: [&str; 14] =
-        ["csv", "txt", "dat", "tsv", "asc", "lvm", "mat", "h5", "hdf5", "tdms", "rpc", "rsp", "tim", "drv"];
+    const KINDS: [&str; 17] = [
+        "csv", "txt", "dat", "tsv", "asc", "lvm", "mat", "h5", "hdf5", "tdms", "rpc", "rsp", "tim", "drv", "mseed",
+        "miniseed", "ms",
+    ];
     let fail = |error| ProposeError::Folder { path: folder.to_path_buf(), error };
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(fail)? {

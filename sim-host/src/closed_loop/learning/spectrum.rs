@@ -1,6 +1,6 @@
 //! Whole runs in the frequency domain: response over drive, the next drive, and what it will do.
 
-use super::Learning;
+use super::{Learning, Update};
 use nalgebra::Complex;
 use realfft::RealFftPlanner;
 use std::f64::consts::TAU;
@@ -105,8 +105,12 @@ pub(super) fn correction(r: &Spectrum, x: &Spectrum, wanted: &Spectrum, how: &Le
     let gain = |t: &Complex<f64>| t.conj() / t.norm_sqr().max(1.0 / (MOST * MOST));
     let response = response(r, x, dt);
     let next = response.iter().enumerate().map(|(i, (t, coherence))| {
-        let share = how.gain * coherence * passes(r.frequency(i, dt), how.band);
-        r.bins[i] + gain(t) * (wanted.bins[i] - x.bins[i]) * share
+        let share = how.gain * passes(r.frequency(i, dt), how.band);
+        let error = wanted.bins[i] - x.bins[i];
+        match how.update {
+            Update::Inverse => r.bins[i] + gain(t) * error * (share * coherence),
+            Update::Plain => r.bins[i] + error * share,
+        }
     });
     r.with(next.collect()).values()
 }
@@ -142,7 +146,7 @@ mod tests {
     fn a_response_is_undone_in_one_correction() {
         let r = Spectrum::of(&pulse());
         let x = r.with(r.bins.iter().map(|c| c * 0.8).collect()).delayed(0.02, 1e-3);
-        let how = Learning { gain: 1.0, band: 40.0, runs: 2 };
+        let how = Learning { band: 40.0, runs: 2, ..Learning::default() };
         let wanted = r.delayed(0.02, 1e-3);
         let next = correction(&r, &x, &wanted, &how, 1e-3);
         for (k, (a, b)) in next.iter().zip(pulse()).enumerate() {

@@ -95,6 +95,9 @@ pub enum Problem {
          from the record that its header names"
     )]
     Drive,
+    /// A zipped folder that does not hold one record.
+    #[error("{0}")]
+    Archive(String),
     /// UTF-16 without the mark that says so.
     #[error("{0}")]
     Encoding(String),

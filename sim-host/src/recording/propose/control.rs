@@ -1,8 +1,10 @@
-//! The controller that reproduces the recorded command, where one of the plain laws does.
+//! The controller that reproduces the recorded command: one of the plain laws where it does, else the inner loop of an existing
+//! controller with its gains, feed-forward, delay and lag.
 
 use super::columns::{Choice, Facts};
 use crate::recording::channel::Channel;
 use crate::recording::check::fitted_gains;
+use crate::recording::inner_loop::{Closure, InnerLoop, Log, Term, identify};
 
 /// A law and how well it does.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +17,48 @@ pub struct Loop {
 
 /// A law that misses more is not proposed.
 const BELIEVED: f64 = 0.05;
+
+/// The inner loop, identified from reference, command and motion without a law stated; none where that misses more than a law that is
+/// believed may.
+pub(super) fn inner(choices: &[Choice], facts: &[Facts]) -> Option<InnerLoop> {
+    let si = |channel: Channel| -> Option<Vec<f64>> {
+        let choice = choices.iter().find(|c| c.channel == channel)?;
+        let factor = choice.unit?.factor;
+        Some(facts[choice.column].samples.iter().map(|x| x * factor).collect())
+    };
+    let time = choices.iter().find(|c| c.channel == Channel::Time)?;
+    let certain = choices.iter().any(|c| c.channel == Channel::Acceleration && !c.doubtful);
+    let log = Log {
+        dt: facts[time.column].step? * time.unit?.factor,
+        reference: si(Channel::Reference)?,
+        command: si(Channel::Command)?,
+        displacement: si(Channel::Displacement)?,
+        acceleration: si(Channel::Acceleration).filter(|_| certain),
+        pressure: si(Channel::PressureDifference),
+    };
+    identify(&[log]).ok().filter(|found| found.misses < BELIEVED)
+}
+
+/// An inner loop as `[[runs]]` writes it; none where its terms are more than an experiment can state, and then the recorded command
+/// drives the model.
+pub(super) fn stated(found: &InnerLoop) -> Option<Loop> {
+    let sparse = [Term::Acceleration, Term::ReferenceAcceleration].iter().all(|term| found.gain(*term) == 0.0);
+    if found.closure == Closure::Hardwired || !sparse || found.lag > 0.0 {
+        return None;
+    }
+    let [kp, ki, kvf, kv, kdp] =
+        [Term::Error, Term::Integral, Term::ReferenceRate, Term::Velocity, Term::Pressure].map(|term| found.gain(term));
+    let more = |name: &str, value: f64| if value == 0.0 { String::new() } else { format!(", {name} = {value:.5}") };
+    let around = more("kvf", kvf) + &more("kdp", kdp);
+    let text = if kv == 0.0 {
+        format!("{{ kp = {kp:.5}, ki = {ki:.5}{around} }}")
+    } else if ki == 0.0 {
+        format!("{{ kind = \"cascade\", kp = {:.5}, kv = {kv:.5}{around} }}", kp / kv)
+    } else {
+        return None;
+    };
+    Some(Loop { text, error: found.misses })
+}
 
 /// Tries the plain laws on the proposed channels.
 pub(super) fn find(choices: &[Choice], facts: &[Facts]) -> Option<Loop> {

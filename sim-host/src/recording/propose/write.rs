@@ -4,6 +4,7 @@ use super::columns::{Choice, Facts};
 use super::control::Loop;
 use crate::files::layout::Stated;
 use crate::recording::channel::Channel;
+use crate::recording::inner_loop::{Closure, InnerLoop, Term};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -137,6 +138,22 @@ fn runs(
     for (name, reason) in left_out {
         let reason = reason.replace('\n', " ");
         let _ = writeln!(text, "# left out: {name}: {reason}");
+    }
+}
+
+/// The inner loop that was identified, as a comment; what a hard-wired one asks of the experiment.
+pub(super) fn inner_loop(text: &mut String, found: &InnerLoop) {
+    let _ = writeln!(text, "# inner loop found in the first run: {}", found.describe());
+    let (k, lag) = (found.gain(Term::Error), found.lag);
+    if found.closure == Closure::Hardwired && lag > 0.0 {
+        let a1 = 1.0 / lag;
+        let _ = writeln!(
+            text,
+            "#   closed in hardware: name the command's column as `reference` (one metre is {:.5} of it), write controller = {{ kp = 1.0 }},\n\
+             #   and begin the model at b1 = 0.0, b0 = {:.4}, a1 = {a1:.4}",
+            found.scale,
+            k * a1
+        );
     }
 }
 

@@ -1,0 +1,277 @@
+//! A motion that satisfies a standard within a table's limits, or the proof that none exists.
+//!
+//! Three ways are tried, the most like an earthquake first: random motion as [`super::synthesise`] makes it; the same with its velocity
+//! clipped and its spectrum corrected, again and again; and a sweep, whose amplitude at each frequency is what the limits leave and
+//! the required spectrum needs. A sweep asks of the table least for what it gives, for it shakes one oscillator at a time.
+//!
+//! Where all fail, [`bound`] says of each frequency what no motion within the limits can pass, of any length; one frequency at which
+//! that is less than what is required proves that none exists. Between the two a case is open, and called so.
+
+pub mod bound;
+mod random;
+mod sweep;
+
+use super::super::Motion;
+use super::super::fit::Limits;
+use super::{Judged, Ordinate, QualifyError, Required, Standard, judge};
+use bound::reachable;
+
+/// How a motion was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// A record's, its velocity clipped and its spectrum corrected in rounds.
+    Record,
+    /// Sines of random phase under a trapezoid.
+    Random,
+    /// The same, its velocity clipped and its spectrum corrected in rounds.
+    Clipped,
+    /// A sweep from high frequencies to low ones.
+    Sweep,
+}
+
+impl Way {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Record => "the record, its spectrum corrected",
+            Self::Random => "random motion",
+            Self::Clipped => "random motion, its velocity clipped",
+            Self::Sweep => "sweep",
+        }
+    }
+}
+
+/// A frequency that no motion within the limits reaches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unreachable {
+    /// Hz.
+    pub frequency: f64,
+    /// What is required there at the least, allowed dips included, m/s2.
+    pub required: f64,
+    /// What no motion passes, m/s2.
+    pub bound: f64,
+    /// Which limit it follows from.
+    pub limit: &'static str,
+}
+
+/// What came of it.
+#[derive(Debug, Clone)]
+pub enum Attained {
+    /// A motion within the limits that satisfies the standard.
+    Motion {
+        /// The motion.
+        motion: Motion,
+        /// How it was made.
+        way: Way,
+        /// The standard's verdict.
+        judged: Judged,
+    },
+    /// There is none.
+    Impossible(Vec<Unreachable>),
+    /// Neither was found; the best motion within the limits.
+    Open {
+        /// The motion; none where no way gave one within the limits.
+        motion: Option<Motion>,
+        /// Least of reached over required.
+        margin: f64,
+        /// The rules that it breaks.
+        broken: Vec<&'static str>,
+    },
+}
+
+/// Margin that motions are made with: what is between the points looked at, and rounding.
+const MARGIN: f64 = 1.02;
+/// Margin below which random motion is given up.
+const NEAR: f64 = 0.85;
+/// Seeds tried.
+const SEEDS: u64 = 3;
+
+/// A motion for a required spectrum within limits, judged as the standard judges it from `lowest` Hz on.
+pub fn attain(
+    standard: &Standard,
+    required: &Required,
+    lowest: f64,
+    limits: &Limits,
+    seed: u64,
+) -> Result<Attained, QualifyError> {
+    attain_from(None, standard, required, lowest, limits, seed)
+}
+
+/// The same beginning with a record, which keeps its character where it can.
+pub fn attain_from(
+    record: Option<&Motion>,
+    standard: &Standard,
+    required: &Required,
+    lowest: f64,
+    limits: &Limits,
+    seed: u64,
+) -> Result<Attained, QualifyError> {
+    let proof = unreachable(standard, required, lowest, limits);
+    if !proof.is_empty() {
+        return Ok(Attained::Impossible(proof));
+    }
+    let mut best: Option<(Motion, Judged)> = None;
+    if let Some(record) = record {
+        let motion = random::corrected_from(record, standard, required, lowest, MARGIN, limits)?;
+        if let Some(found) = accept(motion, Way::Record, standard, required, lowest, limits, &mut best)? {
+            return Ok(found);
+        }
+    }
+    for seed in seed..seed + SEEDS {
+        let motion = random::plain(standard, required, lowest, MARGIN, seed)?;
+        if let Some(found) = accept(motion, Way::Random, standard, required, lowest, limits, &mut best)? {
+            return Ok(found);
+        }
+    }
+    for seed in seed..seed + SEEDS {
+        let motion = random::clipped(standard, required, lowest, MARGIN, limits, seed)?;
+        if let Some(found) = accept(motion, Way::Clipped, standard, required, lowest, limits, &mut best)? {
+            return Ok(found);
+        }
+        // What one seed misses by far no other reaches.
+        if best.as_ref().is_none_or(|(_, judged)| judged.margin < NEAR) {
+            break;
+        }
+    }
+    for (k, cycles) in sweep::CYCLES.into_iter().enumerate() {
+        if k > 0 && sweep::duration(lowest, cycles) > sweep::LONGEST {
+            continue;
+        }
+        let motion = sweep::sweep(standard, required, lowest, MARGIN, limits, cycles)?;
+        if let Some(found) = accept(motion, Way::Sweep, standard, required, lowest, limits, &mut best)? {
+            return Ok(found);
+        }
+    }
+    Ok(match best {
+        None => Attained::Open { motion: None, margin: f64::NAN, broken: Vec::new() },
+        Some((motion, judged)) => Attained::Open {
+            margin: judged.margin,
+            broken: judged.broken().map(|rule| rule.name).collect(),
+            motion: Some(motion),
+        },
+    })
+}
+
+/// The motion where it keeps the limits and satisfies the standard; else it is kept where it is the best so far.
+fn accept(
+    motion: Motion,
+    way: Way,
+    standard: &Standard,
+    required: &Required,
+    lowest: f64,
+    limits: &Limits,
+    best: &mut Option<(Motion, Judged)>,
+) -> Result<Option<Attained>, QualifyError> {
+    let inside = used(&motion, limits) <= 1.0;
+    if !inside {
+        return Ok(None);
+    }
+    let judged = judge(&motion.acceleration, motion.dt, &[], standard, required, lowest)?;
+    if judged.complies() {
+        return Ok(Some(Attained::Motion { motion, way, judged }));
+    }
+    if best.as_ref().is_none_or(|(_, b)| judged.margin > b.margin) {
+        *best = Some((motion, judged));
+    }
+    Ok(None)
+}
+
+/// The largest share of a limit that a motion uses.
+pub fn used(motion: &Motion, limits: &Limits) -> f64 {
+    let (x, v) = motion.peaks_between();
+    let (_, _, a) = motion.peaks();
+    let over = |value: f64, limit: Option<f64>| limit.map_or(0.0, |limit| value / limit);
+    let jerk = motion.acceleration.windows(2).map(|w| (w[1] - w[0]).abs() / motion.dt).fold(0.0, f64::max);
+    let flow = limits.stall.map_or(0.0, |stall| {
+        let of = |(v, a): (&f64, &f64)| (v / limits.velocity).powi(2) + a.abs() / stall;
+        motion.velocity.iter().zip(&motion.acceleration).map(of).fold(0.0, f64::max)
+    });
+    [v / limits.velocity, over(x, limits.stroke), over(a, limits.acceleration), over(jerk, limits.jerk), flow]
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+/// The frequencies at which what is required is beyond what any motion reaches, dips taken into account: a single point may lie
+/// below by so much, never two neighbours, never more than so many.
+fn unreachable(standard: &Standard, required: &Required, lowest: f64, limits: &Limits) -> Vec<Unreachable> {
+    // A laboratory may lay the points where it likes: two of them per octave and offset are always in a band as wide as their distance.
+    let each = f64::from(standard.per_octave as u32) * 12.0;
+    let count = ((standard.band.1 / lowest).log2() * each + 1e-9).floor() as usize;
+    let deepest = 1.0 - standard.dips.map_or(0.0, |(deep, _)| deep);
+    let short = |share: f64| -> Vec<Unreachable> {
+        (0..=count)
+            .filter_map(|k| {
+                let frequency = lowest * (k as f64 / each).exp2();
+                let (bound, limit) = reachable(1.0 / frequency, required.damping, limits);
+                let required = share * required.at(frequency)?;
+                (bound < required).then_some(Unreachable { frequency, required, bound, limit })
+            })
+            .collect()
+    };
+    let mut found = beyond_grid(short(deepest), 1.0, each, standard.per_octave);
+    if found.is_empty() {
+        // Two neighbours of every grid below what is required: no dip is allowed then.
+        found = beyond_grid(short(1.0), 2.0, each, standard.per_octave);
+    }
+    if found.is_empty() {
+        let least = standard.zero_period * required.zero_period();
+        let most = [limits.acceleration, limits.stall].into_iter().flatten().fold(f64::INFINITY, f64::min);
+        if most < least {
+            found.push(Unreachable { frequency: f64::INFINITY, required: least, bound: most, limit: "acceleration" });
+        }
+    }
+    found
+}
+
+/// What is left of frequencies that lie so close that every grid has `points` neighbouring points in a stretch of them.
+fn beyond_grid(short: Vec<Unreachable>, points: f64, each: f64, per_octave: usize) -> Vec<Unreachable> {
+    let step = 1.0 / each;
+    let width = points / per_octave as f64;
+    let mut kept = Vec::new();
+    let mut run: Vec<Unreachable> = Vec::new();
+    let wide = |run: &[Unreachable]| {
+        let (Some(first), Some(last)) = (run.first(), run.last()) else { return false };
+        (last.frequency / first.frequency).log2() >= width - step - 1e-9
+    };
+    for u in short {
+        if run.last().is_some_and(|before| (u.frequency / before.frequency).log2() > 1.5 * step) {
+            if wide(&run) {
+                kept.append(&mut run);
+            }
+            run.clear();
+        }
+        run.push(u);
+    }
+    if wide(&run) {
+        kept.append(&mut run);
+    }
+    kept
+}
+
+/// The spectrum that a motion reaches at frequencies (Hz), m/s2.
+fn reached(acceleration: &[f64], dt: f64, damping: f64, frequencies: &[f64]) -> Result<Vec<f64>, QualifyError> {
+    let periods: Vec<f64> = frequencies.iter().map(|f| 1.0 / f).collect();
+    Ok(super::super::spectrum::response_spectrum(acceleration, dt, damping, &periods)?.s_a)
+}
+
+impl Attained {
+    /// In a word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Motion { .. } => "attained",
+            Self::Impossible(_) => "impossible",
+            Self::Open { .. } => "open",
+        }
+    }
+
+    /// The spectra of a motion that was attained.
+    pub fn ordinates(&self) -> &[Ordinate] {
+        match self {
+            Self::Motion { judged, .. } => &judged.ordinates,
+            _ => &[],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

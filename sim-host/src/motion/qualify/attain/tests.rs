@@ -1,0 +1,34 @@
+use super::super::{Code, Direction, STANDARDS, Site};
+use super::*;
+
+fn ac156(s_ds: f64) -> (Standard, Required) {
+    let standard = STANDARDS[0];
+    let site = Site { s_ds, z_over_h: 0.0, code: Code::Asce16, direction: Direction::Horizontal, high: false };
+    (standard, standard.required(&site).unwrap())
+}
+
+#[test]
+fn a_wide_table_gets_random_motion_and_a_narrow_one_a_proof() {
+    let (standard, required) = ac156(0.3);
+    let wide = Limits::table(1.0, 0.25);
+    let found = attain(&standard, &required, standard.band.0, &wide, 1).unwrap();
+    let Attained::Motion { motion, way: Way::Random, judged } = &found else { panic!("{}", found.word()) };
+    assert!(judged.complies() && used(motion, &wide) <= 1.0);
+    let narrow = Limits::table(0.02, 0.01);
+    let Attained::Impossible(proof) = attain(&standard, &required, standard.band.0, &narrow, 1).unwrap() else {
+        panic!("a table that reaches a tenth of what is asked");
+    };
+    assert!(proof.iter().all(|u| u.bound < u.required) && proof.iter().any(|u| u.limit == "velocity"));
+    let (low, high) = (proof[0].frequency, proof[proof.len() - 1].frequency);
+    assert!(low <= 1.31 && high < 33.3, "{low} to {high}");
+}
+
+/// Between what random motion needs and what the bound forbids lies what a sweep reaches.
+#[test]
+fn a_table_too_slow_for_random_motion_is_swept() {
+    let (standard, required) = ac156(0.8);
+    let limits = Limits::table(0.16, 0.08);
+    let found = attain(&standard, &required, standard.band.0, &limits, 1).unwrap();
+    let Attained::Motion { motion, way, judged } = &found else { panic!("{found:?}") };
+    assert!(*way != Way::Random && judged.complies() && used(motion, &limits) <= 1.0, "{way:?}");
+}

@@ -1,0 +1,382 @@
+//! The inner loop of an existing controller, from its own logs: gains, feed-forward, delay and lag.
+//!
+//! ```text
+//! u(t) = F [ kp (r - x) + ki I(r - x) + kvf r' + kaf r'' - kv x' - ka a - kdp p ] + bias + drift t
+//! F    = exp(-s delay) / (1 + s lag)
+//! ```
+//! r is the reference (m), u the command, x the displacement (m), a the acceleration (m/s2), p the pressure difference, I the integral
+//! over time. Three-variable control has kp, kv, ka with the same feed-forward; a PID has kv = kd and kvf = kd plus its
+//! feed-forward. Where the command does not follow the displacement at all, the loop is closed in hardware behind it, and the motion
+//! identifies it:
+//! ```text
+//! x'(t) = F [ k (c - x) + ki I(c - x) + kf c' ] + bias,     c = command as a displacement, m
+//! ```
+//! The equations hold whatever the table does, saturated or not, for they are the controller's; those of a hard-wired loop do not
+//! where the valve is fully open. All signals are tapered and compared over the band that the reference excites, so that sensor
+//! noise above it biases nothing; gains follow by least squares for each delay and lag, which are searched. Terms that are not
+//! significant are left out.
+
+mod band;
+mod fit;
+
+use band::{Band, Order};
+use fit::{Fitted, Problem, Timing};
+
+/// Signals of one run as a controller or a logger beside it wrote them, evenly sampled, without gaps, in SI.
+#[derive(Debug, Clone, Default)]
+pub struct Log {
+    /// Step, s.
+    pub dt: f64,
+    /// Reference, m.
+    pub reference: Vec<f64>,
+    /// Command, in the controller's unit.
+    pub command: Vec<f64>,
+    /// Displacement, m.
+    pub displacement: Vec<f64>,
+    /// Acceleration, m/s2, where it was logged.
+    pub acceleration: Option<Vec<f64>>,
+    /// Pressure difference, in its unit, where it was logged.
+    pub pressure: Option<Vec<f64>>,
+}
+
+/// A signal that a gain multiplies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Term {
+    /// Reference less displacement.
+    Error,
+    /// Its integral.
+    Integral,
+    /// Rate of the reference.
+    ReferenceRate,
+    /// Second derivative of the reference.
+    ReferenceAcceleration,
+    /// Velocity of the table, negative.
+    Velocity,
+    /// Acceleration of the table, negative.
+    Acceleration,
+    /// Pressure difference, negative.
+    Pressure,
+}
+
+impl Term {
+    /// The gain's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Error => "kp",
+            Self::Integral => "ki",
+            Self::ReferenceRate => "kvf",
+            Self::ReferenceAcceleration => "kaf",
+            Self::Velocity => "kv",
+            Self::Acceleration => "ka",
+            Self::Pressure => "kdp",
+        }
+    }
+}
+
+/// One gain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain {
+    /// What it multiplies.
+    pub term: Term,
+    /// Its value, unit of the command (m/s for a hard-wired loop) per unit of the term.
+    pub value: f64,
+    /// Its standard error.
+    pub std: f64,
+    /// RMS of what it contributes over RMS of the whole.
+    pub share: f64,
+}
+
+/// Where the loop is closed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Closure {
+    /// The logged command answers to the displacement.
+    Command,
+    /// The command is a displacement asked for; hardware behind it subtracts the displacement.
+    Hardwired,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InnerLoop {
+    /// Where the loop is closed.
+    pub closure: Closure,
+    /// The gains that are significant.
+    pub gains: Vec<Gain>,
+    /// Delay, s.
+    pub delay: f64,
+    /// Time constant of a first-order lag, s; 0 where the delay alone explains as much.
+    pub lag: f64,
+    /// Time constant of the velocity's own filter, s.
+    pub filter: f64,
+    /// Command for one metre, where the loop is hard-wired; else 1.
+    pub scale: f64,
+    /// RMS of what is left over RMS of what is explained, within the band.
+    pub misses: f64,
+    /// The band, Hz.
+    pub band: (f64, f64),
+}
+
+impl InnerLoop {
+    /// A gain's value, 0 where its term is not in the loop.
+    pub fn gain(&self, term: Term) -> f64 {
+        self.gains.iter().find(|g| g.term == term).map_or(0.0, |g| g.value)
+    }
+
+    /// In a sentence: gains with their standard errors, delay and lag.
+    pub fn describe(&self) -> String {
+        let gain = |g: &Gain| format!("{} = {:.4} +/- {:.1e}", g.term.name(), g.value, g.std);
+        let gains: Vec<String> = self.gains.iter().map(gain).collect();
+        let place = match self.closure {
+            Closure::Command => "closed by the command",
+            Closure::Hardwired => "closed in hardware behind the command",
+        };
+        let lag = if self.lag > 0.0 { format!(", lag {:.2} ms", 1e3 * self.lag) } else { String::new() };
+        format!(
+            "{place}; {}; delay {:.2} ms{lag}; misses {:.2} % from {:.1} to {:.1} Hz",
+            gains.join(", "),
+            1e3 * self.delay,
+            100.0 * self.misses,
+            self.band.0,
+            self.band.1
+        )
+    }
+}
+
+/// Why nothing was found.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum InnerLoopError {
+    /// The signals differ in length, or there are too few.
+    #[error("the log has {found} samples of every signal, expected at least {least} of each")]
+    TooShort {
+        /// Samples that all signals have.
+        found: usize,
+        /// Fewest.
+        least: usize,
+    },
+    /// The reference moves too little.
+    #[error("the reference hardly moves: an inner loop shows in a run that moves")]
+    Still,
+    /// The terms do not determine the gains.
+    #[error("the signals do not determine the gains: log a run whose reference moves over a wider band")]
+    Singular,
+}
+
+/// Fewest samples.
+const SAMPLES: usize = 200;
+/// A command that the reference alone explains to this share follows no displacement.
+const OPEN: f64 = 0.02;
+/// The reference explains a command as well as reference and motion together where it misses no more than so many times as much.
+const AS_WELL: f64 = 1.5;
+/// A term counts where the data without it are so much less likely: as many logarithms of the number of values.
+const WORTH: f64 = 2.0;
+/// A term of a hard-wired loop counts where without it so many times as much is missed: what is missed there is no noise.
+const CLEARLY: f64 = 1.5;
+/// Rounds in which noise is measured.
+const ROUNDS: usize = 3;
+/// Upper edges of the band that are tried, Hz.
+const WIDEST: [f64; 3] = [120.0, 60.0, 30.0];
+/// A wide band agrees with what the reference excites where it misses so many times as much there at most.
+const AGREES: f64 = 1.15;
+/// Lag from which a search for one begins, s.
+const LAG: f64 = 0.002;
+
+/// Finds the loop.
+pub fn identify(logs: &[Log]) -> Result<InnerLoop, InnerLoopError> {
+    for log in logs {
+        let found = log.reference.len().min(log.command.len()).min(log.displacement.len());
+        if found < SAMPLES || log.dt.is_nan() || log.dt <= 0.0 {
+            return Err(InnerLoopError::TooShort { found, least: SAMPLES });
+        }
+    }
+    let bands: Vec<Band> =
+        logs.iter().map(|log| Band::of(&log.reference, log.dt)).collect::<Option<_>>().ok_or(InnerLoopError::Still)?;
+    if bands.is_empty() {
+        return Err(InnerLoopError::TooShort { found: 0, least: SAMPLES });
+    }
+    let closed = by_command(logs, &bands);
+    let open = follows_reference(logs, &bands);
+    // A PI law around an integrator makes a command that follows the reference too, but never as well as one that is made of it alone.
+    if let Some((scale, _)) =
+        open.filter(|(_, misses)| *misses < OPEN && closed.as_ref().is_none_or(|c| *misses < AS_WELL * c.misses))
+    {
+        return hardwired(logs, &bands, scale);
+    }
+    closed.map(|f| found(f, Closure::Command, 1.0, &bands)).ok_or(InnerLoopError::Singular)
+}
+
+/// The loop that the command closes, from the widest band that agrees with what the reference excites. A controller's own log, every
+/// tick of it, holds the noise that the controller saw, and noise tells its gains apart where the table's motion does not; noise that
+/// is a logger's own, or that fell between its samples, does the opposite.
+fn by_command(logs: &[Log], bands: &[Band]) -> Option<Reduced> {
+    let terms = closed(logs);
+    let of = |bands: &[Band]| {
+        best(logs, bands, &terms, Noise::Measured, |log, band| band.spectrum(&log.command, Order::Itself))
+    };
+    let narrow = of(bands)?;
+    for highest in WIDEST {
+        let wide: Vec<Band> = bands.iter().map(|band| band.widened(highest)).collect();
+        if let Some(found) = of(&wide).filter(|found| found.misses < AGREES * narrow.misses) {
+            return Some(found);
+        }
+    }
+    Some(narrow)
+}
+
+/// The command as the reference makes it, without the motion and without a lag: command for one metre, and the share it misses.
+fn follows_reference(logs: &[Log], bands: &[Band]) -> Option<(f64, f64)> {
+    let parts = logs.iter().zip(bands).map(|(log, band)| {
+        let of = |order| band.spectrum(&log.reference, order);
+        let terms = vec![of(Order::Itself), of(Order::First), of(Order::Second)];
+        band.part(band.spectrum(&log.command, Order::Itself), terms)
+    });
+    let fitted = Problem::new(parts.collect(), None).search(&[true; 3], false)?;
+    Some((fitted.gains[0], fitted.misses))
+}
+
+/// The terms of a law whose command is logged.
+fn closed(logs: &[Log]) -> Vec<Term> {
+    let mut terms = vec![
+        Term::Error,
+        Term::Integral,
+        Term::ReferenceRate,
+        Term::ReferenceAcceleration,
+        Term::Velocity,
+        Term::Acceleration,
+    ];
+    if logs.iter().all(|log| log.pressure.is_some()) {
+        terms.push(Term::Pressure);
+    }
+    terms
+}
+
+/// The loop that hardware closes behind the command.
+fn hardwired(logs: &[Log], bands: &[Band], scale: f64) -> Result<InnerLoop, InnerLoopError> {
+    let asked: Vec<Log> = logs
+        .iter()
+        .map(|log| {
+            let reference: Vec<f64> = log.command.iter().map(|u| u / scale).collect();
+            Log { reference, ..log.clone() }
+        })
+        .collect();
+    let terms = [Term::Error, Term::Integral, Term::ReferenceRate];
+    let fitted =
+        best(&asked, bands, &terms, Noise::Unmodelled, |log, band| band.spectrum(&log.displacement, Order::First));
+    fitted.map(|f| found(f, Closure::Hardwired, scale, bands)).ok_or(InnerLoopError::Singular)
+}
+
+fn found(fitted: Reduced, closure: Closure, scale: f64, bands: &[Band]) -> InnerLoop {
+    let band = bands.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), b| (low.min(b.low), high.max(b.high)));
+    let Reduced { gains, timing, misses } = fitted;
+    InnerLoop { closure, gains, delay: timing.delay, lag: timing.lag, filter: timing.velocity, scale, misses, band }
+}
+
+/// A fit with the terms it kept.
+struct Reduced {
+    gains: Vec<Gain>,
+    timing: Timing,
+    misses: f64,
+}
+
+/// What a fit leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Noise {
+    /// Noise, whose power is measured frequency by frequency and weighs the fit.
+    Measured,
+    /// What a delay and a lag do not say of valve and table.
+    Unmodelled,
+}
+
+/// The set of terms that explains the target best for what it costs: every set that holds the error is tried. Leaving terms out one at
+/// a time would not do, for the table itself makes velocity, acceleration and command nearly dependent, so that of two wrong terms
+/// each hides the right one.
+fn best(
+    logs: &[Log],
+    bands: &[Band],
+    terms: &[Term],
+    noise: Noise,
+    target: impl Fn(&Log, &Band) -> Vec<nalgebra::Complex<f64>>,
+) -> Option<Reduced> {
+    let parts = logs
+        .iter()
+        .zip(bands)
+        .map(|(log, band)| band.part(target(log, band), terms.iter().map(|term| spectrum(*term, log, band)).collect()));
+    let mut whole = Problem::new(parts.collect(), terms.iter().position(|t| *t == Term::Velocity));
+    let all = vec![true; terms.len()];
+    let mut start = whole.search(&all, noise == Noise::Unmodelled)?;
+    if noise == Noise::Measured {
+        for _ in 0..ROUNDS {
+            whole.weigh(&start, &all);
+            start = whole.near(&all, start.timing, false)?;
+        }
+    }
+    let count = whole.count();
+    let polarity = polarity(&whole, terms);
+    let mut best: Option<(f64, Vec<bool>, Fitted)> = None;
+    for set in 0..1usize << terms.len() {
+        let active: Vec<bool> = (0..terms.len()).map(|i| set >> i & 1 == 1).collect();
+        if !terms.iter().zip(&active).any(|(t, on)| *t == Term::Error && *on) {
+            continue;
+        }
+        let fitted = if noise == Noise::Measured {
+            whole.near(&active, start.timing, false)
+        } else {
+            whole.search(&active, true)
+        };
+        // The table itself makes the command from velocity and acceleration; a loop that pushes away from its reference is that.
+        let Some(fitted) = fitted.filter(|f| f.gains[0] * polarity > 0.0) else { continue };
+        let size = active.iter().filter(|on| **on).count() as f64;
+        let cost = match noise {
+            // Twice the logarithm of the likelihood, less what the terms cost.
+            Noise::Measured => fitted.squares * (count / start.squares) + WORTH * size * count.ln(),
+            Noise::Unmodelled => 2.0 * fitted.misses.ln() + 2.0 * size * CLEARLY.ln(),
+        };
+        if best.as_ref().is_none_or(|(least, _, _)| cost < *least) {
+            best = Some((cost, active, fitted));
+        }
+    }
+    let (cost, active, mut fitted) = best?;
+    if noise == Noise::Measured
+        && let Some(lagging) = whole.near(&active, Timing { lag: LAG, ..fitted.timing }, true)
+    {
+        let size = active.iter().filter(|on| **on).count() as f64 + 1.0;
+        if lagging.squares * (count / start.squares) + WORTH * size * count.ln() < cost {
+            fitted = lagging;
+        }
+    }
+    let up_to = bands.iter().map(|b| b.excited).fold(0.0, f64::max) * std::f64::consts::TAU;
+    let misses = whole.missed(&fitted, &active, up_to);
+    let gains = (0..terms.len()).filter(|i| active[*i]).map(|i| Gain {
+        term: terms[i],
+        value: fitted.gains[i],
+        std: fitted.std[i],
+        share: fitted.share[i],
+    });
+    Some(Reduced { gains: gains.collect(), timing: fitted.timing, misses })
+}
+
+/// The sign of the motion that a positive command makes; 1 where no velocity is among the terms.
+fn polarity(problem: &Problem, terms: &[Term]) -> f64 {
+    // The term is the velocity's negative.
+    terms.iter().position(|t| *t == Term::Velocity).map_or(1.0, |i| if problem.along(i) > 0.0 { -1.0 } else { 1.0 })
+}
+
+/// A term's spectrum in the band.
+fn spectrum(term: Term, log: &Log, band: &Band) -> Vec<nalgebra::Complex<f64>> {
+    let error = || -> Vec<f64> { log.reference.iter().zip(&log.displacement).map(|(r, x)| r - x).collect() };
+    let negative = |x: Vec<nalgebra::Complex<f64>>| x.into_iter().map(|c| -c).collect();
+    match term {
+        Term::Error => band.spectrum(&error(), Order::Itself),
+        Term::Integral => band.spectrum(&error(), Order::Integral),
+        Term::ReferenceRate => band.spectrum(&log.reference, Order::First),
+        Term::ReferenceAcceleration => band.spectrum(&log.reference, Order::Second),
+        Term::Velocity => negative(band.spectrum(&log.displacement, Order::First)),
+        Term::Acceleration => negative(match &log.acceleration {
+            Some(measured) => band.spectrum(measured, Order::Itself),
+            None => band.spectrum(&log.displacement, Order::Second),
+        }),
+        Term::Pressure => negative(log.pressure.as_ref().map_or_else(Vec::new, |p| band.spectrum(p, Order::Itself))),
+    }
+}
+
+#[cfg(test)]
+mod tests;
