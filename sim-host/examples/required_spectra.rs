@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 use shakedown::motion::fit::Limits;
 use shakedown::motion::qualify::attain::{Attained, attain, used};
-use shakedown::motion::qualify::{Code, Direction, Required, STANDARDS, Site, Standard};
+use shakedown::motion::qualify::{Code, Direction, Required, Site, Standard};
 use shakedown::motion::spectrum::response_spectrum;
 use std::error::Error;
 use std::f64::consts::PI;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use shakedown_core::State;
-use shakedown_core::link::{Report, Request, Setup, Source, Vitals};
+use shakedown_core::link::{DeviceHealth, HostRequest, Report, Setup, Source};
 
 use super::bench::{Answer, Bench, BenchError, Facts, Order, Phase, Sample, Status};
 use crate::device::{Drive, DriveError, Kept, Line, Progress, Recorder, SessionError, Talker, Telemetry};
@@ -47,7 +47,7 @@ pub struct Attendant<L> {
     drive: Option<Drive>,
     recorder: Option<Recorder>,
     arming: Arming,
-    vitals: Option<Vitals>,
+    vitals: Option<DeviceHealth>,
     start: Instant,
     heard: u64,
     asked: u64,
@@ -64,7 +64,7 @@ impl<L: Line> Attendant<L> {
         let control = &setup.control;
         let full = control.velocity_limit / control.valve.gain;
         let has_test = match setup.wiring.source {
-            Source::Streamed => !storage.reference.is_empty(),
+            Source::Streamed | Source::Rehearsal => !storage.reference.is_empty(),
             Source::Analog => storage.attended.is_some(),
         };
         let facts = Facts {
@@ -152,7 +152,7 @@ impl<L: Line> Attendant<L> {
     /// Says what is due: a trip first, then the run's next request, then the question how it fares.
     fn speak(&mut self, now: u64) -> Result<(), BenchError> {
         if self.tripping.is_some_and(|sent| now >= sent + TRIP_EVERY) {
-            self.talker.say(&Request::Trip);
+            self.talker.say(&HostRequest::Trip);
             self.tripping = Some(now);
         }
         if let Some(drive) = &mut self.drive {
@@ -164,7 +164,7 @@ impl<L: Line> Attendant<L> {
             }
         }
         if now >= self.asked + ASK_EVERY {
-            self.talker.say(&Request::ReadVitals);
+            self.talker.say(&HostRequest::ReadVitals);
             self.asked = now;
         }
         Ok(())
@@ -327,7 +327,7 @@ impl<L: Line> Bench for Attendant<L> {
             }
             Order::Trip => {
                 self.arming.forget();
-                self.talker.say(&Request::Trip);
+                self.talker.say(&HostRequest::Trip);
                 self.tripping = Some(self.now());
                 self.say("tripping");
                 Ok(Answer::default())

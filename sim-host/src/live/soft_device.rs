@@ -12,10 +12,10 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use shakedown_core::Mode;
-use shakedown_core::link::{Assembler, Clock, MAX_FRAME, Report, Request, Scale, Setup, SetupError, encode};
-use shakedown_firmware::desk::{Action, Desk, Seen};
+use shakedown_core::link::{Assembler, Clock, HostRequest, MAX_FRAME, Report, Scale, Setup, SetupError, encode};
+use shakedown_firmware::link_server::{Action, LinkServer, LoopStatus};
 use shakedown_firmware::queues::Queues;
-use shakedown_firmware::{Loop, defaults};
+use shakedown_firmware::{ControlLoop, defaults};
 
 use crate::closed_loop::ClosedLoopError;
 use crate::closed_loop::twin::Twin;
@@ -184,9 +184,11 @@ fn run(setup: &Setup, table: Twin, ends: &Ends) {
     let mut queues = Queues::new();
     let (loop_end, desk_end) = queues.split();
     let rate = f64::from(setup.control.rate);
-    let (Ok(mut decide), Ok(mut bench)) = (Loop::new(setup, loop_end, false), Bench::new(table, rate)) else { return };
+    let (Ok(mut decide), Ok(mut bench)) = (ControlLoop::new(setup, loop_end, false), Bench::new(table, rate)) else {
+        return;
+    };
     let entropy = getrandom::u64().unwrap_or_else(|_| u64::from(std::process::id()));
-    let desk = Desk::new(*setup, false, Clock::Crystal, defaults::LIMITS, entropy, desk_end);
+    let desk = LinkServer::new(*setup, false, Clock::Crystal, defaults::LIMITS, entropy, desk_end);
     let mut server = Served { desk, assembler: Assembler::new(), answer: None, allowance: 0.0 };
     let mut start = Instant::now();
     let mut elapsed = Duration::ZERO;
@@ -195,7 +197,7 @@ fn run(setup: &Setup, table: Twin, ends: &Ends) {
         let outcome = decide.tick(|input| codes.get(input).copied().unwrap_or_default());
         bench.advance(server.desk.setup(), outcome.output, decide.relay());
         let (ticks, dropped) = decide.counts();
-        server.serve(Seen { standing: decide.standing(), ticks, dropped, cause: None }, ends, bench.rate);
+        server.serve(LoopStatus { standing: decide.standing(), ticks, dropped, cause: None }, ends, bench.rate);
         elapsed += Duration::from_secs_f64(1.0 / bench.rate);
         let wall = start.elapsed();
         match elapsed.checked_sub(wall) {
@@ -208,7 +210,7 @@ fn run(setup: &Setup, table: Twin, ends: &Ends) {
 
 /// The firmware's desk at its line.
 struct Served<'a> {
-    desk: Desk<'a>,
+    desk: LinkServer<'a>,
     assembler: Assembler,
     answer: Option<Report>,
     /// Bytes that the line has room for.
@@ -217,7 +219,7 @@ struct Served<'a> {
 
 impl Served<'_> {
     /// What the board's link task does between two ticks.
-    fn serve(&mut self, seen: Seen, ends: &Ends, rate: f64) {
+    fn serve(&mut self, seen: LoopStatus, ends: &Ends, rate: f64) {
         self.allowance = (self.allowance + BYTES_A_MS * 1000.0 / rate).min(MAX_FRAME as f64);
         if let Some(action) = self.desk.heed() {
             self.act(action);
@@ -235,8 +237,8 @@ impl Served<'_> {
         }
     }
 
-    fn hear(&mut self, seen: Seen, ends: &Ends) {
-        match self.assembler.frame::<Request>() {
+    fn hear(&mut self, seen: LoopStatus, ends: &Ends) {
+        match self.assembler.frame::<HostRequest>() {
             Some(Ok(request)) => {
                 // One answer at a time: an earlier one goes out first.
                 let earlier = self.answer.take();

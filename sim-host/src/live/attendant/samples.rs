@@ -1,7 +1,7 @@
 //! Records of telemetry as samples in SI, with what is missing between them counted.
 
-use shakedown_core::control::InnerLoop;
 use shakedown_core::link::Setup;
+use shakedown_core::settings::InnerLoop;
 
 use super::super::bench::Sample;
 use crate::device::{Gap, Row};
