@@ -69,7 +69,7 @@ impl Table {
         let first = self.lag + feed;
         let excess = first - end;
         let last = end + excess * self.kept;
-        let within = |w: f32| w >= -VELOCITY_LIMIT && w <= VELOCITY_LIMIT;
+        let within = |w: f32| (-VELOCITY_LIMIT..=VELOCITY_LIMIT).contains(&w);
         self.displacement += if within(first) && within(last) {
             end * self.dt + excess * self.lost
         } else {

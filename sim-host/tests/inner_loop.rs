@@ -173,8 +173,8 @@ fn case(seed: u64, thinned: bool) -> Case {
     // The controller's own log: what it saw and sent, in every tick or in every so many of them.
     let log_every = every * if thinned { dice.pick(&[2usize, 5]) } else { 1 };
     let mut log = Log { dt: log_every as f64 / FINE, acceleration: Some(Vec::new()), ..Log::default() };
-    for k in 0..wanted[0].len() {
-        let [r, rv, ra] = [0, 1, 2].map(|i| wanted[i][k]);
+    let [positions, speeds, accelerations] = &wanted;
+    for (k, ((&r, &rv), &ra)) in positions.iter().zip(speeds).zip(accelerations).enumerate() {
         let a = accelerometer.step(plant.acceleration);
         let x = plant.state[0];
         if k % every == 0 {

@@ -203,7 +203,7 @@ fn a_campaign_goes_on_where_it_stopped() {
         for k in 0..1200 {
             let t = f64::from(k) * 0.01;
             let rise = (t / 3.0).min((12.0 - t) / 3.0).clamp(0.0, 1.0);
-            text += &format!("{t:.2},{:.6}\n", 0.05 * rise * (6.283 * hertz * t).sin());
+            text += &format!("{t:.2},{:.6}\n", 0.05 * rise * (std::f64::consts::TAU * hertz * t).sin());
         }
         fs::write(at.join(format!("{name}.csv")), text).unwrap();
     }

@@ -134,7 +134,7 @@ fn another_page_can_neither_read_nor_order() {
         (order.clone(), format!("Host: {host}\r\nOrigin: http://evil.example\r\n")),
         (order.clone(), format!("Host: {host}\r\nOrigin: null\r\n")),
         (order.clone(), format!("Host: evil.example\r\nOrigin: http://{host}\r\n")),
-        (order.clone(), format!("Host: evil.example\r\nOrigin: http://evil.example\r\n")),
+        (order.clone(), "Host: evil.example\r\nOrigin: http://evil.example\r\n".to_owned()),
         (order.clone(), format!("{own}Sec-Fetch-Site: cross-site\r\n")),
         (order.clone(), format!("{own}Origin: http://evil.example\r\n")),
     ] {

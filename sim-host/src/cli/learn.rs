@@ -1,5 +1,7 @@
 //! `shakedown learn`: iterative learning over repeated runs on the twin.
 
+mod page;
+
 use super::described::{self, Found};
 use super::failure::within;
 use super::output::{Outputs, announce, print, sha256};
@@ -7,9 +9,8 @@ use super::places::place;
 use super::source::{Source, plausible};
 use super::{Failure, asked, present, progress};
 use clap::builder::PossibleValuesParser;
-use serde_json::json;
 use shakedown::closed_loop::learning::stale::check_motion;
-use shakedown::closed_loop::learning::{Learned, Learning, Limits, Peaks, Round, learn_from};
+use shakedown::closed_loop::learning::{Learned, Learning, Limits, learn_from};
 use shakedown::closed_loop::named;
 use shakedown::closed_loop::trial::Setup;
 use shakedown::closed_loop::twin::Twin;
@@ -18,7 +19,6 @@ use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
 use shakedown::motion::fit::named::{ASKED, Fit};
 use shakedown::motion::{Motion, Record};
 use shakedown::plant::sensors::SensorModel;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Table};
 use std::path::{Path, PathBuf};
 
 /// Learns a drive over repeated runs on the twin: the next run's peaks are predicted, and an unsafe drive is refused.
@@ -151,7 +151,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let learned =
         learn_from(begin, &setup, &wanted, &limits, &how).map_err(|e| Failure::Work(format!("learn: {e}")))?;
     bar.finish_and_clear();
-    let section = section(&learned, &record.name);
+    let section = page::section(&learned, &record.name);
     if !args.outputs.quiet() {
         present::print_section(&section);
     }
@@ -160,8 +160,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let (Some(path), Some(form)) = (&args.out, form) {
         write(path, form, &learned, &limits, &mut origin, wanted.dt)?;
     }
-    args.outputs.write_json(json(&learned), &inputs)?;
-    let mut page = page(&learned, &record.name, section);
+    args.outputs.write_json(page::json(&learned), &inputs)?;
+    let mut page = page::page(&learned, &record.name, section);
     args.outputs.write_report(&mut page, &inputs)
 }
 
@@ -280,95 +280,4 @@ fn check(path: &Path, limits: &Limits) -> Result<(), Failure> {
     written(path, form, check_motion(named::RATE, speed, reach), 1.0 / named::RATE, facts)?;
     print(&format!("{}: 26 s, at most {speed:.3} m/s and {reach:.4} m\n", path.display()));
     Ok(())
-}
-
-/// The page: what was gained, what to do, the runs.
-fn page(learned: &Learned, record: &str, section: Section) -> Page {
-    let e_a: Vec<f64> = learned.rounds.iter().map(|r| r.score.e_a.ratio).collect();
-    let lead = match e_a[..] {
-        [] => "Nothing was run: what is asked for is predicted to pass a limit of the table.".to_owned(),
-        [only] => format!(
-            "One run, E_a {only:.3}; the next is predicted to pass a limit and was refused, or was not asked for."
-        ),
-        [first, .., last] => {
-            format!("Learning took E_a from {first:.3} to {last:.3} in {} runs, within the table's limits.", e_a.len())
-        }
-    };
-    let runs: Vec<f64> = (1..=e_a.len()).map(|k| k as f64).collect();
-    let curve = |name: &str, y: Vec<f64>| Series { name: name.into(), x: runs.clone(), y, ..Series::default() };
-    let e_d = learned.rounds.iter().map(|r| r.score.e_d.ratio).collect();
-    let plot = Plot {
-        title: "Error run by run".into(),
-        x: Axis { label: "run".into(), log: false },
-        y: Axis { label: "relative error".into(), log: true },
-        series: vec![curve("E_a", e_a.clone()), curve("E_d", e_d)],
-        ..Plot::default()
-    };
-    let mut sections: Vec<Section> = Vec::new();
-    if e_a.len() > 1 {
-        sections.push(Section { heading: "What was gained".into(), items: vec![Item::Plot(plot)] });
-    }
-    sections.push(section);
-    let advice = match learned.refused {
-        Some(refusal) => vec![format!(
-            "{refusal}: give the record more room, by a smaller `--velocity` or `--stroke` or a smaller scale."
-        )],
-        None => vec![
-            "Play the drive (`--out`) with the controller it was learnt with. A specimen that has softened makes it stale: record the check \
-             motion (`--check`) now and again before it is played, and hold the two against each other with `shakedown compare`."
-                .into(),
-        ],
-    };
-    let key = e_a
-        .last()
-        .map(|e| vec![("E_a of the last run".to_owned(), format!("{e:.3}")), ("runs".into(), e_a.len().to_string())]);
-    Page {
-        title: format!("Learning {record}"),
-        lead,
-        key: key.unwrap_or_default(),
-        advice,
-        sections,
-        ..Page::default()
-    }
-}
-
-fn section(learned: &Learned, record: &str) -> Section {
-    let pair = |predicted: Option<f64>, found: f64| match predicted {
-        Some(predicted) => format!("{predicted:.3} / {found:.3}"),
-        None => format!("- / {found:.3}"),
-    };
-    let row = |(i, r): (usize, &Round)| {
-        let of = |get: fn(&Peaks) -> f64| pair(r.predicted.as_ref().map(get), get(&r.peaks));
-        vec![
-            (i + 1).to_string(),
-            format!("{:.3}", r.score.e_a.ratio),
-            format!("{:.4}", r.score.e_d.ratio),
-            of(|p| p.displacement),
-            of(|p| p.velocity),
-            of(|p| p.acceleration),
-        ]
-    };
-    let columns = ["run", "E_a [1]", "E_d [1]", "displacement [m]", "velocity [m/s]", "acceleration [m/s2]"];
-    let table = Table {
-        caption: "Run by run; peaks predicted / found, within the band learned".into(),
-        columns: columns.map(String::from).to_vec(),
-        rows: learned.rounds.iter().enumerate().map(row).collect(),
-    };
-    let mut items: Vec<Item> = (!learned.rounds.is_empty()).then_some(Item::Table(table)).into_iter().collect();
-    items.extend(learned.refused.map(|refusal| Item::Note(refusal.to_string())));
-    if learned.rounds.is_empty() {
-        items.push(Item::Note("Nothing was run. Fitted to the table first (--fit), the record may be learned.".into()));
-    }
-    Section { heading: format!("Learning {record}"), items }
-}
-
-fn json(learned: &Learned) -> serde_json::Value {
-    let peaks =
-        |p: &Peaks| json!({"displacement": p.displacement, "velocity": p.velocity, "acceleration": p.acceleration});
-    let round = |r: &Round| {
-        json!({"e_a": r.score.e_a.ratio, "e_d": r.score.e_d.ratio, "peaks": peaks(&r.peaks),
-               "predicted": r.predicted.as_ref().map(peaks)})
-    };
-    json!({"runs": learned.rounds.iter().map(round).collect::<Vec<_>>(),
-           "refused": learned.refused.map(|r| r.to_string())})
 }

@@ -2,7 +2,7 @@
 //!
 //! Every term (place x state x form x memory, [`grammar`]) is an effect of the user's own that is still at zero; the sensitivity
 //! of the whole closed loop to its coefficient is a column, and what the best model so far leaves is regressed on it with that
-//! model's own parameters projected out ([`tangents`]). The best few are fitted to the training, chosen on the validation, and
+//! model's own parameters projected out (`identify::fit::tangents`). The best few are fitted to the training, chosen on the validation, and
 //! grown by one more term of the same place while the validation says so. The verdict judges the result on the test.
 //!
 //! Sources: S. L. Brunton, J. L. Proctor, J. N. Kutz, "Discovering governing equations from data by sparse identification of

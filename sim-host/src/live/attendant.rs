@@ -6,16 +6,17 @@ use std::time::{Duration, Instant};
 use shakedown_core::State;
 use shakedown_core::link::{DeviceHealth, HostRequest, Report, Setup, Source};
 
-use super::bench::{Answer, Bench, BenchError, Facts, Order, Phase, Sample, Status};
+use super::bench::{Answer, BenchError, Facts, Phase};
 use crate::device::{Drive, DriveError, Kept, Line, Progress, Recorder, SessionError, Talker, Telemetry};
 
 mod arming;
+mod as_bench;
 mod samples;
 
 use arming::Arming;
 use samples::Samples;
 
-/// How often a device is asked how it fares, and after what silence it counts as gone, ms.
+/// How often a device is asked for its health, and after what silence it counts as gone, ms.
 const ASK_EVERY: u64 = 250;
 const GONE_AFTER: u64 = 2000;
 /// How often a trip is repeated until the device says that it has tripped, ms.
@@ -149,7 +150,7 @@ impl<L: Line> Attendant<L> {
         }
     }
 
-    /// Says what is due: a trip first, then the run's next request, then the question how it fares.
+    /// Says what is due: a trip first, then the run's next request, then the question of its health.
     fn speak(&mut self, now: u64) -> Result<(), BenchError> {
         if self.tripping.is_some_and(|sent| now >= sent + TRIP_EVERY) {
             self.talker.say(&HostRequest::Trip);
@@ -264,78 +265,5 @@ impl<L: Line> Attendant<L> {
             Some(drive) if drive.is_armed() => Phase::Stopping,
             Some(_) => Phase::Arming,
         }
-    }
-}
-
-impl<L: Line> Bench for Attendant<L> {
-    fn facts(&self) -> Facts {
-        self.facts.clone()
-    }
-
-    fn advance(&mut self) -> Result<Vec<Sample>, BenchError> {
-        self.pump()?;
-        let now = self.now();
-        self.listen(now);
-        self.speak(now)?;
-        let rows = self.telemetry.take_rows();
-        let gaps = self.telemetry.take_gaps();
-        if let Some(recorder) = &mut self.recorder
-            && let Err(error) = recorder.take(&rows)
-        {
-            // A test that is recorded no more is ended.
-            self.stop();
-            self.recorder = None;
-            self.say(format!("the test is ended, for its recording cannot go on: {error}"));
-        }
-        Ok(self.samples.of(&rows, &gaps))
-    }
-
-    fn status(&self) -> Status {
-        let now = self.now();
-        let total = if self.storage.reference.is_empty() {
-            self.storage.attended.unwrap_or(0)
-        } else {
-            self.storage.reference.len() as u64
-        };
-        Status {
-            phase: self.phase(),
-            state: self.state(),
-            cause: self.vitals.and_then(|vitals| vitals.cause).map(|cause| format!("{cause:?}")),
-            answers: now < self.heard + GONE_AFTER,
-            gone: self.gone.min(total),
-            total,
-            samples: self.samples.count(),
-            missing: self.samples.missing(),
-            dropped: u64::from(self.telemetry.dropped()),
-            garbled: self.talker.heard().garbled,
-            recorded: self.recorder.as_ref().map_or(0, Recorder::rows),
-            message: self.message.1.clone(),
-            message_number: self.message.0,
-        }
-    }
-
-    fn order(&mut self, order: Order) -> Result<Answer, String> {
-        let done = |outcome: Result<(), String>| outcome.map(|()| Answer::default());
-        match order {
-            Order::Arm => self.arm(),
-            Order::Confirm(number) => done(self.confirm(number)),
-            Order::Start => done(self.begin()),
-            Order::Hold => done(self.hold()),
-            Order::Stop => {
-                self.stop();
-                Ok(Answer::default())
-            }
-            Order::Trip => {
-                self.arming.forget();
-                self.talker.say(&HostRequest::Trip);
-                self.tripping = Some(self.now());
-                self.say("tripping");
-                Ok(Answer::default())
-            }
-        }
-    }
-
-    fn is_idle(&self) -> bool {
-        self.drive.is_none() && self.tripping.is_none()
     }
 }

@@ -1,4 +1,4 @@
-//! What can be watched: its samples, how it fares, and what it can be ordered to do.
+//! What can be watched: its samples, its status, and what it can be ordered to do.
 
 use serde::Serialize;
 use shakedown_core::State;
@@ -105,7 +105,7 @@ pub struct Status {
 pub enum Order {
     /// First half of arming: asks for a number to confirm with.
     Arm,
-    /// Second half: arms, where the number is the last one given and not older than [`super::attendant::CONFIRM_WITHIN`].
+    /// Second half: arms, where the number is the last one given and not older than ten seconds.
     Confirm(u32),
     /// Starts the test.
     Start,
@@ -142,7 +142,7 @@ pub trait Bench {
     fn facts(&self) -> Facts;
     /// Does what is due, waits a millisecond where nothing is, and gives the samples that came.
     fn advance(&mut self) -> Result<Vec<Sample>, BenchError>;
-    /// How it fares.
+    /// Its status.
     fn status(&self) -> Status;
     /// Carries out an order, or says why not.
     fn order(&mut self, order: Order) -> Result<Answer, String>;

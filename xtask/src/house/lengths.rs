@@ -13,6 +13,8 @@ const LONGER: &[(&str, &str)] = &[
         "arguments, figures and page of one command; its page is the next thing to move out",
     ),
     ("sim-host/src/cli/run.rs", "arguments and steps of one command; what is played is the next thing to move out"),
+    ("sim-host/src/cli/compare/drive.rs", "one comparison, from its files to its page"),
+    ("sim-host/src/device/drive.rs", "one state machine, whose steps are read together"),
     ("sim-host/src/files/layout.rs", "one search for delimiter, decimal sign and header, judged together"),
     ("sim-host/src/motion/condition.rs", "the steps of one recipe in their order, each short"),
     ("sim-host/src/plant/effects.rs", "the shape of an effect and the registry that names them all"),

@@ -198,10 +198,8 @@ fn page(
 }
 
 fn lead(asked: &Asked, found: &Played) -> String {
-    let delay = match found.reference_error {
-        Some(_) => format!(", {:.1} ms late", 1e3 * found.indices.delay),
-        None => String::new(),
-    };
+    let late = |_| format!(", {:.1} ms late", 1e3 * found.indices.delay);
+    let delay = found.reference_error.map(late).unwrap_or_default();
     format!(
         "The table followed the {} with E_a {:.3} and E_d {:.3}{delay}; the recording holds {:.0} % of it, from {:.3} s on.",
         asked.what,
@@ -291,14 +289,13 @@ fn spectra(found: &Played) -> Result<Plot, Failure> {
             .map(|s| Series { name: name.into(), x: periods.clone(), y: s.s_a_in_g(), style })
             .map_err(|e| Failure::Work(format!("compare: spectra: {e}")))
     };
+    let wanted = of("asked for", &found.wanted.acceleration, Style::Dashed)?;
+    let table = of("table", &found.achieved.acceleration, Style::Line)?;
     Ok(Plot {
         title: "Response spectra, 5 % damping".into(),
         x: Axis { label: "period [s]".into(), log: true },
         y: Axis { label: "S_a [g]".into(), log: false },
-        series: vec![
-            of("asked for", &found.wanted.acceleration, Style::Dashed)?,
-            of("table", &found.achieved.acceleration, Style::Line)?,
-        ],
+        series: vec![wanted, table],
         ..Plot::default()
     })
 }

@@ -1,4 +1,4 @@
-//! What additions to a fitted model would explain, told from tangents alone, stretch by stretch.
+//! What additions to a fitted model would explain, by tangents alone, stretch by stretch.
 //!
 //! The sensitivities of a whole-loop simulation to an addition that is still at zero are the columns of a linear regression on
 //! what the fit leaves; the fit's own parameters are projected out of them. With the sums kept for each stretch of the data, the

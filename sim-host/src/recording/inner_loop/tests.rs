@@ -5,7 +5,7 @@ fn reference(t: f64, duration: f64) -> f64 {
     let fade = ((t / 2.0).min((duration - t) / 2.0)).clamp(0.0, 1.0);
     let fade = fade * fade * (3.0 - 2.0 * fade);
     let tones = [(0.31, 0.02), (0.83, 0.008), (1.9, 0.003), (4.3, 6e-4), (7.7, 2e-4)];
-    fade * tones.iter().enumerate().map(|(i, (f, a))| a * (6.283 * f * t + i as f64).sin()).sum::<f64>()
+    fade * tones.iter().enumerate().map(|(i, (f, a))| a * (std::f64::consts::TAU * f * t + i as f64).sin()).sum::<f64>()
 }
 
 /// A digital law at 1 kHz around an integrator with a lag, and its own log: every tick, with the noise that it saw.
