@@ -97,7 +97,7 @@ impl std::fmt::Display for Clock {
             Self::Onset => f.write_str("its start"),
             Self::Displacement(least) => write!(f, "the LVDT being {} mm wrong", mm(least)),
             Self::Acceleration(least) => write!(f, "the accelerometer being {least} m/s2 wrong"),
-            Self::Valve(least) => write!(f, "{} mm of way that no command explains", mm(least)),
+            Self::Valve(least) => write!(f, "{} mm of travel that no command explains", mm(least)),
             Self::Deviation(least) => write!(f, "the table straying {} mm", mm(least)),
         }
     }

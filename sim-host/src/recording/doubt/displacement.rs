@@ -16,23 +16,39 @@ const LEAST: f64 = 0.3;
 /// Share of the command's size that the law may leave for its residual to be read as a drift.
 const EXPLAINED: f64 = 0.05;
 
-/// Finds the drift of each run and takes it off.
+/// A drift that was found: m per second, and the time at which it is zero, s.
+#[derive(Clone, Copy)]
+struct Drift {
+    rate: f64,
+    zero: f64,
+}
+
+/// Finds the drift of each recording and takes it off. A part that begins within its file has an integral that is not known well
+/// enough to tell a drift from: it has the drift that the part before it shows, for they are one recording of one sensor.
 pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     let all = experiment.runs.clone();
     let mut findings = Vec::new();
     for run in &mut experiment.runs {
-        let noise = noise::floors(run, &all).get(Channel::Displacement).map_or(0.0, |floor| floor.std);
-        let Some(rise) = rise(run, noise) else { continue };
         let n = run.len();
-        if let Some(x) = run.channel(Channel::Displacement) {
-            let straight = |(k, x): (usize, &f64)| x - rise * (k as f64 / (n.max(2) - 1) as f64 - 0.5);
-            let straightened = x.iter().enumerate().map(straight).collect();
-            run.channels.set(Channel::Displacement, straightened);
-        }
+        let noise = noise::floors(run, &all).get(Channel::Displacement).map_or(0.0, |floor| floor.std);
+        let beginning =
+            if run.cut { all.iter().find(|other| !other.cut && other.path == run.path) } else { Some(&*run) };
+        let Some(drift) = beginning.and_then(|whole| drift(whole, noise)) else { continue };
+        let Some(x) = run.channel(Channel::Displacement) else { continue };
+        let straight = |(x, t): (&f64, &f64)| x - drift.rate * (t - drift.zero);
+        let straightened = x.iter().zip(&run.time).map(straight).collect();
+        run.channels.set(Channel::Displacement, straightened);
+        let rise = drift.rate * run.duration();
         let finding = SetUpFinding::new(Doubt::Drift, rise, "m").against(0.0).within(noise / (n as f64 / 12.0).sqrt());
         findings.push(finding.of_run(&run.name).of_channel(Channel::Displacement));
     }
     findings
+}
+
+/// The drift of a run that begins with its file.
+fn drift(run: &Run, noise: f64) -> Option<Drift> {
+    let rate = rise(run, noise)? / run.duration();
+    Some(Drift { rate, zero: run.time.first()? + 0.5 * run.duration() })
 }
 
 /// How far the recorded displacement rises over the run against what the controller saw, m; none where it does not.
