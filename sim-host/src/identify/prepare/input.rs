@@ -20,7 +20,9 @@ pub(super) fn shaping(run: &recording::Run, ticks: usize) -> Shaping {
         recording::Law::ProportionalIntegral { ki, .. } => ki * run.error_before,
         _ => 0.0,
     };
-    let integral = if run.cut { integral_at_start(run).unwrap_or(summed) } else { 0.0 };
+    // A notch stands between the law and what was recorded of it.
+    let recorded = if notch.is_none() { integral_at_start(run) } else { None };
+    let integral = if run.cut { recorded.unwrap_or(summed) } else { 0.0 };
     Shaping { kvf, notch, late_command: late_command * ticks, late_displacement: late_displacement * ticks, integral }
 }
 
