@@ -13,9 +13,9 @@ use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 
 /// Length of a stretch, s: a loop forgets where it was within a few tenths of a second.
-const STRETCH: f64 = 0.7;
+const STRETCH: f64 = 2.0;
 /// Stretches of a run, at least: a motion that shows an effect once must show it to both kinds.
-const STRETCHES: usize = 36;
+const STRETCHES: usize = 12;
 /// One stretch of so many weighs.
 const EVERY: usize = 3;
 
