@@ -77,15 +77,18 @@ pub fn stale(before: &[f64], now: &[f64], dt: f64) -> Result<Staleness, StaleErr
     let bin = |f: f64| ((f / width).round() as usize).min(x.len() - 1);
     let (first, last) = (bin(BAND.0).max(2), bin(BAND.1));
     let power = |bins: &[Complex<f64>]| bins.iter().map(Complex::norm_sqr).sum::<f64>();
-    let noise = floor(&difference, bin(NOISE.0.min(0.7 * NOISE.1 / dt)), bin(NOISE.1 / dt));
+    let (from, to) = (bin(NOISE.0.min(0.7 * NOISE.1 / dt)), bin(NOISE.1 / dt));
+    let noise = floor(&difference, from, to);
     let strong = power(&x[first..=last]);
-    if strong.is_nan() || strong <= 100.0 * noise * (last - first) as f64 {
+    // A run beside a copy of itself has no noise in the difference, but its own is there.
+    let rests = noise.max(floor(&x, from, to));
+    if strong.is_nan() || strong <= 100.0 * rests * (last - first) as f64 {
         return Err(StaleError::Still { from: BAND.0, to: BAND.1 });
     }
     let omega = |i: usize| TAU * i as f64 * width;
     let scale = TAU * BAND.1;
     let term = |i: usize, k: usize| x[i] * Complex::new(0.0, omega(i) / scale).powu(k as u32);
-    let slow = fitted(first, last, &difference, &term);
+    let slow = fitted(first, last, &difference, noise, &term);
     let rest: Vec<Complex<f64>> = (first..=last)
         .map(|i| difference[i] - (0..TERMS).map(|k| term(i, k) * slow[k]).sum::<Complex<f64>>())
         .collect();
@@ -114,9 +117,9 @@ pub fn stale(before: &[f64], now: &[f64], dt: f64) -> Result<Staleness, StaleErr
 }
 
 /// Mean power of a bin of noise.
-fn floor(difference: &[Complex<f64>], from: usize, to: usize) -> f64 {
+fn floor(bins: &[Complex<f64>], from: usize, to: usize) -> f64 {
     let mut powers: Vec<f64> =
-        difference[from.min(to)..to.max(from + 1).min(difference.len())].iter().map(Complex::norm_sqr).collect();
+        bins[from.min(to)..to.max(from + 1).min(bins.len())].iter().map(Complex::norm_sqr).collect();
     let middle = powers.len() / 2;
     if powers.is_empty() {
         return f64::MIN_POSITIVE;
@@ -130,13 +133,14 @@ fn fitted(
     first: usize,
     last: usize,
     difference: &[Complex<f64>],
+    noise: f64,
     term: &dyn Fn(usize, usize) -> Complex<f64>,
 ) -> Vec<f64> {
     let (mut matrix, mut right) = (DMatrix::<f64>::zeros(TERMS, TERMS), DVector::<f64>::zeros(TERMS));
     for (i, change) in difference.iter().enumerate().take(last + 1).skip(first) {
         let terms: Vec<Complex<f64>> = (0..TERMS).map(|k| term(i, k)).collect();
-        // By the answer's own size, so that every frequency counts alike.
-        let weight = 1.0 / terms[0].norm_sqr().max(f64::MIN_POSITIVE);
+        // Every frequency counts alike as far as it moves: where noise exceeds the least change that matters, it counts less.
+        let weight = 1.0 / (LEAST * LEAST * terms[0].norm_sqr() + noise).max(f64::MIN_POSITIVE);
         for (a, x) in terms.iter().enumerate() {
             right[a] += weight * (x.conj() * change).re;
             for (b, y) in terms.iter().enumerate() {
