@@ -165,6 +165,7 @@ fn another_page_can_neither_read_nor_order() {
 }
 
 #[test]
+#[ignore = "nightly: host and device keep to the clock, and fail on a machine that other work keeps busy"]
 fn the_device_of_a_killed_host_fades_out_and_holds_and_the_next_host_stops_it() {
     let folder = TempDir::new().unwrap();
     reference(&folder.path().join("reference.csv"), 20);
