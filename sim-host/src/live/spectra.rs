@@ -166,9 +166,10 @@ mod tests {
 
     fn sample(k: usize, state: State) -> Sample {
         let t = k as f64 / 1000.0;
-        // A deterministic broadband reference; the table answers with half of it, 10 ms late.
-        let at =
-            |t: f64| (1..40).map(|n| (2.0 * PI * f64::from(n) * 0.5 * t + f64::from(n * n)).sin()).sum::<f64>() * 1e-3;
+        // A deterministic reference of tones to 20 Hz, each of the same acceleration, so that all of them excite; the table answers
+        // with half of it, 10 ms late.
+        let tone = |n: u32, t: f64| (PI * f64::from(n) * t + f64::from(n * n)).sin() / f64::from(n * n);
+        let at = |t: f64| (1..40).map(|n| tone(n, t)).sum::<f64>() * 1e-2;
         Sample {
             time: t,
             gap: 0,

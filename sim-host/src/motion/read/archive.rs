@@ -234,8 +234,8 @@ mod tests {
             out.extend(packed);
             list.extend(b"PK\x01\x02\x14\x00");
             list.extend(&head);
+            // Comment, part and attributes: with the start, 46 bytes come before the name.
             list.extend([0u8; 10]);
-            list.extend([0u8; 2]);
             list.extend(start.to_le_bytes());
             list.extend(name.as_bytes());
         }
