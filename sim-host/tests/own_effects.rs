@@ -121,7 +121,7 @@ fn what_is_wrong_is_said_by_line() {
         ("table", "\"velocity\"", "foo(velocity)*p", "1/s", range, 5, "no function"),
         ("table", "\"velocity\"", "", "1/s", range, 5, "is empty"),
         ("table", "\"speed\"", "p*speed", "1/s", range, 4, "no state"),
-        ("table", "\"command\"", "p*command", "m/(s2 u)", range, 4, "cannot be had"),
+        ("table", "\"acceleration\"", "p*acceleration", "1", range, 4, "cannot be had"),
         ("tabel", "\"velocity\"", "p*velocity", "1/s", range, 3, "did you mean `table`"),
         ("table", "\"velocity\"", "p*velocity", "lbf", range, 6, "no SI unit"),
         ("table", "\"velocity\"", "p*velocity", "1/s", "low = 1.0, high = 0.0, start = 0.5", 6, "is not below"),
