@@ -157,7 +157,7 @@ pub(super) fn verdict(
         }
         None => {}
     }
-    // What is far from the noise needs no structure to be told from it.
+    // A misfit far from the noise is physics whether or not it follows the motion.
     let far = after.hold.chi2 > CALIBRATION.modest;
     if !unlisted && (far || follows(&judging, &after)) {
         // What shows on the runs held out alone: more than the names explain, or anything at all.
@@ -244,7 +244,7 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], most_left: f64) -> 
     if lacks && share_left > most_left {
         return Some(Refusal::NoGain { share_left });
     }
-    // One effect that takes half of the misfit away is told from none by that, however its parameters correlate with the others.
+    // One effect that removes half of the misfit is needed, however its parameters correlate with the others.
     if named.added.len() == 1 && lacks && share_left < LARGER_PART {
         return None;
     }

@@ -37,7 +37,8 @@ pub struct Played {
     pub samples: std::ops::Range<usize>,
     /// Share of the drive that the recording holds.
     pub covered: f64,
-    /// What the displacement sensor reads where the drive is zero, m: taken off before the two are compared.
+    /// Mean of the measured displacement less the drive's mean, m: the sensor's zero, and what a gain other than one makes of the
+    /// drive's own mean; taken off before the two are compared.
     pub offset: f64,
     /// The drive at the recording's samples, its acceleration low-passed.
     pub wanted: Motion,
