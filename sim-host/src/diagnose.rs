@@ -9,6 +9,7 @@
 
 mod calibration;
 pub mod change;
+mod clock;
 pub mod decide;
 mod finish;
 pub mod judged;
@@ -19,6 +20,7 @@ mod noise;
 mod outdone;
 pub mod planned;
 mod ranking;
+mod region;
 mod rejected;
 pub mod remainder;
 mod residual;
@@ -141,7 +143,11 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     let searched = excerpt(&set_up.experiment, SEARCHED).as_ref().map(prepare).transpose()?;
     let mut seen = searched.map_or_else(|| whole.clone(), |seen| Prepared { model: whole.model.clone(), ..seen });
     set_up.findings.extend(noise::rescale(&mut seen, &mut whole)?);
-    let Concluded { whole, conclusion, modelled, held_out_shared } = conclude(whole, seen, options)?;
+    for prepared in [&mut whole, &mut seen] {
+        clock::doubt(prepared);
+    }
+    let Concluded { whole, conclusion, modelled, held_out_shared, clock } = conclude(whole, seen, options)?;
+    set_up.findings.extend(clock);
     options.say("looking for the test that would settle what is open", 0.96);
     let next_test = next_test::next_test(&whole, &conclusion, modelled.as_ref())?;
     let location = locate::locate(&whole, &conclusion)?;
@@ -185,12 +191,14 @@ struct Concluded {
     conclusion: Conclusion,
     modelled: Option<Modelled>,
     held_out_shared: bool,
+    /// The sampling period, where it was found to be another.
+    clock: Option<SetUpFinding>,
 }
 
 /// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
 fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
     let all: usize = whole.fit.iter().chain(&whole.holdout).map(Run::len).sum();
-    let first = pass(split(whole, Some(seen)), options)?;
+    let first = with_right_clock(whole, seen, options)?;
     if !first.conclusion.unforeseen() || all > 2 * SEARCHED {
         return Ok(first);
     }
@@ -199,9 +207,22 @@ fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Conclu
     let names = !second.conclusion.unlisted && !second.conclusion.consistent();
     let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
     if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {
-        return Ok(Concluded { held_out_shared: true, ..second });
+        return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
     }
     Ok(first)
+}
+
+/// Forward through the data once, and again with the sampling period corrected where a clock of another rate was part of what
+/// was accepted.
+fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
+    let first = pass(split(whole.clone(), Some(seen.clone())), options)?;
+    let dt = whole.fit.first().map_or(1.0, |run| run.dt);
+    let Some(finding) = clock::found(&first.conclusion.decision.after, dt) else { return Ok(first) };
+    options.say("correcting the sampling period", 0.1);
+    for prepared in [&mut whole, &mut seen] {
+        clock::correct(prepared, &finding);
+    }
+    Ok(Concluded { clock: Some(finding), ..pass(split(whole, Some(seen)), options)? })
 }
 
 /// Forward through the data once: fitted on training, selected on validation, judged on the test.
@@ -209,7 +230,9 @@ fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
     let Split { weighing, whole, test } = split;
     let search = search::search(&weighing, options)?;
     options.say("weighing what was found", 0.9);
-    let mut decision = decide::decide(&weighing, &search)?;
+    let decision = decide::decide(&weighing, &search)?;
+    options.say("looking for effects that act in a part of time or state", 0.92);
+    let mut decision = region::region(&weighing, &search, decision)?;
     let mut modelled = outdone::outdone(&weighing, &mut decision)?;
     if modelled.is_none() && decision.unlisted {
         options.say("modelling what the library does not hold", 0.93);
@@ -220,7 +243,7 @@ fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
         decision.name_beside_more(&modelled.judged.added);
     }
     let conclusion = verdict::verdict(&whole, weighing.fitted(), decision, modelled.as_ref(), test)?;
-    Ok(Concluded { whole, conclusion, modelled, held_out_shared: false })
+    Ok(Concluded { whole, conclusion, modelled, held_out_shared: false, clock: None })
 }
 
 /// What is said of recordings that cannot be believed: the stated model's standing and nothing more.

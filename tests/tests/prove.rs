@@ -65,6 +65,7 @@ fn piece(shard: u64, shards: u64) -> Plan {
         shard,
         shards,
         engine: "contented".into(),
+        quick: false,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Clock, ClosedLoopError, Law, Trace, run};
 use crate::plant::Plant;
-use crate::plant::effects::entry;
+use crate::plant::effects::regional;
 use crate::plant::model::Baseline;
 use crate::plant::paper::{FixedStep, Paper};
 use crate::plant::sensors::Sensors;
@@ -123,12 +123,16 @@ impl Twin {
 
 /// A stated effect with its parameters in the library's order; a run's own (phases) are zero.
 fn placed(stated: &recording::StatedEffect) -> Result<Placed<f64>, TwinError> {
-    use crate::plant::effects::Role;
+    use crate::plant::effects::{Role, Yardstick};
     let unknown = || SimulateError::UnknownEffect { id: stated.id.clone(), count: stated.parameters.len() };
-    let entry = entry(&stated.id).ok_or_else(unknown)?;
+    let entry = regional::stated(&stated.id, stated.parameters.keys().map(String::as_str)).ok_or_else(unknown)?;
     let value = |parameter: &crate::plant::effects::Parameter| match stated.parameters.get(parameter.key) {
         Some(&value) => Ok(value),
         None if parameter.role == Role::PerRun => Ok(0.0),
+        // A detail of a form that is not stated is its plainest.
+        None if parameter.role == Role::Refined && parameter.yardstick == Yardstick::One => {
+            Ok(parameter.starts.first().copied().unwrap_or(0.0))
+        }
         None => Err(TwinError::Missing { effect: stated.id.clone(), key: parameter.key }),
     };
     let parameters = entry.parameters.iter().map(value).collect::<Result<_, _>>()?;

@@ -38,6 +38,8 @@ pub(super) struct Calibration {
     pub(super) beside_more: f64,
     /// Probability that nothing of the library is right where what was selected failed on the runs held out.
     pub(super) failed: f64,
+    /// Probability below which one of several names is not given: what is missing in its place is.
+    pub(super) likely: f64,
     /// Log odds below which two models are not told apart.
     pub(super) tie: f64,
 }
@@ -60,5 +62,6 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     lead: 4.0,
     beside_more: 0.8,
     failed: 0.9,
+    likely: 0.4,
     tie: 3.0,
 };

@@ -10,12 +10,14 @@ use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
 use super::standing::{outside, stands, strained};
-use crate::identify::fit::Fit;
+use crate::identify::fit::{Effort, Fit};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
 /// Models of each size that are weighed on the validation.
 const JUDGED: usize = 6;
+/// How far a model is fitted again without names that are not sure.
+const LESS: Effort = Effort { steps: 10, tolerance: 1e-5 };
 /// Probability of physics outside the library where what is left follows nothing.
 const IRREGULAR: f64 = 0.05;
 
@@ -75,7 +77,7 @@ fn choose(before: &Judged, sizes: &[Vec<Judged>]) -> Judged {
 }
 
 /// Weighs the accepted model against all others and against what no library holds.
-fn weigh(
+pub(super) fn weigh(
     weighing: &Weighing,
     before: Judged,
     mut after: Judged,
@@ -104,7 +106,15 @@ fn weigh(
         (unlisted, unlisted_probability) = (false, IRREGULAR);
         noise = larger_noise(weighing, &after, CALIBRATION.negligible);
     }
-    let ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
+    let mut ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
+    let mut unnamed = false;
+    if !unlisted && let Some(surer) = surer(weighing, &after, &candidates)? {
+        candidates.retain(|c| c.added != surer.added);
+        candidates.push(surer.clone());
+        after = surer;
+        ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
+        unnamed = true;
+    }
     if let Some(same) = candidates.iter().find(|c| c.added == after.added) {
         after.probability = same.probability;
     }
@@ -112,7 +122,7 @@ fn weigh(
     if unlisted {
         after = before.clone();
     }
-    let more_missing = follows.is_certain() && more_is_missing(&before, &after, CALIBRATION.negligible);
+    let more_missing = unnamed || follows.is_certain() && more_is_missing(&before, &after, CALIBRATION.negligible);
     let mut decision =
         Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise };
     if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.before, partial, &decision.candidates)) {
@@ -120,6 +130,22 @@ fn weigh(
         decision.after = Judged { probability: CALIBRATION.beside_more, ..leader };
     }
     Ok(decision)
+}
+
+/// The accepted model less the names of which others of its size stand in the place, where others stand: what is missing there is
+/// then said to be missing, not named.
+fn surer(weighing: &Weighing, after: &Judged, candidates: &[Judged]) -> Result<Option<Judged>, SimulateError> {
+    let belief = |id: &&'static str| {
+        candidates.iter().filter(|c| c.added.contains(id)).map(|c| c.probability).sum::<f64>() < CALIBRATION.likely
+    };
+    let doubtful: Vec<&'static str> = after.added.iter().copied().filter(|id| belief(id)).collect();
+    if doubtful.is_empty() || doubtful.len() == after.added.len() {
+        return Ok(None);
+    }
+    let model = doubtful.iter().fold(after.fit.model.clone(), |model, id| model.without(id));
+    let mut fit = Fit::resume(model, after.fit.locals.clone(), weighing.fitted())?;
+    fit.improve(weighing.fitted(), LESS)?;
+    Ok(Some(Judged::of(fit, weighing)?))
 }
 
 /// Whether names explain most of the mismatch and no other set of their size comes near: what they leave is then something beside

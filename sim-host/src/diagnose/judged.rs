@@ -85,11 +85,12 @@ impl Decision {
 /// How far the stated values had to go: a sum of squares in standard deviations of what stated values are wrong by. Masses and
 /// dashpots may be stated in any way: residuals depend on them almost linearly.
 pub(super) fn disbelief(stated: &Model, fitted: &Model) -> f64 {
+    let clock = super::clock::disbelief(fitted);
     if stated.kind != Kind::Servo {
-        return 0.0;
+        return clock;
     }
     let known = stated.own.iter().zip(&fitted.own).filter(|(stated, _)| stated.free && stated.value != 0.0);
-    known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / CALIBRATION.stated_share).powi(2)).sum()
+    known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / CALIBRATION.stated_share).powi(2)).sum::<f64>() + clock
 }
 
 /// Parameters that were fitted.

@@ -6,6 +6,7 @@ use crate::identify::data::Run;
 use crate::identify::evaluate::Predicted;
 use crate::identify::judge::score;
 use crate::identify::prepare::Prepared;
+use crate::plant::effects::regional::{Along, window};
 use crate::plant::simulate::SimulateError;
 use serde::Serialize;
 
@@ -78,12 +79,40 @@ pub fn locate(prepared: &Prepared, conclusion: &Conclusion) -> Result<Location, 
         let last = conclusion.after.added.first().and_then(|id| crate::plant::effects::entry(id));
         last.map(|entry| entry.stage.name())
     };
-    Ok(Location {
+    let location = Location {
         block,
         time: stretches(&prepared.fit, &predicted),
         frequency: bands(&prepared.fit, &predicted),
         state: state::shares(&prepared.fit, &predicted),
-    })
+    };
+    Ok(within(location, conclusion, &prepared.fit))
+}
+
+/// The location with the window of an effect that was found to act in one: where the residual is large beside that is where
+/// the loop carries it.
+fn within(mut location: Location, conclusion: &Conclusion, runs: &[Run]) -> Location {
+    if conclusion.unlisted {
+        return location;
+    }
+    for placed in &conclusion.after.fit.model.effects {
+        let values: Vec<f64> = placed.values.iter().map(|v| v.value).collect();
+        let Some((along, from, to)) = window(placed.entry, &values) else { continue };
+        if along == Along::Time {
+            let share = 1.0 / runs.len().max(1) as f64;
+            let stretch = |run: &Run| {
+                let end = run.from + run.len() as f64 * run.dt;
+                let (from_s, to_s) = ((run.from + from).max(run.from), (run.from + to).min(end));
+                (to_s > from_s).then(|| Stretch { run: run.name.clone(), from_s, to_s, share })
+            };
+            location.time = runs.iter().filter_map(stretch).collect();
+        } else {
+            let place = format!("from {from:.4e} to {to:.4e}");
+            let found = StateShare { variable: along.name(), place, strength: 1.0, profile: Vec::new() };
+            location.state.retain(|share| share.variable != along.name());
+            location.state.insert(0, found);
+        }
+    }
+    location
 }
 
 /// Locates what a model leaves of runs, whatever its physics; `predicted` holds one prediction a run.

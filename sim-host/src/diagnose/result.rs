@@ -13,6 +13,7 @@ use crate::identify::judge::Score;
 use crate::identify::prepare::Prepared;
 use crate::identify::quantity::{Quantity, quantities};
 use crate::plant::effects::Role;
+use crate::plant::effects::regional::is_code;
 use crate::recording::SetUpFinding;
 use crate::recording::check::Finding;
 use serde::Serialize;
@@ -252,7 +253,7 @@ fn named(
         .map(|placed| {
             let id = placed.entry.id;
             let with = |c: &&Judged| c.added.contains(&id);
-            let keys = placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun).map(|p| p.key);
+            let keys = placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun && !is_code(p.key)).map(|p| p.key);
             NamedEffect {
                 id,
                 probability: decision.candidates.iter().filter(with).map(|c| c.probability).sum(),

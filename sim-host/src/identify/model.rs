@@ -142,7 +142,12 @@ impl Model {
                 placed.values.iter_mut().zip(placed.entry.parameters).filter(|(_, p)| p.role == Role::Refined);
             for (value, parameter) in details {
                 value.free = true;
-                if parameter.positive && parameter.simple == Ends::High && value.value >= value.high {
+                let none = match parameter.simple {
+                    Ends::High => value.value >= value.high,
+                    Ends::Low => value.value <= value.low,
+                    Ends::Both | Ends::Neither => false,
+                };
+                if parameter.positive && none {
                     value.value = (value.low * value.high).sqrt();
                 }
             }

@@ -8,7 +8,7 @@ use super::floor::{floors, least};
 use super::model::{Model, Placed, Value, Yardsticks};
 use super::shift::earlier;
 use crate::motion::filter::{Butterworth, Edge};
-use crate::plant::effects::{Role, entry};
+use crate::plant::effects::{Role, entry, regional};
 use crate::plant::model::Kind;
 use crate::plant::simulate::{Law, MeasuredMotion};
 use crate::recording::check::Skew;
@@ -116,7 +116,7 @@ fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks
         own_value(given, parameter.positive, free, yardsticks)
     });
     let effects = stated.effects.iter().filter_map(|effect| {
-        let entry = entry(&effect.id)?;
+        let entry = regional::stated(&effect.id, effect.parameters.keys().map(String::as_str))?;
         let mut placed = Placed::start(entry, 0, yardsticks)?;
         for (parameter, value) in entry.parameters.iter().zip(&mut placed.values) {
             let given = effect.parameters.get(parameter.key);

@@ -14,7 +14,9 @@
 //! ```
 
 mod bristle;
+pub mod clock_rate;
 pub mod own;
+pub mod regional;
 pub mod remainder;
 mod shaken;
 mod stiff_oil;
@@ -220,6 +222,8 @@ pub struct Compliance<S> {
     pub leakage: Option<S>,
     /// Load acceleration at which the flow stalls, m/s2.
     pub stall_acceleration: Option<S>,
+    /// Seconds that pass in a stated second, 1; none for a clock that is right.
+    pub pace: Option<S>,
 }
 
 /// Which hooks an effect uses, so that a simulation calls no other.
@@ -243,6 +247,8 @@ pub struct Hooks {
     pub velocity: bool,
     /// [`Effect::sense_acceleration`].
     pub acceleration: bool,
+    /// [`Effect::observe`].
+    pub observes: bool,
     /// What it does within an integration step is linear in motion, states and command, with coefficients that stay the
     /// same through a run.
     pub linear: bool,
@@ -261,6 +267,7 @@ impl Hooks {
             displacement: self.displacement || other.displacement,
             velocity: self.velocity || other.velocity,
             acceleration: self.acceleration || other.acceleration,
+            observes: self.observes || other.observes,
             linear: self.linear && other.linear,
         }
     }
@@ -294,6 +301,12 @@ pub trait Effect<S: Scalar>: Debug + Send {
     fn rest(&self, _displacement: S, _y: &mut [S]) {}
     /// Told once, before a run, how the loop's noise shakes it.
     fn dither(&mut self, _dither: Dither) {}
+    /// The motion at the start of an integration step.
+    fn observe(&mut self, _at: &Instant<S>) {}
+    /// Leakage that it makes in this step, where that changes from step to step, s.
+    fn leakage(&self) -> Option<S> {
+        None
+    }
     /// The command's mean over one integration step of `h` seconds (unit of u).
     fn command(&mut self, u: S, _h: f64) -> S {
         u
@@ -334,7 +347,8 @@ pub trait Effect<S: Scalar>: Debug + Send {
 
 /// The effect with this identifier: of the library, a curve that stands for what it does not hold, or a user's own.
 pub fn entry(id: &str) -> Option<&'static Entry> {
-    let library = ENTRIES.iter().copied().chain(remainder::entries()).find(|entry| entry.id == id);
+    let beside = remainder::entries().chain([&clock_rate::ENTRY]);
+    let library = ENTRIES.iter().copied().chain(beside).find(|entry| entry.id == id);
     library.or_else(|| own::found(id).map(|(_, entry)| entry))
 }
 
@@ -352,9 +366,14 @@ macro_rules! registry {
 
         /// An effect with its parameters, in the order of its entry; none where the identifier is unknown.
         pub fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
+            if let Some(effect) = regional::placed(id, parameters) {
+                return Some(effect);
+            }
             match id {
                 $(id if id == $module::ENTRY.id => Some(Box::new($module::$kind::<S>::new(parameters)?)),)+
-                _ => remainder::build(id, parameters).or_else(|| own::build(id, parameters)),
+                _ => remainder::build(id, parameters)
+                    .or_else(|| clock_rate::build(id, parameters))
+                    .or_else(|| own::build(id, parameters)),
             }
         }
     };

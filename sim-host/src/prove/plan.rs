@@ -23,4 +23,7 @@ pub struct Plan {
     pub shards: u64,
     /// Version of the examinee.
     pub engine: String,
+    /// Leaves out the fits of cases without noise.
+    #[serde(default)]
+    pub quick: bool,
 }

@@ -49,6 +49,8 @@ pub enum Doubt {
     Hum,
     /// The time stamps scatter about an even grid.
     ClockJitter,
+    /// The clock that stamped the rows runs at another rate.
+    ClockRate,
     /// Rows are missing.
     LostRows,
     /// The noise of a channel is not as stated.
@@ -111,6 +113,11 @@ impl SetUpFinding {
         Self { channel: Some(channel), ..it }
     }
 
+    /// The sampling period, stated and found, s.
+    pub fn clock_rate(stated: f64, found: f64, std: Option<f64>) -> Self {
+        Self { std, ..Self::new(Doubt::ClockRate, found, "s").against(stated) }
+    }
+
     /// A value of the model, stated and found.
     pub fn model_value(parameter: &str, stated: f64, found: f64, std: Option<f64>, unit: &str) -> Self {
         let it = Self::new(Doubt::ModelValue, found, unit).against(stated);
@@ -155,6 +162,7 @@ impl Doubt {
             Self::Clipped => "peaks cut off at the end of the range",
             Self::Hum => "amplitude of mains hum",
             Self::ClockJitter => "jitter of the time stamps",
+            Self::ClockRate => "sampling period",
             Self::LostRows => "rows missing",
             Self::Noise => "noise of a channel",
             Self::ModelValue => "stated value of the model",

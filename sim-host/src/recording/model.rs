@@ -126,7 +126,8 @@ impl Model {
         let own = self.effects.iter().filter_map(|e| effects::own::found(&e.id)).map(|(_, entry)| entry.id);
         self.check_effects(&effects::identifiers().into_iter().chain(own).collect::<Vec<_>>())?;
         for effect in &self.effects {
-            let parameters = effects::entry(&effect.id).map_or(&[][..], |entry| entry.parameters);
+            let parameters = effects::regional::stated(&effect.id, effect.parameters.keys().map(String::as_str))
+                .map_or(&[][..], |entry| entry.parameters);
             let keys: Vec<&str> = parameters.iter().map(|parameter| parameter.key).collect();
             self.check_effect_keys(&effect.id, &keys)?;
             effect.check_signs(parameters)?;

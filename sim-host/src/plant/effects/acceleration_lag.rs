@@ -1,6 +1,6 @@
 //! The accelerometer's filter lags.
 
-use super::displacement_lag::TIME_CONSTANT;
+use super::displacement_lag::{NONE, SECOND, TIME_CONSTANT};
 use super::{Effect, Entry, Hooks, Instant, Stage};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
@@ -8,9 +8,9 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "acceleration_lag",
-    equation: "tau y' = a - y",
+    equation: "tau y' = a - y, tau_2 z' = y - z",
     stage: Stage::Sensor,
-    parameters: &[TIME_CONSTANT],
+    parameters: &[TIME_CONSTANT, SECOND],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "acceleration trails the second difference of displacement",
@@ -22,13 +22,14 @@ pub const ENTRY: Entry = Entry {
 #[derive(Debug, Clone)]
 pub struct AccelerationLag<S> {
     time: S,
+    second: Option<S>,
 }
 
 impl<S: Scalar> AccelerationLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[time] = parameters else { return None };
-        Some(Self { time })
+        let &[time, second] = parameters else { return None };
+        Some(Self { time, second: Some(second).filter(|second| second.value() > 1.01 * NONE) })
     }
 }
 
@@ -37,17 +38,19 @@ impl<S: Scalar> Effect<S> for AccelerationLag<S> {
         Hooks { follow: true, velocity: true, linear: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
-        1.0 / self.time.value().max(1e-4)
+        1.0 / self.second.unwrap_or(self.time).min(self.time).value().max(1e-4)
     }
     fn states(&self) -> usize {
-        1
+        1 + usize::from(self.second.is_some())
     }
     fn follow(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) {
-        if let (&[shown], [rate]) = (y, dy) {
-            *rate = (at.sensed_velocity - shown) / self.time;
+        let mut ahead = at.sensed_velocity;
+        for ((shown, rate), time) in y.iter().zip(dy).zip([Some(self.time), self.second].into_iter().flatten()) {
+            *rate = (ahead - *shown) / time;
+            ahead = *shown;
         }
     }
     fn sense_velocity(&self, velocity: S, y: &[S]) -> S {
-        y.first().copied().unwrap_or(velocity)
+        y.last().copied().unwrap_or(velocity)
     }
 }

@@ -7,9 +7,9 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "displacement_lag",
-    equation: "tau y' = x - y",
+    equation: "tau y' = x - y, tau_2 z' = y - z",
     stage: Stage::Sensor,
-    parameters: &[TIME_CONSTANT],
+    parameters: &[TIME_CONSTANT, SECOND],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
     signature: "displacement trails the accelerometer; the loop loses phase",
@@ -32,17 +32,31 @@ pub(super) const TIME_CONSTANT: Parameter = Parameter {
     role: Role::Shared,
 };
 
+/// A second pole, as filters of measuring amplifiers have.
+pub(super) const SECOND: Parameter = Parameter {
+    key: "second",
+    meaning: "time constant of a second pole",
+    low: NONE,
+    starts: &[NONE],
+    role: Role::Refined,
+    ..TIME_CONSTANT
+};
+
+/// Time constant below which a second pole is none, s.
+pub(super) const NONE: f64 = 5e-5;
+
 /// A lag in the displacement sensor.
 #[derive(Debug, Clone)]
 pub struct DisplacementLag<S> {
     time: S,
+    second: Option<S>,
 }
 
 impl<S: Scalar> DisplacementLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[time] = parameters else { return None };
-        Some(Self { time })
+        let &[time, second] = parameters else { return None };
+        Some(Self { time, second: Some(second).filter(|second| second.value() > 1.01 * NONE) })
     }
 }
 
@@ -51,20 +65,22 @@ impl<S: Scalar> Effect<S> for DisplacementLag<S> {
         Hooks { follow: true, displacement: true, linear: true, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
-        1.0 / self.time.value().max(1e-4)
+        1.0 / self.second.unwrap_or(self.time).min(self.time).value().max(1e-4)
     }
     fn states(&self) -> usize {
-        1
+        1 + usize::from(self.second.is_some())
     }
     fn rest(&self, displacement: S, y: &mut [S]) {
         y.fill(displacement);
     }
     fn follow(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) {
-        if let (&[shown], [rate]) = (y, dy) {
-            *rate = (at.displacement - shown) / self.time;
+        let mut ahead = at.displacement;
+        for ((shown, rate), time) in y.iter().zip(dy).zip([Some(self.time), self.second].into_iter().flatten()) {
+            *rate = (ahead - *shown) / time;
+            ahead = *shown;
         }
     }
     fn sense_displacement(&self, displacement: S, y: &[S]) -> S {
-        y.first().copied().unwrap_or(displacement)
+        y.last().copied().unwrap_or(displacement)
     }
 }

@@ -1,4 +1,5 @@
-//! The spool follows its command as a second-order system.
+//! The spool follows its command as a second-order system, whose driving force may be limited: a torque motor or a pilot stage
+//! gives less than in proportion where the spool is far from its command.
 
 use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
@@ -7,7 +8,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "valve_lag",
-    equation: "s'' = w_v^2 (u - s) - 2 zeta w_v s'",
+    equation: "s'' = w_v^2 e/(1 + k |e|) - 2 zeta w_v s', e = u - s",
     stage: Stage::Valve,
     parameters: &[
         Parameter {
@@ -36,6 +37,19 @@ pub const ENTRY: Entry = Entry {
             simple: Ends::Neither,
             role: Role::Shared,
         },
+        Parameter {
+            key: "weakness",
+            unit: "1 per unit of u",
+            rigid_unit: "1/N",
+            meaning: "one over the distance from which half the force is missing",
+            yardstick: Yardstick::One,
+            low: 0.0,
+            high: 1e4,
+            starts: &[0.0],
+            positive: false,
+            simple: Ends::Low,
+            role: Role::Refined,
+        },
     ],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
@@ -49,19 +63,23 @@ pub const ENTRY: Entry = Entry {
 pub struct ValveLag<S> {
     frequency: S,
     damping: S,
+    weakness: S,
+    /// Whether the force is in proportion, derivatives included.
+    linear: bool,
 }
 
 impl<S: Scalar> ValveLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[hertz, damping] = parameters else { return None };
-        Some(Self { frequency: hertz * std::f64::consts::TAU, damping })
+        let &[hertz, damping, weakness] = parameters else { return None };
+        let linear = (0..S::PARTS).all(|i| weakness.part(i) == 0.0);
+        Some(Self { frequency: hertz * std::f64::consts::TAU, damping, weakness, linear })
     }
 }
 
 impl<S: Scalar> Effect<S> for ValveLag<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { valve: true, linear: true, ..Hooks::default() }
+        Hooks { valve: true, linear: self.linear, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
         self.frequency.value() * self.damping.value().max(1.0) * 2.0
@@ -72,7 +90,11 @@ impl<S: Scalar> Effect<S> for ValveLag<S> {
     fn valve(&self, u: S, y: &[S], dy: &mut [S]) -> S {
         if let (&[spool, speed], [spool_rate, speed_rate]) = (y, dy) {
             *spool_rate = speed;
-            *speed_rate = (u - spool) * self.frequency * self.frequency - speed * self.damping * self.frequency * 2.0;
+            let mut away = u - spool;
+            if !self.linear {
+                away = away / (away.abs() * self.weakness + 1.0);
+            }
+            *speed_rate = away * self.frequency * self.frequency - speed * self.damping * self.frequency * 2.0;
             spool
         } else {
             u

@@ -106,7 +106,7 @@ impl<S: Scalar> Mounted<S> {
         first: impl Fn(&Compliance<S>) -> usize,
         most: usize,
     ) -> Result<(Vec<Self>, usize, Compliance<S>), SimulateError> {
-        let mut compliance = Compliance { oil: None, leakage: None, stall_acceleration: None };
+        let mut compliance = Compliance { oil: None, leakage: None, stall_acceleration: None, pace: None };
         let mut mounted = Vec::new();
         for (id, parameters) in effects {
             let unknown = || SimulateError::UnknownEffect { id: id.to_owned(), count: parameters.len() };
@@ -231,8 +231,22 @@ impl<S: Scalar> Dynamics<S> {
     /// Takes the command through what has memory, for a step of `h` seconds.
     pub(in crate::plant) fn begin_step(&mut self, state: &mut State<S>, h: f64) {
         state.spool = state.command;
+        if self.any.observes {
+            self.observe(state);
+        }
         for m in self.mounted.iter_mut().filter(|m| m.hooks.command) {
             state.spool = m.effect.command(state.spool, h);
+        }
+    }
+
+    /// Shows the motion to what changes with it from step to step.
+    fn observe(&mut self, state: &State<S>) {
+        let at = self.instant(state);
+        for m in self.mounted.iter_mut().filter(|m| m.hooks.observes) {
+            m.effect.observe(&at);
+        }
+        if let Some(leakage) = self.mounted.iter().find_map(|m| m.effect.leakage()) {
+            self.compliance.leakage = Some(leakage);
         }
     }
 
@@ -387,6 +401,15 @@ impl<S: Scalar> Dynamics<S> {
         if self.yields {
             self.yielding(flow, *force, y, dy, h);
         }
+        if let Some(pace) = self.compliance.pace {
+            dy.iter_mut().for_each(|rate| *rate = *rate * pace);
+        }
+    }
+
+    /// An acceleration of the table, m/s2, from a rate of change by the stated clock.
+    #[inline]
+    pub(super) fn by_true_clock(&self, rate: S) -> S {
+        self.compliance.pace.map_or(rate, |pace| rate / pace)
     }
 
     /// The table's velocity at an instant, m/s.

@@ -118,7 +118,7 @@ impl<S: Scalar> Sample<S> {
     /// What the sensors of motion show at this sample.
     pub(super) fn push(&mut self, dynamics: &Dynamics<S>, wanted: Wanted, dt: f64, trace: &mut Trace<S>) {
         if wanted.acceleration {
-            let mean = (self.middle.0 - self.before.0) / dt;
+            let mean = dynamics.by_true_clock((self.middle.0 - self.before.0) / dt);
             let shows = dynamics.any.acceleration;
             trace.acceleration.push(if shows { dynamics.sense_acceleration(mean, &self.start) } else { mean });
         }
@@ -126,7 +126,7 @@ impl<S: Scalar> Sample<S> {
             trace.velocity.push(self.start.velocity);
         }
         if wanted.load {
-            trace.load.push((self.middle.1 - self.before.1) / dt + self.force);
+            trace.load.push(dynamics.by_true_clock((self.middle.1 - self.before.1) / dt) + self.force);
         }
         self.before = self.middle;
     }

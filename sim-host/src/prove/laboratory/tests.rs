@@ -132,6 +132,7 @@ fn plan() -> Plan {
         shard: 1,
         shards: 1,
         engine: String::new(),
+        quick: false,
     }
 }
 
