@@ -17,6 +17,7 @@ mod leftover;
 pub mod locate;
 mod next_test;
 mod noise;
+mod noise_left;
 mod outdone;
 pub mod planned;
 mod ranking;
@@ -164,6 +165,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     diagnosis.set_up = set_up.findings;
     diagnosis.set_up.extend(far_from_stated(experiment, &conclusion.after.fit));
     diagnosis.set_up.extend(conclusion.decision.noise.clone());
+    noise_left::report(experiment, &whole, &conclusion, &mut diagnosis.set_up)?;
     Ok(Examined { diagnosis, prepared: whole, conclusion })
 }
 

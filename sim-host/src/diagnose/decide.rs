@@ -11,6 +11,7 @@ use super::search::{CHANCE, Search};
 use super::split::Weighing;
 use super::standing::{outside, stands, strained};
 use crate::identify::fit::{Effort, Fit};
+use crate::plant::effects::entry;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -135,10 +136,10 @@ pub(super) fn weigh(
 /// The accepted model less the names of which others of its size stand in the place, where others stand: what is missing there is
 /// then said to be missing, not named.
 fn surer(weighing: &Weighing, after: &Judged, candidates: &[Judged]) -> Result<Option<Judged>, SimulateError> {
-    let belief = |id: &&'static str| {
-        candidates.iter().filter(|c| c.added.contains(id)).map(|c| c.probability).sum::<f64>() < CALIBRATION.likely
-    };
-    let doubtful: Vec<&'static str> = after.added.iter().copied().filter(|id| belief(id)).collect();
+    let with = |judged: &Judged, id: &'static str| judged.added.iter().any(|other| *other == id || kin(id, other));
+    let belief = |id| candidates.iter().filter(|c| with(c, id)).map(|c| c.probability).sum::<f64>();
+    let doubtful: Vec<&'static str> =
+        after.added.iter().copied().filter(|id| belief(*id) < CALIBRATION.likely).collect();
     if doubtful.is_empty() || doubtful.len() == after.added.len() {
         return Ok(None);
     }
@@ -146,6 +147,12 @@ fn surer(weighing: &Weighing, after: &Judged, candidates: &[Judged]) -> Result<O
     let mut fit = Fit::resume(model, after.fit.locals.clone(), weighing.fitted())?;
     fit.improve(weighing.fitted(), LESS)?;
     Ok(Some(Judged::of(fit, weighing)?))
+}
+
+/// True for two laws of one thing: at one place, and one mistaken for the other by the library's own word.
+fn kin(id: &str, other: &str) -> bool {
+    let (Some(a), Some(b)) = (entry(id), entry(other)) else { return false };
+    a.stage == b.stage && (a.mistaken_for.contains(&b.id) || b.mistaken_for.contains(&a.id))
 }
 
 /// Whether names explain most of the mismatch and no other set of their size comes near: what they leave is then something beside

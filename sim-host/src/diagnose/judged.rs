@@ -90,7 +90,8 @@ pub(super) fn disbelief(stated: &Model, fitted: &Model) -> f64 {
         return clock;
     }
     let known = stated.own.iter().zip(&fitted.own).filter(|(stated, _)| stated.free && stated.value != 0.0);
-    known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / CALIBRATION.stated_share).powi(2)).sum::<f64>() + clock
+    known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / CALIBRATION.stated_share).powi(2)).sum::<f64>()
+        + clock
 }
 
 /// Parameters that were fitted.

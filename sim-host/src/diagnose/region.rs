@@ -156,9 +156,7 @@ fn promised(placed: &Placed, along: Along, ends: &[f64], left: &[f64], parts: &[
     if let Some((gain, first, last)) = windows.max_by(|a, b| a.0.total_cmp(&b.0)) {
         let weights = inner(first, last);
         let placed = &strengthened(placed, with_left(&weights) / of(&weights, &weights));
-        starts.extend(
-            window(placed, along, (ends[first], ends[last + 1]), ends).map(|placed| Start { placed, gain }),
-        );
+        starts.extend(window(placed, along, (ends[first], ends[last + 1]), ends).map(|placed| Start { placed, gain }));
     }
     let scale = ends[PARTS].abs().max(ends[0].abs()).max(f64::MIN_POSITIVE);
     let (even, rising): ([f64; PARTS], [f64; PARTS]) =
@@ -258,3 +256,6 @@ fn ends(along: Along, runs: &[Run], predicted: &[Predicted]) -> Option<Vec<f64>>
     }
     (least > 0.0).then_some(ends)
 }
+
+#[cfg(test)]
+mod tests;

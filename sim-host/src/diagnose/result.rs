@@ -253,7 +253,8 @@ fn named(
         .map(|placed| {
             let id = placed.entry.id;
             let with = |c: &&Judged| c.added.contains(&id);
-            let keys = placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun && !is_code(p.key)).map(|p| p.key);
+            let keys =
+                placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun && !is_code(p.key)).map(|p| p.key);
             NamedEffect {
                 id,
                 probability: decision.candidates.iter().filter(with).map(|c| c.probability).sum(),

@@ -91,7 +91,11 @@ pub(crate) fn lay(stamps: &[f64]) -> Result<Grid, NoGrid> {
         .into_iter()
         .filter(|dt| (0.5 * step..1.5 * step).contains(dt))
         .filter_map(|dt| place(stamps, first, dt))
-        .min_by_key(|grid| grid.clock.irregular())
+        .min_by(|a, b| {
+            // A grid that is a little too wide swallows what is missing, and every row lies off its place.
+            let irregular = a.clock.irregular().cmp(&b.clock.irregular());
+            irregular.then(a.clock.jitter.total_cmp(&b.clock.jitter))
+        })
         .ok_or(NoGrid::TooSparse { step, span: last - first })
 }
 
@@ -189,6 +193,17 @@ mod tests {
 
     fn even(n: usize, dt: f64) -> Vec<f64> {
         (0..n).map(|k| 3.0 + k as f64 * dt).collect()
+    }
+
+    #[test]
+    fn rows_that_are_missing_do_not_widen_the_step() {
+        let stamps: Vec<f64> = (0..3000)
+            .filter(|k| !(1000..1014).contains(k) && !(1500..1519).contains(k))
+            .map(|k| f64::from(k) * 0.01)
+            .collect();
+        let grid = lay(&stamps).unwrap();
+        assert!((grid.dt - 0.01).abs() < 1e-9 && grid.clock.jitter < 1e-9, "{} {}", grid.dt, grid.clock.jitter);
+        assert_eq!(grid.rows.iter().filter(|row| row.is_none()).count(), 33);
     }
 
     #[test]

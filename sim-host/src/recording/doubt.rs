@@ -55,6 +55,8 @@ pub enum Doubt {
     LostRows,
     /// The noise of a channel is not as stated.
     Noise,
+    /// The noise of a channel grows with the motion.
+    NoiseGrowth,
     /// A value of the model is far from what was stated.
     ModelValue,
 }
@@ -113,6 +115,11 @@ impl SetUpFinding {
         Self { channel: Some(channel), ..it }
     }
 
+    /// By what share the noise of a channel is larger in strong motion than in weak.
+    pub fn noise_growth(channel: &'static str, share: f64, std: f64) -> Self {
+        Self { channel: Some(channel), ..Self::new(Doubt::NoiseGrowth, share, "1").against(0.0).within(std) }
+    }
+
     /// The sampling period, stated and found, s.
     pub fn clock_rate(stated: f64, found: f64, std: Option<f64>) -> Self {
         Self { std, ..Self::new(Doubt::ClockRate, found, "s").against(stated) }
@@ -165,6 +172,7 @@ impl Doubt {
             Self::ClockRate => "sampling period",
             Self::LostRows => "rows missing",
             Self::Noise => "noise of a channel",
+            Self::NoiseGrowth => "noise that grows with the motion, by share",
             Self::ModelValue => "stated value of the model",
         }
     }

@@ -5,7 +5,7 @@ use crate::recording::channel::Channel;
 use crate::recording::run::Run;
 
 /// Jitter below this part of a step is a converter's ordinary clock.
-const ORDINARY_JITTER: f64 = 0.02;
+const ORDINARY_JITTER: f64 = 0.004;
 
 /// Looks at what laying the grid found.
 pub(super) fn check(run: &Run) -> Vec<Finding> {

@@ -10,8 +10,12 @@ use crate::recording::experiment::Experiment;
 use crate::recording::signal::filled;
 use crate::recording::steps::quantisation_step;
 
-/// Departure beyond which a sample is wrong, in robust standard deviations of the run's departures.
+/// Departure beyond which a sample is wrong, in robust standard deviations of the run's departures; an accelerometer feels impacts,
+/// which may fill a sample or two, and a displacement cannot.
 const FAR: f64 = 10.0;
+const FAR_OF_PLACE: f64 = 6.5;
+/// Departures that neighbours may have by chance, in the same.
+const CHANCE: f64 = 4.0;
 /// Departures of the neighbours beyond which it is motion, as a share of the sample's own, its own effect on them taken off.
 const SUPPORTED: f64 = 0.25;
 /// Samples on either side whose departures say what is usual at that stretch.
@@ -27,7 +31,7 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     for run in &mut experiment.runs {
         for channel in SENSORS {
             let Some(samples) = run.channel(channel) else { continue };
-            let wrong = outliers(samples);
+            let wrong = outliers(samples, if channel == Channel::Displacement { FAR_OF_PLACE } else { FAR });
             if wrong.is_empty() {
                 continue;
             }
@@ -45,7 +49,7 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
 }
 
 /// Places of single wrong samples.
-fn outliers(samples: &[f64]) -> Vec<usize> {
+fn outliers(samples: &[f64], far: f64) -> Vec<usize> {
     let n = samples.len();
     if n < 64 {
         return Vec::new();
@@ -57,7 +61,8 @@ fn outliers(samples: &[f64]) -> Vec<usize> {
     let mut sizes: Vec<f64> = departures.iter().map(|d| d.abs()).collect();
     let usual = 1.4826 * *sizes.select_nth_unstable_by(n / 2, f64::total_cmp).1;
     let step = quantisation_step(samples).unwrap_or(0.0);
-    let limit = FAR * usual.max(step).max(f64::MIN_POSITIVE);
+    let chance = CHANCE * usual.max(step);
+    let limit = far * usual.max(step).max(f64::MIN_POSITIVE);
     let single = |&k: &usize| {
         let d = departures[k];
         if d.abs() < limit || !samples[k].is_finite() {
@@ -71,7 +76,7 @@ fn outliers(samples: &[f64]) -> Vec<usize> {
             .max(left(k + 2, -1.0 / 6.0));
         let around = (k.saturating_sub(AROUND)..(k + AROUND + 1).min(n)).filter(|j| j.abs_diff(k) > 2);
         let local = around.map(|j| departures[j].abs()).fold(0.0, f64::max);
-        near < SUPPORTED * d.abs() && local < 0.5 * d.abs()
+        near < (SUPPORTED * d.abs()).max(chance) && local < (0.5 * d.abs()).max(chance)
     };
     let found: Vec<usize> = (4..n.saturating_sub(4)).filter(single).collect();
     if found.len() as f64 > MOST * n as f64 { Vec::new() } else { found }
@@ -92,7 +97,7 @@ mod tests {
         for k in [100, 701, 1500] {
             samples[k] += 0.03;
         }
-        assert_eq!(outliers(&samples), [100, 701, 1500]);
+        assert_eq!(outliers(&samples, FAR), [100, 701, 1500]);
     }
 
     #[test]
@@ -101,13 +106,13 @@ mod tests {
         for k in 0..30 {
             samples[600 + k] += 0.1 * (-(k as f64) / 6.0).exp() * (k as f64 * 1.1).cos();
         }
-        assert!(outliers(&samples).is_empty());
+        assert!(outliers(&samples, FAR).is_empty());
     }
 
     #[test]
     fn a_step_is_no_error() {
         let mut samples = smooth(2000);
         samples.iter_mut().skip(900).for_each(|x| *x += 0.05);
-        assert!(outliers(&samples).is_empty());
+        assert!(outliers(&samples, FAR).is_empty());
     }
 }
