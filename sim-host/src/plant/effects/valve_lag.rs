@@ -1,6 +1,6 @@
 //! The spool follows its command as a second-order system.
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -42,6 +42,8 @@ pub const ENTRY: Entry = Entry {
     signature: "phase lost and, above its frequency, amplitude too",
     mistaken_for: &["command_delay", "acceleration_lag", "displacement_lag"],
     test: "sines of 20 Hz and up at small amplitude and high gain",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// Second-order spool.
