@@ -59,7 +59,7 @@ pub(crate) enum ModifierState {
 impl Modifier {
     /// The modifier that `settings` name, at their limits.
     pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        let limits = ReferenceLimits::new(settings.rate, settings.velocity_limit, settings.stroke);
+        let limits = ReferenceLimits::new(settings.rate, settings.slower_limit(), settings.stroke);
         Ok(match settings.modification {
             Modification::Off => Self::Off,
             Modification::Clip => Self::Clip(clip::Config::new(&limits)?),

@@ -130,6 +130,11 @@ impl Settings {
         if self.mode == Mode::Modifier { 1.0 } else { self.inner_loop.cancellation(1.0) }
     }
 
+    /// The speed that the table reaches both ways, m/s: what a modified reference keeps to.
+    pub(crate) fn slower_limit(&self) -> f32 {
+        self.velocity_limit * crate::math::min(self.tracking.map_or(1.0, |tracking| tracking.flow.asymmetry), 1.0)
+    }
+
     /// Whether a second displacement sensor is fitted.
     pub(crate) fn reads_second_displacement(&self) -> bool {
         self.guard.is_some_and(|guard| guard.inputs.second_displacement.is_some())

@@ -22,6 +22,7 @@ pub mod link_server;
 mod logged;
 pub mod output;
 pub mod queues;
+pub mod signs_of_life;
 pub mod store;
 pub mod tick;
 

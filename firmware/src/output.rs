@@ -70,7 +70,8 @@ impl Output {
 /// What a program that fails leaves behind: the output code at which no oil flows, worked out ahead as far as it can be.
 ///
 /// Zero volts is not zero flow: with a hard-wired inner loop (Fig. 2), or an existing position controller behind the
-/// device, the LVDT is subtracted from the output, and a zero from x = 0.1 m is an order to return at 0.21 m/s.
+/// device, the LVDT is subtracted from the output, and a zero from x = 0.1 m is an order to return, on the paper's
+/// table at 0.24 m/s.
 #[derive(Debug, Clone, Copy)]
 pub struct ZeroFlow {
     wires: InputScaling,

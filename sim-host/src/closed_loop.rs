@@ -25,11 +25,11 @@ pub mod trade_off;
 pub mod trial;
 pub mod twin;
 
-pub use law::{AREA_PER_MASS, Actuation, Law, Measured, PlainPi};
+pub use law::{Actuation, Law, Measured, PlainPi};
 
 use crate::plant::Plant;
 use crate::plant::paper::ParameterError;
-use crate::plant::sensors::Sensors;
+use crate::plant::sensors::{SensorModel, Sensors};
 
 /// The rates of one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,9 +87,19 @@ pub enum ClosedLoopError {
     /// The core refused its settings.
     #[error("controller: {0}")]
     Settings(#[from] shakedown_core::SettingsError),
+    /// The settings limit a force, and nothing says what pressure the table's load is.
+    #[error("sensors: `area_per_mass` is missing: state piston area over moving mass, m2/kg, for the force limit")]
+    AreaPerMass,
     /// The effects of the table do not make a plant.
     #[error("table: {0}")]
     Table(#[from] crate::plant::simulate::SimulateError),
+}
+
+/// `sensors` with the piston area over moving mass that the pressure damping of `settings` is set for, unless they state one: a
+/// model knows loads by the acceleration they make, and only who set the law can say what pressure that is on this table.
+pub(crate) fn pressure_by_settings(sensors: &SensorModel, settings: &shakedown_core::Settings) -> SensorModel {
+    let stated = settings.tracking.and_then(|t| t.pressure).map(|p| f64::from(p.area_per_mass));
+    SensorModel { area_per_mass: sensors.area_per_mass.or(stated), ..sensors.clone() }
 }
 
 /// What one run leaves behind, one value a control tick. Lengths are equal.
@@ -196,14 +206,17 @@ pub fn run<P: Plant, L: Law>(
     for (k, &wanted) in reference.iter().enumerate() {
         let rate_of_reference = if k == 0 { 0.0 } else { (wanted - reference[k - 1]) * clock.rate };
         let (time, x, v) = (k as f64 / clock.rate, plant.displacement(), plant.velocity(command));
+        let mean = (v - before) * clock.rate;
+        let (displacement, acceleration) = (sensors.displacement(time, x), sensors.acceleration(time, mean));
         let measured = Measured {
             reference: wanted,
-            displacement: sensors.displacement(time, x),
-            acceleration: sensors.acceleration(time, (v - before) * clock.rate),
-            velocity: v,
+            displacement,
+            acceleration,
+            velocity: sensors.velocity(v, (displacement, acceleration), clock.rate),
             reference_velocity: rate_of_reference,
             reference_acceleration: (rate_of_reference - rate_before) * clock.rate,
-            load: plant.load(command).unwrap_or(0.0),
+            // Stiff oil passes on what the table's mass asks for.
+            pressure_difference: sensors.pressure_difference(plant.load(command).unwrap_or(mean)),
         };
         let out = law.step(&measured);
         (before, rate_before, command) = (v, rate_of_reference, out.valve);
@@ -229,7 +242,6 @@ pub fn run<P: Plant, L: Law>(
 mod tests {
     use super::*;
     use crate::plant::paper::{FixedStep, Paper};
-    use crate::plant::sensors::SensorModel;
 
     fn run_plain(paper: Paper, kp: f64, ki: f64, steps: usize, reference: &[f64]) -> Trace {
         let clock = Clock::new(1000.0, steps).unwrap();

@@ -16,3 +16,7 @@ pub mod prove;
 pub mod recording;
 pub mod report;
 pub mod scalar;
+
+#[cfg(test)]
+#[path = "../tests/support/skipped.rs"]
+mod skipped;

@@ -51,10 +51,7 @@ mod tests {
         if path.exists() {
             return Some(path);
         }
-        eprintln!(
-            "SKIPPED: {} is not at hand; set SHAKEDOWN_DATA to the folder of the development data",
-            path.display()
-        );
+        crate::skipped::without(&path);
         None
     }
 }

@@ -11,6 +11,9 @@ mod dual;
 pub use dual::Dual;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+/// Standard gravity, m/s2: the `g` of every file, label and equation.
+pub const GRAVITY: f64 = 9.806_65;
+
 /// A real number a model can be run on.
 pub trait Scalar:
     Copy

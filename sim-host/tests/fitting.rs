@@ -8,6 +8,9 @@
     reason = "the lint knows test functions, not helpers"
 )]
 
+#[path = "support/skipped.rs"]
+mod skipped;
+
 use shakedown::closed_loop::published::Named;
 use shakedown::closed_loop::trial::Setup;
 use shakedown::motion::condition::{Recipe, peak_acceleration};
@@ -39,10 +42,7 @@ fn prepared(file: &str, scale: Option<&str>) -> Option<Motion> {
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
     let path = folder.join("records").join(file);
     if !path.exists() {
-        eprintln!(
-            "skipped: {} is not at hand; set SHAKEDOWN_DATA to the folder of the development data",
-            path.display()
-        );
+        skipped::without(&path);
         return None;
     }
     let record = read::record(&path, &read::Options::default()).unwrap();

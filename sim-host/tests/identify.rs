@@ -12,6 +12,9 @@
 #[path = "support/coverage.rs"]
 mod coverage;
 
+#[path = "support/skipped.rs"]
+mod skipped;
+
 use shakedown::closed_loop::sweep_recording;
 use shakedown::diagnose::locate::leftover;
 use shakedown::identify::judge::{Score, score};
@@ -33,7 +36,7 @@ fn data(name: &str) -> Option<PathBuf> {
     if path.exists() {
         return path.canonicalize().ok();
     }
-    eprintln!("SKIPPED: {} is not at hand; set SHAKEDOWN_DATA to the folder of the data", path.display());
+    skipped::without(&path);
     None
 }
 

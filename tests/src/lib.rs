@@ -3,3 +3,5 @@
 pub mod binary;
 pub mod browser;
 pub mod sample;
+#[path = "../../sim-host/tests/support/skipped.rs"]
+mod skipped;

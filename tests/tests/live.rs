@@ -59,7 +59,7 @@ fn all_counted(browser: &mut Browser) {
 
 #[test]
 fn a_test_on_the_twin_is_armed_started_held_and_stopped_from_the_keyboard() {
-    let Some(program) = chromium() else { return eprintln!("skipped: no Chromium") };
+    let Some(program) = chromium() else { return };
     let folder = TempDir::new().unwrap();
     let live = Live::start(folder.path(), &["--out", "runs"]);
     let mut browser = Browser::start(program, 1280, 900).unwrap();
@@ -93,7 +93,7 @@ fn a_test_on_the_twin_is_armed_started_held_and_stopped_from_the_keyboard() {
 
 #[test]
 fn a_trip_and_a_stop_work_from_any_page_and_a_killed_browser_changes_nothing() {
-    let Some(program) = chromium() else { return eprintln!("skipped: no Chromium") };
+    let Some(program) = chromium() else { return };
     let folder = TempDir::new().unwrap();
     let live = Live::start(folder.path(), &["--out", "runs"]);
     let mut first = Browser::start(program, 400, 860).unwrap();
@@ -258,7 +258,7 @@ fn a_recording_is_watched_as_if_it_were_measured_now() {
 #[test]
 #[ignore = "ten minutes"]
 fn ten_minutes_of_telemetry_leave_no_drop_uncounted_and_memory_flat() {
-    let Some(program) = chromium() else { return eprintln!("skipped: no Chromium") };
+    let Some(program) = chromium() else { return };
     let folder = TempDir::new().unwrap();
     reference(&folder.path().join("reference.csv"), 620);
     let live = Live::start(folder.path(), &["reference.csv", "--out", "runs"]);
@@ -291,7 +291,7 @@ fn ten_minutes_of_telemetry_leave_no_drop_uncounted_and_memory_flat() {
 #[test]
 #[ignore = "pictures for the eye"]
 fn pictures_of_the_page() {
-    let Some(program) = chromium() else { return eprintln!("skipped: no Chromium") };
+    let Some(program) = chromium() else { return };
     let album = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../pages");
     std::fs::create_dir_all(&album).unwrap();
     let folder = TempDir::new().unwrap();

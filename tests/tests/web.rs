@@ -28,10 +28,7 @@ struct Shown {
 
 impl Shown {
     fn new() -> Option<Self> {
-        let Some(program) = chromium() else {
-            eprintln!("SKIPPED: no Chromium on this machine");
-            return None;
-        };
+        let program = chromium()?;
         let page = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../hosts/shakedown.html").canonicalize();
         let page = page.expect("the page is built: cargo xtask page");
         let mut browser = Browser::start(program, 1280, 900).expect("Chromium starts");

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use shakedown_core::settings::{
-    Detection, EnvelopeSettings, Gains, GuardSettings, InnerLoop, ReferenceRates, VelocitySource,
+    Detection, EnvelopeSettings, FlowSettings, Gains, GuardSettings, InnerLoop, ReferenceRates, TrackingSettings,
+    VelocitySource,
 };
 use shakedown_core::{Controller, Mode, Modification, OperatorRequest, Sample, Settings};
 
@@ -116,6 +117,22 @@ fn fastest(settings: &Settings, samples: &[Sample]) -> f64 {
         before = Some(now);
     }
     fastest
+}
+
+/// Where the table is slower one way, as the tracking law is told, a modified reference keeps to what it does both ways.
+#[test]
+fn a_modified_reference_keeps_to_the_slower_direction() {
+    let square: Vec<Sample> =
+        (0..4000).map(|k| Sample::new(if k / 500 % 2 == 0 { 0.05 } else { -0.05 }, 0.0, 0.0)).collect();
+    for (asymmetry, slower) in [(0.6, 0.12_f32), (1.5, 0.2), (1.0, 0.2)] {
+        let flow = FlowSettings { asymmetry, ..FlowSettings::default() };
+        let tracking = Some(TrackingSettings { flow, ..TrackingSettings::default() });
+        let settings =
+            Settings { modification: Modification::Causal, velocity_limit: 0.2, tracking, ..Settings::default() };
+        // As a share of what the slower direction allows.
+        let share = fastest(&settings, &square) * f64::from(0.2 / slower);
+        assert!(share > 0.99 && share < 1.001, "{asymmetry}: {share}");
+    }
 }
 
 #[test]

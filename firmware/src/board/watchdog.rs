@@ -3,9 +3,8 @@
 //! Its clock is any between 17 and 47 kHz (data sheet, f_LSI), 32 at most parts: what is 56 ms on most is 38 to 105 ms. It is
 //! fed when the ticks go on and the link has been served since: one that hangs alone would leave a stop unheard.
 
-use core::sync::atomic::{AtomicBool, Ordering};
-
 use shakedown_firmware::OpenRelay;
+use shakedown_firmware::signs_of_life::SignsOfLife;
 use stm32f4xx_hal::pac::IWDG;
 
 const UNLOCK: u16 = 0x5555;
@@ -22,8 +21,7 @@ const PATIENT: u16 = 1000;
 /// there is nothing to be said then that the absence of resets at commissioning does not say.
 const CROSSING: u32 = 100_000;
 
-/// The link has been served.
-static SERVED: AtomicBool = AtomicBool::new(true);
+static SIGNS: SignsOfLife = SignsOfLife::new();
 
 /// The watchdog, running.
 pub(crate) struct Watchdog(IWDG);
@@ -40,8 +38,7 @@ impl Watchdog {
     /// The ticks go on; if the link does too, the program is alive.
     #[inline]
     pub(crate) fn feed(&self) {
-        if SERVED.load(Ordering::Relaxed) {
-            SERVED.store(false, Ordering::Relaxed);
+        if SIGNS.ticked() {
             self.key(RELOAD);
         }
     }
@@ -69,7 +66,7 @@ impl Watchdog {
 
 /// The link has been served.
 pub(crate) fn served() {
-    SERVED.store(true, Ordering::Relaxed);
+    SIGNS.served();
 }
 
 /// Lets `work` take seconds. Only with the ticks stopped, so that nobody feeds the watchdog meanwhile.

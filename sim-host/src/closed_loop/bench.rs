@@ -26,7 +26,7 @@ use crate::motion::resample::Interpolation;
 use crate::motion::{Motion, Record};
 use crate::plant::sensors::{SensorModel, Sensors};
 use rayon::prelude::*;
-use rivals::{Adrc, Lqi, ThreeVariable};
+use rivals::{Adrc, Lqi, OBSERVER_RATIOS, ThreeVariable, VELOCITY_GAINS};
 use shakedown_core::{Controller, Settings};
 
 /// Control rate, Hz.
@@ -172,29 +172,39 @@ fn shakes(bench: &Bench, tuned: &Tuned) -> Result<f64, BenchError> {
     Ok((sum / trace.acceleration.len() as f64).sqrt())
 }
 
-/// Tunes `contender` for `bench`: the paper's keep their gains, the core's is designed, the rivals get the widest
-/// bandwidth that keeps [`KEPT`] and is no louder at rest than [`QUIET`].
+/// Tunes `contender` for `bench`: the paper's keep their gains, the core's is designed. A rival gets the widest bandwidth at
+/// which any setting of its second number keeps [`KEPT`] and is no louder at rest than [`QUIET`], and of those settings the one
+/// that leaves least of what acts on the table ([`super::margin::Margins::left`]).
 pub fn tune(contender: Contender, bench: &Bench) -> Result<Tuned, BenchError> {
     let table = &bench.table;
-    let widest = |make: &dyn Fn(f64) -> Tuned| -> Result<Tuned, BenchError> {
-        let mut last = make(BANDWIDTHS[BANDWIDTHS.len() - 1]);
+    let widest = |seconds: &[f64], make: &dyn Fn((f64, f64)) -> Tuned| -> Result<Tuned, BenchError> {
         for bandwidth in BANDWIDTHS {
-            let tuned = make(bandwidth);
-            let clock = Clock::new(RATE, STEPS).map_err(ClosedLoopError::from)?;
-            let mut plant = table.linear(&Corner::default(), clock.plant_step()).map_err(DesignError::from)?;
-            let safe = margins(&mut plant, &mut tuned.start()?, clock).is_some_and(|m| m.reach(KEPT));
-            if safe && shakes(bench, &tuned)? <= QUIET {
-                last = tuned;
-                break;
+            let mut best: Option<(f64, Tuned)> = None;
+            for &second in seconds {
+                let tuned = make((bandwidth, second));
+                let clock = Clock::new(RATE, STEPS).map_err(ClosedLoopError::from)?;
+                let mut plant = table.linear(&Corner::default(), clock.plant_step()).map_err(DesignError::from)?;
+                let kept = margins(&mut plant, &mut tuned.start()?, clock).filter(|m| m.reach(KEPT));
+                let Some(kept) = kept.filter(|m| best.as_ref().is_none_or(|(left, _)| m.left < *left)) else {
+                    continue;
+                };
+                if shakes(bench, &tuned)? <= QUIET {
+                    best = Some((kept.left, tuned));
+                }
+            }
+            if let Some((_, tuned)) = best {
+                return Ok(tuned);
             }
         }
-        Ok(last)
+        Ok(make((BANDWIDTHS[BANDWIDTHS.len() - 1], seconds[0])))
     };
     match contender {
         Contender::Paper(named) => Ok(Tuned::Core(Box::new(named.settings(RATE)))),
-        Contender::ThreeVariable => widest(&|hz| Tuned::ThreeVariable(ThreeVariable::new(table, hz, RATE))),
-        Contender::Lqi => widest(&|hz| Tuned::Lqi(Box::new(Lqi::new(table, hz, RATE)))),
-        Contender::Adrc => widest(&|hz| Tuned::Adrc(Adrc::new(table, hz, RATE))),
+        Contender::ThreeVariable => {
+            widest(&VELOCITY_GAINS, &|numbers| Tuned::ThreeVariable(ThreeVariable::new(table, numbers, RATE)))
+        }
+        Contender::Lqi => widest(&[1.0], &|(hz, _)| Tuned::Lqi(Box::new(Lqi::new(table, hz, RATE)))),
+        Contender::Adrc => widest(&OBSERVER_RATIOS, &|numbers| Tuned::Adrc(Adrc::new(table, numbers, RATE))),
         Contender::Tracking => {
             let demand = Demand { margins: KEPT, rate: RATE, ..Demand::default() };
             Ok(Tuned::Core(Box::new(design(table, &demand, |_, _| ())?.settings)))

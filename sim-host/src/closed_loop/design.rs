@@ -12,8 +12,9 @@ mod table;
 
 pub use table::{Corner, Spread, Table, TableError};
 
-use super::margin::{Margins, margins};
-use super::{Clock, ClosedLoopError};
+use super::margin::{Margins, margins_with};
+use super::{Clock, ClosedLoopError, pressure_by_settings};
+use crate::plant::sensors::SensorModel;
 use rayon::prelude::*;
 use shakedown_core::settings::TrackingSettings;
 use shakedown_core::{Controller, Settings};
@@ -109,7 +110,8 @@ pub fn at_corner(table: &Table, settings: &Settings, corner: &Corner) -> Result<
     let clock = Clock::new(f64::from(settings.rate), 2).map_err(ClosedLoopError::from)?;
     let mut law = Controller::new(&smooth(settings)).map_err(ClosedLoopError::from)?;
     let mut plant = table.linear(corner, clock.plant_step())?;
-    Ok(margins(&mut plant, &mut law, clock))
+    let sensors = pressure_by_settings(&SensorModel::default(), settings);
+    Ok(margins_with(&mut plant, &mut law, sensors, clock))
 }
 
 fn smooth(settings: &Settings) -> Settings {
@@ -203,14 +205,17 @@ mod tests {
     /// A law that takes the oil for stiff swings up on a column of 12 Hz; damped by the pressure difference it has margins.
     #[test]
     fn pressure_difference_damps_what_the_law_does_not_know() {
-        let with = |gain: f32| {
+        let with_area = |area: f32, gain: f32| {
             let mut settings = settings(&Table::default(), 1000.0, (4.0, 0.0));
-            let area_per_mass = crate::closed_loop::AREA_PER_MASS as f32;
-            let pressure = PressureSettings { area_per_mass, gain, corner: 0.5 };
+            let pressure = PressureSettings { area_per_mass: area, gain, corner: 0.5 };
             settings.tracking = settings.tracking.map(|t| TrackingSettings { pressure: Some(pressure), ..t });
             at_corner(&oil(), &settings, &Corner::default()).unwrap()
         };
+        let with = |gain: f32| with_area(0.024 / 5000.0, gain);
         assert_eq!(with(0.0), None);
+        // A table of another size: 20 cm2 on 150 kg. What its sensor shows is its own, and so is the damping.
+        let apart = with_area(0.002 / 150.0, 0.015).unwrap().gain_db - with(0.015).unwrap().gain_db;
+        assert!(apart.abs() < 0.1, "{apart} dB");
         assert!(with(0.015).unwrap().reach((6.0, 30.0)), "{:?}", with(0.015));
     }
 

@@ -17,13 +17,9 @@ pub struct Measured {
     pub reference_velocity: f64,
     /// Acceleration of the reference, m/s2, for laws that are supplied with it.
     pub reference_acceleration: f64,
-    /// Load pressure times piston area over table mass, m/s2, for laws that read a pressure difference.
-    pub load: f64,
+    /// Pressure difference across the piston, Pa, for laws that read one; no number where no sensor is fitted.
+    pub pressure_difference: f64,
 }
-
-/// Piston area over moving mass by which a load becomes the pressure difference that the core reads, m2/kg: the paper's
-/// 240 cm2 on its 5 t.
-pub const AREA_PER_MASS: f64 = 0.024 / 5000.0;
 
 /// What a law answers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +53,7 @@ impl Law for Controller {
                 velocity: measured.velocity as f32,
                 reference_velocity: measured.reference_velocity as f32,
                 reference_acceleration: measured.reference_acceleration as f32,
-                pressure_difference: (measured.load / AREA_PER_MASS) as f32,
+                pressure_difference: measured.pressure_difference as f32,
                 ..Sample::default()
             },
         );

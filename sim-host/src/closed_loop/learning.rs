@@ -219,7 +219,7 @@ fn play(setup: &Setup, drive: &[f64], seed: u64) -> Result<(Motion, Vec<f64>), T
     let clock = Clock::new(setup.rate(), setup.steps).map_err(ClosedLoopError::from)?;
     let start = drive.first().copied().unwrap_or(0.0);
     let mut law = Controller::new(&setup.settings).map_err(ClosedLoopError::from)?;
-    let mut sensors = setup.sensors.clone();
+    let mut sensors = setup.fitted()?;
     sensors.seed = sensors.seed.wrapping_mul(1000).wrapping_add(seed);
     let trace = setup.table.run(&mut law, &mut Sensors::new(sensors), drive, start, clock)?;
     let truth = Motion {

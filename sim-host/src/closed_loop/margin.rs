@@ -72,10 +72,20 @@ impl<L: Law> Law for Nudged<'_, L> {
     }
 }
 
-/// The margins of `law` on `plant`, both at rest at centre; `None` where the loop is not stable.
+/// The margins of `law` on `plant`, both at rest at centre; `None` where the loop is not stable. A law that reads no pressure.
 pub fn margins<P: Plant, L: Law>(plant: &mut P, law: &mut L, clock: Clock) -> Option<Margins> {
+    margins_with(plant, law, SensorModel::default(), clock)
+}
+
+/// The same with sensors of which at most a pressure's size is stated: their noise would hide the answer.
+pub fn margins_with<P: Plant, L: Law>(
+    plant: &mut P,
+    law: &mut L,
+    sensors: SensorModel,
+    clock: Clock,
+) -> Option<Margins> {
     let n = (WATCHED * clock.rate()) as usize;
-    let mut sensors = Sensors::new(SensorModel::default());
+    let mut sensors = Sensors::new(sensors);
     let trace = run(plant, &mut Nudged { law, tick: 0 }, &mut sensors, &vec![0.0; n], clock);
     let answer: Vec<f64> = trace.command[AT..].iter().map(|u| u / NUDGE).collect();
     let peak = answer.iter().fold(0.0_f64, |m, u| m.max(u.abs()));

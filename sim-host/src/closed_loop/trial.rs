@@ -2,7 +2,7 @@
 
 use super::published::Named;
 use super::twin::Twin;
-use super::{Clock, ClosedLoopError, Law, Trace};
+use super::{Clock, ClosedLoopError, Law, Trace, pressure_by_settings};
 use crate::motion::condition::{Recipe, Step};
 use crate::motion::metrics::{Comparison, Indices, Window, compare, indices, intensity};
 use crate::motion::resample::Interpolation;
@@ -54,12 +54,19 @@ impl Setup {
         };
         let clock = Clock::new(self.rate(), self.steps).map_err(ClosedLoopError::from)?;
         let start = played.displacement.first().copied().unwrap_or(0.0);
-        let mut sensors = Sensors::new(self.sensors.clone());
+        let mut sensors = Sensors::new(self.fitted()?);
         let trace = self.table.run(law, &mut sensors, &played.displacement, start, clock)?;
         if let Some(tick) = trace.first_without_number() {
             return Err(TrialError::NotFinite { time: tick as f64 * trace.dt });
         }
         Ok(Trial { wanted, played, lag, trace })
+    }
+
+    /// The sensors with the piston area that the law's pressure damping is set for, where they do not state one themselves.
+    pub(super) fn fitted(&self) -> Result<SensorModel, ClosedLoopError> {
+        let fitted = pressure_by_settings(&self.sensors, &self.settings);
+        let limited = self.settings.guard.is_some_and(|guard| guard.envelope.force.is_some());
+        if limited && fitted.area_per_mass.is_none() { Err(ClosedLoopError::AreaPerMass) } else { Ok(fitted) }
     }
 
     /// By how many ticks the core answers the reference late: what its modifier looks ahead.

@@ -2,7 +2,7 @@
 
 use super::{Clock, ClosedLoopError, Law, Trace, run};
 use crate::plant::Plant;
-use crate::plant::effects::regional;
+use crate::plant::effects::{Countered, regional};
 use crate::plant::model::Baseline;
 use crate::plant::paper::{FixedStep, Paper};
 use crate::plant::sensors::Sensors;
@@ -75,8 +75,8 @@ impl Twin {
 
     /// The largest speed it reaches both ways, m/s.
     pub fn velocity_limit(&self) -> f64 {
-        let unequal = self.effects.iter().filter(|e| e.id == "asymmetric_limit").flat_map(|e| &e.parameters);
-        unequal.fold(self.plant.velocity_limit, |least, &limit| least.min(limit))
+        // Stated for each direction they take the place of the model's one.
+        Countered::of(&self.effects).limits.map_or(self.plant.velocity_limit, |(up, down)| up.min(down))
     }
 
     /// The steady command that takes it to its largest speed, m: the valve fully open, as far as the model knows.
@@ -86,7 +86,7 @@ impl Twin {
 
     /// Load at which its flow stalls, as table acceleration, m/s2; none where no load slows it.
     pub fn stall(&self) -> Option<f64> {
-        self.effects.iter().find(|e| e.id == "load_dependent_flow").and_then(|e| e.parameters.first()).copied()
+        Some(Countered::of(&self.effects).stall).filter(|&stall| stall > 0.0)
     }
 
     /// The table at rest at `start` (m), to be moved on in steps of `dt` (s) by whoever holds the clock.

@@ -6,7 +6,7 @@ use super::limit_switches::limit_switches;
 use super::machine::{Break, Oil, Table};
 use super::motions::{Motions, RATE};
 use shakedown_core::settings::{
-    Detection, EnvelopeSettings, Gains, GuardSettings, RampSettings, Ranges, TrackingSettings,
+    Detection, EnvelopeSettings, Gains, GuardSettings, InnerLoop, RampSettings, Ranges, TrackingSettings,
 };
 use shakedown_core::{Mode, Modification, Settings};
 
@@ -65,7 +65,10 @@ impl Case {
         let kp = gain(&mut dice, &table);
         let (motion, reference) = slice(&mut dice, motions);
         let onset = 1500 + dice.below(4500);
-        let settings = settings(&mut dice, mode, kp, &table);
+        let mut settings = settings(&mut dice, mode, kp, &table);
+        if matches!(fault, Fault::Shared(_)) && mode == Mode::Controller {
+            settings.inner_loop = InnerLoop::Hardwired;
+        }
         Self {
             number,
             class,
@@ -95,6 +98,7 @@ impl Case {
         match self.settings.mode {
             Mode::Guard => "guard",
             Mode::Modifier => "modifier",
+            Mode::Controller if self.settings.inner_loop == InnerLoop::Hardwired => "hard-wired",
             Mode::Controller if self.settings.tracking.is_some() => "tracking",
             Mode::Controller => "controller",
         }
@@ -125,6 +129,8 @@ pub(super) fn table(dice: &mut Dice, oil: bool) -> Table {
 fn mode(dice: &mut Dice, fault: Fault) -> Mode {
     match fault {
         Fault::Behind(_) => Mode::Modifier,
+        Fault::Shared(_) if dice.chance(0.5) => Mode::Modifier,
+        Fault::Shared(_) => Mode::Controller,
         Fault::Table(Break::Stuck(_) | Break::Frozen | Break::Supply(_)) if dice.chance(0.5) => Mode::Guard,
         Fault::Table(Break::Stuck(_) | Break::Frozen | Break::Supply(_)) => Mode::Controller,
         Fault::LinkCut | Fault::LinkGarbled(_) | Fault::SettingsWrong(_) | Fault::SettingsNonsense => Mode::Controller,

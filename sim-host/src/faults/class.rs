@@ -29,6 +29,9 @@ pub enum Fault {
     None,
     /// A signal arrives as something else.
     Signal(Channel, Spoil),
+    /// The one LVDT that the device and a loop behind it read, an existing controller's or a hard-wired one (Fig. 2), shows
+    /// something else to both; where it shows no number the loop behind reads a rail.
+    Shared(Spoil),
     /// No byte of the stream of reference points arrives any more.
     LinkCut,
     /// This share of the stream's bytes has a bit flipped.

@@ -2,13 +2,16 @@
 //!
 //! A run is a number under a seed, as in the campaign: a table, a mode with its law, and a record or a sine. Sines go up to nine
 //! tenths of what the envelope allows and the table can: 27 m/s2, 0.22 m/s, 80 mm. An existing controller in front of a guard
-//! feeds the velocity forward there, so that the table does reach them.
+//! feeds the velocity forward there, so that the table does reach them; where that meets an oil column's resonance, the sine is
+//! as much smaller as the table makes it larger, for a table that leaves its envelope is not healthy.
 
 use super::case::{self, Case, REST, TICKS};
 use super::class::{CLASSES, Fault};
 use super::dice::Dice;
+use super::machine::{Oil, Table};
 use super::motions::{Motions, RATE};
 use super::rig::{self, RigError};
+use nalgebra::Complex;
 use rayon::prelude::*;
 use serde::Serialize;
 use shakedown_core::{Mode, State};
@@ -43,13 +46,15 @@ pub fn deal(seed: u64, number: u64, motions: &Motions) -> (Case, Option<f64>) {
     let mode = [Mode::Guard, Mode::Modifier, Mode::Controller][dice.below(3)];
     let kp = case::gain(&mut dice, &table);
     let (motion, mut reference) = case::slice(&mut dice, motions);
-    let sine = dice.chance(0.5).then(|| dice.scale(0.1, 30.0));
-    if let Some(frequency) = sine {
-        reference = steady(frequency, dice.uniform(0.3, 1.0));
-    }
+    let sine = dice.chance(0.5).then(|| (dice.scale(0.1, 30.0), dice.uniform(0.3, 1.0)));
     let settings = case::settings(&mut dice, mode, kp, &table);
     // The existing controller knows its table's gain as well as ours does.
     let feed_forward = if sine.is_some() && mode == Mode::Guard { 1.0 / f64::from(settings.valve.gain) } else { 0.0 };
+    if let Some((frequency, share)) = sine {
+        let enlarged = if mode == Mode::Guard { enlarged(&table, (kp, feed_forward), frequency) } else { 1.0 };
+        reference = steady(frequency, share / enlarged.max(1.0));
+    }
+    let sine = sine.map(|(frequency, _)| frequency);
     let case = Case {
         number,
         class: &CLASSES[0],
@@ -67,6 +72,19 @@ pub fn deal(seed: u64, number: u64, motions: &Motions) -> (Case, Option<f64>) {
         dice,
     };
     (case, sine)
+}
+
+/// How much larger than asked for a sine of `frequency` (Hz) comes out of `table` under a proportional loop (1) with a forward
+/// path of the velocity (s), 1.
+fn enlarged(table: &Table, (proportional, forward): (f64, f64), frequency: f64) -> f64 {
+    let s = Complex::new(0.0, TAU * frequency);
+    let flow = (s * table.b1 + table.b0) / (s + table.a1);
+    let column = table.oil.map_or(Complex::new(1.0, 0.0), |Oil { omega, damping }| {
+        let damped = s * 2.0 * damping * omega + omega * omega;
+        damped / (s * s + damped)
+    });
+    let moved = flow * column / s;
+    (moved * (s * forward + proportional) / (moved * proportional + 1.0)).norm()
 }
 
 /// A sine that grows to a `share` of what is allowed at its `frequency` (Hz), m.
@@ -106,4 +124,21 @@ pub fn run(seed: u64, runs: u64, motions: &Motions, done: &(impl Fn(u64) + Sync)
         healthy
     };
     (0..runs).into_par_iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The existing controller in front of the guard feeds 25 Hz forward into an oil column that resonates there: asked for 27 m/s2
+    /// the table did 47, which is beyond the envelope, and the guard was right.
+    #[test]
+    fn a_sine_that_meets_an_oil_columns_resonance_stays_within_the_envelope() {
+        let motions = Motions::new(None).unwrap();
+        let (case, sine) = deal(20261, 1393, &motions);
+        let (table, forward) = (case.table, (case.existing, case.feed_forward));
+        assert!(enlarged(&table, forward, sine.unwrap()) > 1.3 && enlarged(&table, forward, 1.0) < 1.2);
+        let found = judge(20261, 1393, &motions).unwrap();
+        assert!(found.tripped.is_none() && found.acceleration < 30.0, "{found:?}");
+    }
 }

@@ -59,6 +59,8 @@ struct Rig<'a> {
     reference: f32,
     /// Ticks that the table has been at a limit switch.
     at_switch: u32,
+    /// What a loop behind the device that shares its LVDT reads, m.
+    shared: f64,
 }
 
 /// Why a run could not begin: the campaign's own settings do not hold.
@@ -82,6 +84,9 @@ pub struct Pair {
 
 /// From a table at a limit switch to its circuit open, ticks: a roller's way, and the contact's own.
 const CONTACT: u32 = 5;
+
+/// What a loop behind the device reads of a broken wire, m: the end of its converter.
+const RAIL: f64 = 0.16;
 
 /// How long a run goes on after a trip, s.
 pub const AFTER: f64 = 0.8;
@@ -129,13 +134,14 @@ impl<'a> Rig<'a> {
             last: None,
             reference: start as f32,
             at_switch: 0,
+            shared: start,
         })
     }
 
     /// The fault begins.
     fn begin(&mut self) {
         match self.fault {
-            Fault::Signal(_, how) => self.spoiled = Some(Spoiled::new(how, 1.0 / RATE)),
+            Fault::Signal(_, how) | Fault::Shared(how) => self.spoiled = Some(Spoiled::new(how, 1.0 / RATE)),
             Fault::Table(how) | Fault::Behind(how) => self.machine.fail(how),
             Fault::SettingsGarbled(bits) => {
                 let taken = settings::garbled(&self.case.settings, bits, &mut self.dice);
@@ -226,10 +232,12 @@ impl<'a> Rig<'a> {
     }
 
     /// What the valve gets of the core's output: in modifier mode an existing controller stands between, with an LVDT of its
-    /// own.
+    /// own or the device's; behind a device that cancels it, a hard-wired loop of unity gain over the device's.
     fn valve(&self, output: f64) -> f64 {
+        let shares = matches!(self.case.fault, Fault::Shared(_));
         match self.case.settings.mode {
-            Mode::Modifier => self.case.existing * (output - self.machine.x),
+            Mode::Modifier => self.case.existing * (output - if shares { self.shared } else { self.machine.x }),
+            Mode::Controller if shares => output - self.shared,
             _ => output,
         }
     }
@@ -258,6 +266,11 @@ impl<'a> Rig<'a> {
                 external = self.case.existing * (wanted - x) + fed;
             }
         }
+        if let (Some(spoiled), Fault::Shared(_)) = (&mut self.spoiled, self.fault) {
+            x = spoiled.pass(x, &mut self.dice);
+        }
+        // A broken wire is pulled to the rail that drives the table outward.
+        self.shared = if x.is_finite() { x } else { RAIL.copysign(-truth[0]) };
         let sample = Sample { external: external as f32, ..Sample::new(reference, x as f32, a as f32) };
         (sample, [x - truth[0], a - truth[1]])
     }

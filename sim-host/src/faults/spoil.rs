@@ -36,6 +36,13 @@ pub enum Spoil {
     Gap(u32),
     /// Its sign turned.
     Reversed,
+    /// Its gain goes to this multiple of what it was, evenly over so many seconds.
+    Gain {
+        /// What is left of the gain, 1.
+        left: f64,
+        /// How long it takes, s.
+        over: f64,
+    },
 }
 
 /// A signal that is being spoilt.
@@ -80,6 +87,7 @@ impl Spoiled {
                 }
             }
             Spoil::Reversed => -value,
+            Spoil::Gain { left, over } => value * (1.0 + (left - 1.0) * (self.dt * f64::from(ticks) / over).min(1.0)),
         }
     }
 }
@@ -104,6 +112,7 @@ mod tests {
         assert_eq!(passed(Spoil::Offset(1.0), &v), [2.0, 3.0, -2.0]);
         assert_eq!(passed(Spoil::Spikes { height: 5.0, length: 1, period: 2 }, &v), [6.0, 2.0, 2.0]);
         assert_eq!(passed(Spoil::Reversed, &v), [-1.0, -2.0, 3.0]);
+        assert_eq!(passed(Spoil::Gain { left: 0.5, over: 1.0 }, &v), [1.0, 1.5, -1.5]);
         let gap = passed(Spoil::Gap(1), &v);
         assert!(gap[0].is_nan() && gap[1..] == [2.0, -3.0]);
         assert_ne!(passed(Spoil::Noisy(1.0), &v), v);

@@ -21,6 +21,10 @@ impl Display for Fault {
         match *self {
             Self::None => f.write_str("none"),
             Self::Signal(channel, spoil) => signal(f, channel, spoil),
+            Self::Shared(spoil) => {
+                f.write_str("shared with the loop behind the device, ")?;
+                signal(f, Channel::Displacement, spoil)
+            }
             Self::LinkCut => f.write_str("no byte of the stream arrives"),
             Self::LinkGarbled(share) => write!(f, "one bit in {:.0} bytes of the stream is flipped", 1.0 / share),
             Self::SettingsGarbled(bits) => write!(f, "a frame of settings with {bits} bits flipped"),
@@ -54,6 +58,7 @@ fn signal(f: &mut Formatter<'_>, channel: Channel, spoil: Spoil) -> Result {
         }
         Spoil::Gap(ticks) => write!(f, "no number for {ticks} ticks"),
         Spoil::Reversed => f.write_str("its sign turned"),
+        Spoil::Gain { left, over } => write!(f, "its gain goes to {left:.3} of itself over {over:.2} s"),
     }
 }
 

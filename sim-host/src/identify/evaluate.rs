@@ -1,6 +1,7 @@
 //! Residuals of a model on a run, and their sensitivities to every free parameter.
 
 mod sums;
+mod wide;
 
 use super::data::{Channel, Measured, Run};
 use super::model::{Model, Value};
@@ -238,8 +239,14 @@ pub(super) fn normal(
         5..=8 => normal_of::<8>(model, run, local, count, keep),
         9..=12 => normal_of::<12>(model, run, local, count, keep),
         13..=16 => normal_of::<16>(model, run, local, count, keep),
-        _ => normal_of::<24>(model, run, local, count.min(24), keep),
+        17..=wide::WIDEST => normal_of::<{ wide::WIDEST }>(model, run, local, count, keep),
+        _ => wide::normal(model, run, local, count, keep),
     }
+}
+
+/// Samples of a stretch over which residuals count as alike.
+fn stretch_length(run: &Run) -> usize {
+    ((BLOCK / run.dt).round() as usize).max(1)
 }
 
 fn normal_of<const N: usize>(
@@ -249,21 +256,34 @@ fn normal_of<const N: usize>(
     count: usize,
     mut keep: Option<&mut Rows>,
 ) -> Result<Normal, SimulateError> {
-    let mut next = 0;
+    let (trace, scale, offset) = tangents::<N>(model, run, local, 0)?;
+    let mut sum = Sums::<N>::new(count, stretch_length(run), run.len());
+    compared(run, &trace, scale, offset, |k, measured, inverse, model| {
+        sum.row(k, (measured, inverse), &model, keep.as_deref_mut());
+    });
+    Ok(sum.finish())
+}
+
+/// The trace with the derivatives by `N` of the free parameters from the `first` on.
+fn tangents<const N: usize>(
+    model: &Model,
+    run: &Run,
+    local: &Local,
+    first: usize,
+) -> Result<(Trace<Dual<N>>, Dual<N>, Dual<N>), SimulateError> {
+    let mut next = 0_usize;
     let lift = |value: &Value| {
         let mut dual = Dual::<N>::from(value.value);
         if value.free {
-            if let Some(slot) = dual.tangent.get_mut(next) {
+            if let Some(slot) = next.checked_sub(first).and_then(|place| dual.tangent.get_mut(place)) {
                 *slot = value.slope() as f32;
             }
             next += 1;
         }
         dual
     };
-    let (trace, scale, offset) = trace(model, run, local, wanted(run, |m| m.judged), lift)?;
-    let mut sum = Sums::<N>::new(count, ((BLOCK / run.dt).round() as usize).max(1), run.len());
-    compared(run, &trace, scale, offset, |k, measured, inverse, model| {
-        sum.row(k, (measured, inverse), &model, keep.as_deref_mut());
-    });
-    Ok(sum.finish())
+    trace(model, run, local, wanted(run, |m| m.judged), lift)
 }
+
+#[cfg(test)]
+mod tests;

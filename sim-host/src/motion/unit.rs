@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Standard gravity, m/s², which `g` stands for in every file and on every label.
-pub const STANDARD_GRAVITY: f64 = 9.806_65;
+pub use crate::scalar::GRAVITY as STANDARD_GRAVITY;
 
 /// A unit of acceleration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

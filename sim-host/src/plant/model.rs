@@ -1,9 +1,7 @@
 //! The model a user believes in: its kind and its own parameters, before any effect is added.
 
+pub use crate::scalar::GRAVITY;
 use crate::scalar::Scalar;
-
-/// Standard gravity, m/s2.
-pub const GRAVITY: f64 = 9.806_65;
 
 /// Which equations a model starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,14 +1,14 @@
 //! What the sensors make of the motion: the LVDT's quantisation, the accelerometer's noise, and the mains hum and
 //! saw-tooth that the cables pick up (the noise source of Fig. 7). Everything is seeded: the same seed, the same noise.
 
-use super::paper::{ParameterError, finite, not_negative};
+use super::paper::{ParameterError, finite, not_negative, positive};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use shakedown_core::blocks::filter::{MotionObserver, MotionState};
 use std::f64::consts::TAU;
 
-/// Standard gravity, m/s2.
-pub const GRAVITY: f64 = 9.80665;
+pub use crate::scalar::GRAVITY;
 
 /// What disturbs each channel.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -18,6 +18,13 @@ pub struct SensorModel {
     pub displacement_step: f64,
     /// Standard deviation of the accelerometer's white noise at each sample, m/s2.
     pub acceleration_noise: f64,
+    /// Standard deviation of a velocity transducer's white noise at each sample, m/s; none where there is no transducer, and
+    /// the velocity is what the core's observer makes of LVDT and accelerometer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_noise: Option<f64>,
+    /// Piston area over moving mass by which a load becomes a pressure difference, m2/kg; none where no sensor is fitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area_per_mass: Option<f64>,
     /// What the LVDT's cable picks up; amplitudes in m.
     pub displacement_lines: Vec<Line>,
     /// What the accelerometer's cable picks up; amplitudes in m/s2.
@@ -32,6 +39,8 @@ impl Default for SensorModel {
         Self {
             displacement_step: 0.0,
             acceleration_noise: 0.0,
+            velocity_noise: None,
+            area_per_mass: None,
             displacement_lines: Vec::new(),
             acceleration_lines: Vec::new(),
             seed: 1,
@@ -57,13 +66,30 @@ impl SensorModel {
             displacement_lines: lines(0.5 * step),
             acceleration_lines: lines(0.5 * noise),
             seed,
+            ..Self::default()
         }
+    }
+
+    /// Whether LVDT and accelerometer read what is true.
+    fn exact(&self) -> bool {
+        let silent = self.displacement_lines.is_empty() && self.acceleration_lines.is_empty();
+        silent && self.displacement_step == 0.0 && self.acceleration_noise == 0.0
+    }
+
+    /// Standard deviations of LVDT (m) and accelerometer (m/s2), steps and lines among them.
+    fn deviations(&self) -> (f64, f64) {
+        let of = |white: f64, lines: &[Line]| lines.iter().map(Line::square).fold(white * white, |a, b| a + b).sqrt();
+        let step = self.displacement_step / 12_f64.sqrt();
+        (of(step, &self.displacement_lines), of(self.acceleration_noise, &self.acceleration_lines))
     }
 
     /// Checks every number.
     pub fn validate(&self) -> Result<(), ParameterError> {
         not_negative("displacement_step", self.displacement_step)?;
         not_negative("acceleration_noise", self.acceleration_noise)?;
+        not_negative("velocity_noise", self.velocity_noise.unwrap_or(0.0))?;
+        positive("area_per_mass", self.area_per_mass.unwrap_or(1.0))?;
+        finite("area_per_mass", self.area_per_mass.unwrap_or(1.0))?;
         self.displacement_lines.iter().chain(&self.acceleration_lines).try_for_each(|line| {
             not_negative("frequency_hz", line.frequency_hz)?;
             finite("amplitude", line.amplitude)
@@ -94,6 +120,12 @@ pub enum Shape {
 }
 
 impl Line {
+    /// Its mean square.
+    fn square(&self) -> f64 {
+        let share = if self.shape == Shape::Sine { 0.5 } else { 1.0 / 3.0 };
+        share * self.amplitude * self.amplitude
+    }
+
     /// Value at `cycles` periods from its zero.
     fn at(&self, cycles: f64) -> f64 {
         self.amplitude
@@ -112,6 +144,8 @@ pub struct Sensors {
     spare: Option<f64>,
     displacement_phases: Vec<f64>,
     acceleration_phases: Vec<f64>,
+    /// What a velocity is derived with, from the first reading on.
+    observer: Option<(MotionObserver, MotionState)>,
 }
 
 impl Sensors {
@@ -121,7 +155,7 @@ impl Sensors {
         let mut phases = |lines: &[Line]| lines.iter().map(|_| uniform(&mut generator)).collect::<Vec<_>>();
         let displacement_phases = phases(&model.displacement_lines);
         let acceleration_phases = phases(&model.acceleration_lines);
-        Self { model, generator, spare: None, displacement_phases, acceleration_phases }
+        Self { model, generator, spare: None, displacement_phases, acceleration_phases, observer: None }
     }
 
     /// What the LVDT reads at `time` (s) where the table is at `x` (m): `step floor(x / step + 1/2)`.
@@ -138,6 +172,36 @@ impl Sensors {
         let a = a + sum(&self.model.acceleration_lines, &self.acceleration_phases, time);
         let noise = self.model.acceleration_noise;
         if noise > 0.0 { a + noise * self.normal() } else { a }
+    }
+
+    /// What is known of the velocity where the table moves at `v` (m/s) and LVDT (m) and accelerometer (m/s2) read `seen`, at
+    /// `rate` readings a second (Hz): a transducer's reading, or what the core's observer makes of the other two.
+    #[inline]
+    pub fn velocity(&mut self, v: f64, seen: (f64, f64), rate: f64) -> f64 {
+        match self.model.velocity_noise {
+            Some(noise) if noise > 0.0 => v + noise * self.normal(),
+            None if !self.model.exact() => self.observed(seen, rate).unwrap_or(v),
+            _ => v,
+        }
+    }
+
+    /// The velocity that a Kalman observer for these sensors' noise derives; none at a rate that it cannot have.
+    fn observed(&mut self, (displacement, acceleration): (f64, f64), rate: f64) -> Option<f64> {
+        let (x, a) = (displacement as f32, acceleration as f32);
+        if self.observer.is_none() {
+            let noise = self.model.deviations();
+            let (of_x, of_a) = (noise.0.clamp(1e-9, 0.01), noise.1.clamp(1e-4, 1000.0));
+            let observer = MotionObserver::kalman(of_x as f32, of_a as f32, (1.0 / rate) as f32).ok()?;
+            self.observer = Some((observer, MotionState::at(x)));
+        }
+        let (observer, state) = self.observer.as_mut()?;
+        observer.advance(state, x, a);
+        Some(f64::from(state.velocity))
+    }
+
+    /// What a sensor of the pressure difference reads, Pa, under a `load` of this acceleration of the table, m/s2.
+    pub fn pressure_difference(&self, load: f64) -> f64 {
+        self.model.area_per_mass.map_or(f64::NAN, |area| load / area)
     }
 
     /// A standard normal number (Box and Muller's pair, the second kept for the next call).
@@ -211,5 +275,40 @@ mod tests {
             let peak = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
             assert!((2.99..=3.0).contains(&peak), "{peak}");
         }
+    }
+
+    /// A run with sensors has no other velocity than these show: derived from LVDT and accelerometer, near the truth and not the
+    /// truth; a transducer's with its own noise; exact where they are ideal.
+    #[test]
+    fn velocity_is_what_the_sensors_show() {
+        let deviation = |model: SensorModel| {
+            let mut sensors = Sensors::new(model);
+            let (mut squares, mut counted) = (0.0, 0.0);
+            for k in 0..6000 {
+                let t = f64::from(k) * 1e-3;
+                let (x, v, a) = (0.05 * (6.0 * t).sin(), 0.3 * (6.0 * t).cos(), -1.8 * (6.0 * t).sin());
+                let seen = (sensors.displacement(t, x), sensors.acceleration(t, a));
+                let read = sensors.velocity(v, seen, 1000.0);
+                if k > 2000 {
+                    squares += (read - v).powi(2);
+                    counted += 1.0;
+                }
+            }
+            (squares / counted).sqrt()
+        };
+        assert_eq!(deviation(SensorModel::default()), 0.0);
+        let derived = deviation(SensorModel::laboratory(1));
+        assert!(derived > 1e-4 && derived < 0.02, "{derived} m/s");
+        let transducer = deviation(SensorModel { velocity_noise: Some(0.01), ..SensorModel::default() });
+        assert!((transducer / 0.01 - 1.0).abs() < 0.05, "{transducer} m/s");
+    }
+
+    #[test]
+    fn a_pressure_is_the_load_by_the_area_that_is_stated() {
+        let sensors = |area_per_mass| Sensors::new(SensorModel { area_per_mass, ..SensorModel::default() });
+        assert_eq!(sensors(Some(2e-5)).pressure_difference(3.0), 1.5e5);
+        assert!(sensors(None).pressure_difference(3.0).is_nan());
+        let refused = SensorModel { area_per_mass: Some(0.0), ..SensorModel::default() }.validate();
+        assert!(refused.unwrap_err().to_string().contains("area_per_mass"));
     }
 }

@@ -23,10 +23,13 @@ use sample::Sample;
 pub const LONGEST_STEP: f64 = 2.6e-3;
 
 /// Largest product of a step and the fastest rate: the rule is stable up to 2.8 and accurate well below.
-const RESOLVED: f64 = 1.2;
+pub(super) const RESOLVED: f64 = 1.2;
 
-/// Most integration steps in a controller tick.
-const MOST_STEPS: f64 = 12.0;
+/// Largest product of a step and the rate at which a load gives way.
+const STABLE: f64 = 2.4;
+
+/// Most integration steps in a controller tick for accuracy alone.
+pub(super) const MOST_STEPS: f64 = 12.0;
 
 /// What drives a simulated run.
 #[derive(Debug, Clone, Copy)]
@@ -149,7 +152,7 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, ma
     let (n, wanted) = (drive.input.len(), drive.wanted);
     let mut trace = Trace::with_capacity(n, wanted);
     let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, drive.shaping, start.velocity);
-    let steps = substeps(drive, dynamics.fastest(), dynamics.whole_steps());
+    let steps = substeps(drive, (dynamics.fastest(), dynamics.stiffest()), dynamics.whole_steps());
     let governed = dynamics.supply_pressure(&state).is_some();
     let mut sample = Sample::new(&mut dynamics, &state, drive, steps, matrices);
     for k in 0..n {
@@ -176,12 +179,12 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, ma
     trace
 }
 
-/// Integration steps in one controller tick: no longer than [`LONGEST_STEP`], short enough for the fastest equation,
-/// and even in number where an effect advances with whole steps.
-fn substeps(drive: &Drive, fastest: f64, whole: bool) -> usize {
+/// Integration steps in one controller tick: no longer than [`LONGEST_STEP`], short enough for the fastest equation up to
+/// [`MOST_STEPS`], in any case short enough to be stable, and even in number where an effect advances with whole steps.
+fn substeps(drive: &Drive, (fastest, stiffest): (f64, f64), whole: bool) -> usize {
     let tick = drive.dt / drive.ticks as f64;
     let longest = LONGEST_STEP.min(RESOLVED / fastest.max(1e-9));
-    let steps = ((tick / longest) - 1e-9).ceil().clamp(1.0, MOST_STEPS) as usize;
+    let steps = ((tick / longest) - 1e-9).ceil().clamp(1.0, MOST_STEPS).max((tick * stiffest / STABLE).ceil()) as usize;
     if whole && drive.ticks % 2 == 1 { steps.next_multiple_of(2) } else { steps }
 }
 
@@ -199,5 +202,7 @@ impl<S> Trace<S> {
     }
 }
 
+#[cfg(test)]
+mod halving;
 #[cfg(test)]
 mod tests;

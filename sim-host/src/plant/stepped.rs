@@ -6,7 +6,7 @@
 use super::Plant;
 use super::effects::Effect;
 use super::model::Baseline;
-use super::simulate::{Placed, SimulateError, Start, dynamics};
+use super::simulate::{MOST_STEPS, Placed, RESOLVED, SimulateError, Start, dynamics};
 use dynamics::{Dynamics, State};
 
 /// A plant with effects at a fixed step.
@@ -15,7 +15,8 @@ pub struct Stepped {
     dynamics: Dynamics<f64>,
     state: State<f64>,
     dt: f64,
-    limit: f64,
+    /// Integration steps in one of these: what is fast in the equations is resolved whoever holds the clock.
+    inner: usize,
     /// Whether the command reaches the valve as it is, so that a jump of it is seen at once.
     direct: bool,
 }
@@ -44,12 +45,9 @@ impl Stepped {
             dynamics.mount(effect)?;
         }
         let state = dynamics.rest(&Start { displacement, velocity: 0.0, states: Vec::new() });
-        let limit = match *baseline {
-            Baseline::Servo { velocity_limit, .. } => velocity_limit,
-            _ => f64::INFINITY,
-        };
         let direct = dynamics.passes_commands();
-        Ok(Self { dynamics, state, dt, limit, direct })
+        let inner = (dt * dynamics.fastest() / RESOLVED).ceil().clamp(1.0, MOST_STEPS) as usize;
+        Ok(Self { dynamics, state, dt, inner, direct })
     }
 
     /// What the valve sees of `command` before anything moves.
@@ -65,9 +63,10 @@ impl Plant for Stepped {
 
     fn advance(&mut self, command: f64, steps: usize) {
         self.state.command = command;
-        for _ in 0..steps {
-            self.dynamics.begin_step(&mut self.state, self.dt);
-            self.dynamics.advance(&mut self.state, self.dt);
+        let h = self.dt / self.inner as f64;
+        for _ in 0..steps * self.inner {
+            self.dynamics.begin_step(&mut self.state, h);
+            self.dynamics.advance(&mut self.state, h);
         }
     }
 
@@ -80,13 +79,11 @@ impl Plant for Stepped {
     }
 
     fn load(&self, command: f64) -> Option<f64> {
-        self.dynamics.load_now(&self.state, self.seen(command), self.dt)
+        self.dynamics.load_now(&self.state, self.seen(command))
     }
 
     fn saturated(&self, command: f64) -> bool {
-        let supply = self.dynamics.supply_pressure(&self.state).unwrap_or(1.0).max(0.0).sqrt();
-        let flow = self.dynamics.flow_now(&self.state, self.seen(command));
-        flow.abs() >= self.limit * supply * (1.0 - 1e-9)
+        self.dynamics.overdriven(&self.state, self.seen(command))
     }
 }
 
@@ -127,5 +124,28 @@ mod tests {
             plant.advance(u, 1);
             assert!(((plant.velocity(u) - before) / 2e-4 - load).abs() < 2e-3, "{k}");
         }
+    }
+
+    /// The valve is asked for more than the limit in force: of the direction it moves in, also where the limit is soft and the
+    /// speed only comes near it, and where the supply has sagged.
+    #[test]
+    fn saturation_is_that_of_the_limit_in_force() {
+        let of = |id: &'static str, parameters: &[f64], command: f64| {
+            let placed = Placed { id, parameters: parameters.to_vec() };
+            let mut plant = Stepped::new(&paper(), &[placed], 5e-4, 0.0).unwrap();
+            plant.advance(command, 2000);
+            plant.saturated(command)
+        };
+        // A steady command u asks for 2.39 u m/s.
+        let asks = |speed: f64| speed * 57.65 / 138.0;
+        for (speed, saturated) in [(0.19, false), (0.21, true), (-0.14, false), (-0.16, true)] {
+            assert_eq!(of("asymmetric_limit", &[0.2, 0.15], asks(speed)), saturated, "{speed} m/s");
+        }
+        for (speed, saturated) in [(0.20, false), (0.23, false), (0.26, true), (-0.26, true)] {
+            assert_eq!(of("flow_softening", &[3.0], asks(speed)), saturated, "{speed} m/s, soft");
+        }
+        // Half the pressure is left after a second, and 0.7 of the limit and of the gain with it.
+        assert!(!of("supply_droop", &[0.4, 0.2], asks(0.2)));
+        assert!(of("supply_droop", &[0.4, 0.2], asks(0.3)));
     }
 }

@@ -60,7 +60,7 @@ struct Data {
 fn si(unit: &str) -> f64 {
     match unit {
         "mm" => 1e-3,
-        "g" => 9.80665,
+        "g" => crate::scalar::GRAVITY,
         _ => 1.0,
     }
 }

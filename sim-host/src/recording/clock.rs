@@ -1,7 +1,7 @@
 //! From time stamps that may jitter, repeat or leave rows out to an even grid.
 //!
-//! A simulation steps evenly, so rows are placed on a grid of the median step (refined by the mean of the steps near
-//! it). A stamp a little off its place is jitter and keeps its row; one beyond 0.7 of a step leaves the places between
+//! A simulation steps evenly, so rows are placed on a grid: of the mean step over all rows, which is exact where none is missing,
+//! or of the mean of the steps near the median one, whichever leaves fewer places irregular. A stamp a little off its place is jitter and keeps its row; one beyond 0.7 of a step leaves the places between
 //! empty (NaN); a stamp that does not advance keeps its row where the next stamp has moved on by two, else the row is
 //! a double and goes. What was found is kept, for the quality checks.
 

@@ -34,8 +34,7 @@ pub struct Unit {
     pub factor: f64,
 }
 
-/// Standard gravity, m/s2: the `g` of acceleration records.
-pub const STANDARD_GRAVITY: f64 = 9.806_65;
+pub use crate::scalar::GRAVITY as STANDARD_GRAVITY;
 
 const fn unit(symbol: &'static str, dimension: Dimension, factor: f64) -> Unit {
     Unit { symbol, dimension, factor }

@@ -1,7 +1,9 @@
 //! The controllers that the tracking law is held against, each in the form in which it is usually described.
 //!
-//! All know the table's model and read LVDT and accelerometer through the same observer. Each is tuned by one number, its
-//! bandwidth; they compute in `f64`, so that rounding is not held against them.
+//! All know the table's model; the first two read LVDT and accelerometer through the same observer, the third has one of its
+//! own. Each is tuned as who sells it would: what the model gives is set by the model, the one number that is turned on site
+//! is turned up until the margins or the noise forbid more ([`super::tune`]), and where there is a second one each of its usual
+//! settings is tried at every bandwidth. They compute in `f64`, so that rounding is not held against them.
 
 use super::super::design::Table;
 use super::super::{Actuation, Law, Measured};
@@ -47,14 +49,16 @@ fn send(valve: f64, most: f64, measured: &Measured) -> Actuation {
 /// Three-variable control with feedforward, as sold today:
 ///
 /// ```text
-/// u = (a1/b0) (v_r + kfa a_r + kfj j_r + w (x_r - x) + (v_r - v) + ka (a_r - a))
+/// u = (a1/b0) (v_r + kfa a_r + kfj j_r + w (x_r - x) + kv (v_r - v) + ka (a_r - a))
 /// kfa = 1/a1 - b1/b0 + 2 zeta/wh,   kfj = 1/wh^2 + (1/a1 - b1/b0) 2 zeta/wh,   ka = 2 (0.7 - zeta) / wh
 /// ```
-/// w the bandwidth, in rad/s; the velocity gain is 1; `ka` damps the oil column to 0.7, and is 0 where it is stiff.
+/// w the bandwidth, in rad/s, and kv the velocity gain, one of [`VELOCITY_GAINS`], are tuned on the table; `ka` damps the oil
+/// column to 0.7, and is 0 where it is stiff.
 #[derive(Debug, Clone)]
 pub struct ThreeVariable {
     per_gain: f64,
     bandwidth: f64,
+    velocity: f64,
     forward: [f64; 2],
     damping: f64,
     rate: f64,
@@ -64,8 +68,8 @@ pub struct ThreeVariable {
 }
 
 impl ThreeVariable {
-    /// For `table` with a bandwidth of `hz` at `rate` (Hz).
-    pub fn new(table: &Table, hz: f64, rate: f64) -> Self {
+    /// For `table` with a bandwidth of `hz` and a gain on the velocity error of `velocity` (1) at `rate` (Hz).
+    pub fn new(table: &Table, (hz, velocity): (f64, f64), rate: f64) -> Self {
         let lead = 1.0 / table.a1 - table.b1 / table.b0;
         let (forward, damping) = match table.oil {
             None => ([lead, 0.0], 0.0),
@@ -74,8 +78,8 @@ impl ThreeVariable {
                 ([lead + c, 1.0 / (w * w) + lead * c], 2.0 * (0.7 - damping).max(0.0) / w)
             }
         };
-        let (per_gain, eyes) = (table.a1 / table.b0, Eyes::new(rate));
-        Self { per_gain, bandwidth: TAU * hz, forward, damping, rate, eyes, before: 0.0, most: most(table) }
+        let (per_gain, bandwidth, eyes) = (table.a1 / table.b0, TAU * hz, Eyes::new(rate));
+        Self { per_gain, bandwidth, velocity, forward, damping, rate, eyes, before: 0.0, most: most(table) }
     }
 }
 
@@ -86,14 +90,14 @@ impl Law for ThreeVariable {
         self.before = m.reference_acceleration;
         let forward = m.reference_velocity + self.forward[0] * m.reference_acceleration + self.forward[1] * jerk;
         let back = self.bandwidth * (m.reference - x)
-            + self.damping * (m.reference_acceleration - a)
-            + if self.damping > 0.0 { 0.0 } else { VELOCITY_GAIN * (m.reference_velocity - v) };
+            + self.velocity * (m.reference_velocity - v)
+            + self.damping * (m.reference_acceleration - a);
         send(self.per_gain * (forward + back), self.most, m)
     }
 }
 
-/// Gain on the velocity error of a stiff table, 1.
-const VELOCITY_GAIN: f64 = 0.2;
+/// Gains on the velocity error that are tried, 1.
+pub const VELOCITY_GAINS: [f64; 5] = [0.0, 0.2, 0.5, 1.0, 2.0];
 
 /// Linear-quadratic regulator with an integrator: the model's states held to the reference's, the integral of the
 /// displacement error among them.
@@ -214,12 +218,13 @@ impl Law for Lqi {
     }
 }
 
-/// Linear active disturbance rejection of second order (Gao 2003), its observer six times as wide as its loop:
+/// Linear active disturbance rejection of second order (Gao 2003), its observer so many times as wide as its loop:
 ///
 /// ```text
-/// e = x - z1;  z1' = z2 + 3 wo e;  z2' = z3 + b0 u + 3 wo^2 e;  z3' = wo^3 e,   wo = 6 wc
+/// e = x - z1;  z1' = z2 + 3 wo e;  z2' = z3 + b0 u + 3 wo^2 e;  z3' = wo^3 e,   wo = ratio wc
 /// u = (wc^2 (x_r - z1) + 2 wc (v_r - z2) + a_r - z3) / b0
 /// ```
+/// wc, in rad/s, and the ratio, one of [`OBSERVER_RATIOS`], are tuned on the table.
 #[derive(Debug, Clone)]
 pub struct Adrc {
     b0: f64,
@@ -231,12 +236,15 @@ pub struct Adrc {
     most: f64,
 }
 
+/// Widths of the observer over that of the loop that are tried, 1.
+pub const OBSERVER_RATIOS: [f64; 3] = [3.0, 6.0, 10.0];
+
 impl Adrc {
-    /// For `table` with a loop of `hz` at `rate` (Hz).
-    pub fn new(table: &Table, hz: f64, rate: f64) -> Self {
+    /// For `table` with a loop of `hz` and an observer `ratio` times as wide at `rate` (Hz).
+    pub fn new(table: &Table, (hz, ratio): (f64, f64), rate: f64) -> Self {
         let wc = TAU * hz;
         // No faster than the sampled observer is stable.
-        let observer = (6.0 * wc).min(0.3 * rate);
+        let observer = (ratio * wc).min(0.3 * rate);
         Self { b0: table.b0, loop_: wc, observer, dt: 1.0 / rate, state: [0.0; 3], command: 0.0, most: most(table) }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::design::{Corner, DesignError, Table, TableError};
 use super::yielding::YieldingPayload;
-use crate::plant::effects::Effect;
+use crate::plant::effects::{Effect, payload_resonance};
 use crate::plant::sensors::SensorModel;
 use crate::plant::simulate::Placed;
 use crate::plant::stepped::Stepped;
@@ -53,7 +53,7 @@ impl Bench {
         let bench = |table: Table, about| {
             let name = TABLES.into_iter().find(|known| *known == name)?;
             let (payload, sensors) = (Payload::None, SensorModel::laboratory(1));
-            Some(Self { name, about, table, payload, sensors, usable: ASKED * table.velocity_limit })
+            Some(Self { name, about, table, payload, sensors, usable: ASKED * table.slower_limit() })
         };
         let loaded = Table { oil: Some((20.0, 0.08)), ..paper };
         match name {
@@ -102,7 +102,7 @@ impl Bench {
     /// The plant at a corner of its uncertainty.
     pub fn plant(&self, corner: &Corner, dt: f64) -> Result<Stepped, DesignError> {
         let [mass_ratio, frequency, damping, _] = STRUCTURE;
-        let placed = Placed { id: "payload_resonance", parameters: STRUCTURE.to_vec() };
+        let placed = Placed { id: payload_resonance::ENTRY.id, parameters: STRUCTURE.to_vec() };
         let others: Vec<Box<dyn Effect<f64>>> = vec![Box::new(YieldingPayload {
             mass_ratio,
             frequency: TAU * frequency,

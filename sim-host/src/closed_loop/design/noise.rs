@@ -6,7 +6,7 @@
 
 use super::{Corner, DesignError, Table};
 use crate::closed_loop::trial::low_passed;
-use crate::closed_loop::{Clock, ClosedLoopError, run};
+use crate::closed_loop::{Clock, ClosedLoopError, pressure_by_settings, run};
 use crate::motion::Motion;
 use crate::plant::sensors::{SensorModel, Sensors};
 use shakedown_core::{Controller, Settings};
@@ -27,7 +27,8 @@ pub(super) fn shaken(table: &Table, settings: &Settings) -> Result<f64, DesignEr
     let follow = |model: SensorModel| -> Result<Vec<f64>, DesignError> {
         let mut law = Controller::new(settings).map_err(ClosedLoopError::from)?;
         let mut plant = table.linear(&Corner::default(), clock.plant_step())?;
-        Ok(run(&mut plant, &mut law, &mut Sensors::new(model), &reference, clock).acceleration)
+        let mut sensors = Sensors::new(pressure_by_settings(&model, settings));
+        Ok(run(&mut plant, &mut law, &mut sensors, &reference, clock).acceleration)
     };
     let noisy = SensorModel {
         displacement_step: f64::from(tracking.noise.displacement) * 12_f64.sqrt(),

@@ -1,10 +1,14 @@
 //! The table as a design takes it: an identified model in the core's own terms, and the corners of its uncertainty.
 
-use crate::plant::effects::{Effect, entry};
+use crate::plant::effects::{Countered, Effect, Entry, Parameter, Role, Yardstick, entry};
+use crate::plant::effects::{
+    asymmetric_limit, command_delay, coulomb_friction, flow_softening, load_dependent_flow, null_bias, oil_compliance,
+    stribeck_friction, supply_droop, valve_deadband, viscous_friction,
+};
 use crate::plant::model::Baseline;
 use crate::plant::simulate::{Placed, SimulateError};
 use crate::plant::stepped::Stepped;
-use crate::recording::model::{self, Model};
+use crate::recording::model::{self, Model, StatedEffect};
 use shakedown_core::Settings;
 use shakedown_core::settings::{FlowSettings, FrictionSettings, Gains, OilSettings, TrackingSettings, ValveSettings};
 
@@ -35,6 +39,9 @@ pub struct Table {
     pub droop: (f64, f64),
     /// Coulomb (m/s2) and viscous (1/s) friction per table mass.
     pub friction: (f64, f64),
+    /// Friction at standstill per table mass (m/s2) and the speed over which it falls to sliding friction (m/s); none where
+    /// it does not rise. The law counters sliding friction alone; the plant has it all.
+    pub peak: Option<(f64, f64)>,
     /// Half width of the spool's overlap, m.
     pub deadband: f64,
 }
@@ -55,6 +62,7 @@ impl Default for Table {
             stall: 0.0,
             droop: (0.0, 1.0),
             friction: (0.0, 0.0),
+            peak: None,
             deadband: 0.0,
         }
     }
@@ -69,6 +77,14 @@ pub enum TableError {
     /// No speed limit is stated.
     #[error("`velocity_limit` is missing: state it in m/s")]
     NoLimit,
+    /// A parameter that an effect needs is not stated.
+    #[error("effect `{effect}`: `{key}` is missing; state it, as `diagnose --model` does")]
+    Missing {
+        /// The effect.
+        effect: &'static str,
+        /// Its parameter.
+        key: &'static str,
+    },
     /// The plant could not be built.
     #[error(transparent)]
     Plant(#[from] SimulateError),
@@ -154,28 +170,38 @@ impl Table {
             return Err(TableError::Kind(model.baseline.kind()));
         };
         let limit = servo.velocity_limit.ok_or(TableError::NoLimit)?;
-        let mut table = Self { b1: servo.b1, b0: servo.b0, a1: servo.a1, velocity_limit: limit, ..Self::default() };
+        let mut placed = Vec::new();
         let mut unused = Vec::new();
         for effect in &model.effects {
-            let value = |key: &str, usual: f64| effect.parameters.get(key).copied().unwrap_or(usual);
-            match effect.id.as_str() {
-                "null_bias" => table.null_bias = value("offset", 0.0),
-                "command_delay" => table.delay = value("time", 0.0),
-                "valve_deadband" => table.deadband = value("half_width", 0.0),
-                "flow_softening" => table.sharpness = value("sharpness", 0.0),
-                "asymmetric_limit" => {
-                    table.velocity_limit = value("positive", limit);
-                    table.asymmetry = value("negative", limit) / table.velocity_limit;
-                }
-                "supply_droop" => table.droop = (value("depth", 0.0), value("recovery", 1.0)),
-                "load_dependent_flow" => table.stall = value("stall_acceleration", 0.0),
-                "oil_compliance" => table.oil = Some((value("frequency", 12.0), value("damping", 0.1))),
-                "coulomb_friction" | "stribeck_friction" => table.friction.0 = value("force", 0.0),
-                "viscous_friction" => table.friction.1 = value("coefficient", 0.0),
-                _ => unused.push(effect.id.clone()),
+            match entry(&effect.id).filter(|entry| entry.counter.is_some()) {
+                Some(entry) => placed.push(stated(effect, entry)?),
+                None => unused.push(effect.id.clone()),
             }
         }
+        let found = Countered::of(&placed);
+        let (positive, negative) = found.limits.unwrap_or((limit, limit));
+        let table = Self {
+            b1: servo.b1,
+            b0: servo.b0,
+            a1: servo.a1,
+            velocity_limit: positive,
+            asymmetry: negative / positive,
+            null_bias: found.null_bias,
+            delay: found.delay,
+            oil: found.oil,
+            sharpness: found.sharpness,
+            stall: found.stall,
+            droop: found.droop,
+            friction: (found.coulomb, found.viscous),
+            peak: found.peak,
+            deadband: found.deadband,
+        };
         Ok((table, unused))
+    }
+
+    /// The largest speed it reaches both ways, m/s.
+    pub fn slower_limit(&self) -> f64 {
+        self.velocity_limit * self.asymmetry.min(1.0)
     }
 
     /// The core's settings with the tracking law, its two frequencies at their defaults.
@@ -231,19 +257,23 @@ impl Table {
         dt: f64,
     ) -> Result<Stepped, TableError> {
         let mut effects = self.linear_effects(corner);
-        let mut place = |here: bool, id: &'static str, parameters: &[f64]| {
-            effects.extend(here.then(|| Placed { id, parameters: with_details(id, parameters) }));
+        let mut place = |here: bool, entry: &Entry, parameters: &[f64]| {
+            effects.extend(here.then(|| Placed { id: entry.id, parameters: with_details(entry, parameters) }));
         };
         let root = corner.supply.sqrt();
         let (positive, (depth, recovery)) = (self.velocity_limit * root, self.droop);
-        place(self.null_bias != 0.0, "null_bias", &[self.null_bias]);
-        place(self.deadband > 0.0, "valve_deadband", &[self.deadband]);
-        place(self.sharpness > 0.0, "flow_softening", &[self.sharpness]);
-        place(self.asymmetry != 1.0, "asymmetric_limit", &[positive, positive * self.asymmetry]);
-        place(depth > 0.0, "supply_droop", &[depth, recovery]);
-        place(self.stall > 0.0, "load_dependent_flow", &[self.stall]);
-        place(self.friction.0 > 0.0, "coulomb_friction", &[self.friction.0]);
-        place(self.friction.1 > 0.0, "viscous_friction", &[self.friction.1]);
+        let (sliding, viscous) = self.friction;
+        place(self.null_bias != 0.0, &null_bias::ENTRY, &[self.null_bias]);
+        place(self.deadband > 0.0, &valve_deadband::ENTRY, &[self.deadband]);
+        place(self.sharpness > 0.0, &flow_softening::ENTRY, &[self.sharpness]);
+        place(self.asymmetry != 1.0, &asymmetric_limit::ENTRY, &[positive, positive * self.asymmetry]);
+        place(depth > 0.0, &supply_droop::ENTRY, &[depth, recovery]);
+        place(self.stall > 0.0, &load_dependent_flow::ENTRY, &[self.stall]);
+        match self.peak {
+            None => place(sliding > 0.0, &coulomb_friction::ENTRY, &[sliding]),
+            Some((standstill, speed)) => place(true, &stribeck_friction::ENTRY, &[sliding, standstill, speed]),
+        }
+        place(viscous > 0.0, &viscous_friction::ENTRY, &[viscous]);
         effects.extend(more);
         Ok(Stepped::with(&self.baseline(corner, positive), &effects, others, dt, 0.0)?)
     }
@@ -261,26 +291,43 @@ impl Table {
     fn linear_effects(&self, corner: &Corner) -> Vec<Placed<f64>> {
         let mut effects = Vec::new();
         if self.delay > 0.0 {
-            effects.push(Placed { id: "command_delay", parameters: vec![self.delay] });
+            effects.push(Placed { id: command_delay::ENTRY.id, parameters: vec![self.delay] });
         }
         if let Some((frequency, damping)) = self.oil {
             // The leakage fixes twice damping times frequency, whatever the mass.
             let root = corner.mass.sqrt();
-            effects.push(Placed { id: "oil_compliance", parameters: vec![frequency / root, damping * root] });
+            let parameters = vec![frequency / root, damping * root];
+            effects.push(Placed { id: oil_compliance::ENTRY.id, parameters });
         }
         effects
     }
 }
 
+/// A stated effect with its parameters in the order of its entry, details of its form that are not stated being what the
+/// library starts from.
+fn stated(effect: &StatedEffect, entry: &'static Entry) -> Result<Placed<f64>, TableError> {
+    let value = |parameter: &Parameter| match (effect.parameters.get(parameter.key), parameter.yardstick) {
+        (Some(&value), _) => Ok(value),
+        (None, Yardstick::One) if parameter.low > 0.0 || parameter.role != Role::Shared => Ok(detail(parameter)),
+        (None, _) => Err(TableError::Missing { effect: entry.id, key: parameter.key }),
+    };
+    Ok(Placed { id: entry.id, parameters: entry.parameters.iter().map(value).collect::<Result<_, _>>()? })
+}
+
+/// What the library starts a detail of an effect's form from.
+fn detail(parameter: &Parameter) -> f64 {
+    parameter.starts.first().copied().unwrap_or(0.0)
+}
+
 /// An effect's parameters, the details of its form that a table does not state being what the library starts from.
-fn with_details(id: &str, stated: &[f64]) -> Vec<f64> {
-    let details = entry(id).into_iter().flat_map(|entry| entry.parameters).skip(stated.len());
-    stated.iter().copied().chain(details.map(|detail| detail.starts.first().copied().unwrap_or(0.0))).collect()
+fn with_details(entry: &Entry, stated: &[f64]) -> Vec<f64> {
+    stated.iter().copied().chain(entry.parameters.iter().skip(stated.len()).map(detail)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plant::Plant;
 
     #[test]
     fn corners_are_all_combinations_and_none_of_what_is_certain() {
@@ -315,5 +362,35 @@ mod tests {
             ..Table::default()
         };
         table.plant(&Corner::default(), 5e-4).unwrap();
+    }
+
+    /// What a diagnosis found of friction's peak and of the slower direction is in the plant, and the law keeps to both.
+    #[test]
+    fn nothing_that_is_stated_of_friction_and_limits_is_dropped() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.toml");
+        let text = "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n\
+                    effects = [\"asymmetric_limit\", \"stribeck_friction\"]\n[effects.asymmetric_limit]\n\
+                    positive = 0.24\nnegative = 0.18\n[effects.stribeck_friction]\nforce = 0.1\nstatic = 0.3\n\
+                    velocity = 0.02\n";
+        std::fs::write(&path, text).unwrap();
+        let (table, unused) = Table::from_model(&Model::load(&path).unwrap()).unwrap();
+        assert!(unused.is_empty());
+        assert_eq!((table.friction.0, table.peak), (0.1, Some((0.3, 0.02))));
+        assert_eq!((table.velocity_limit, table.slower_limit()), (0.24, 0.18));
+        let mut plant = table.plant(&Corner::default(), 5e-4).unwrap();
+        plant.advance(-0.5, 2000);
+        assert!((plant.velocity(-0.5) + 0.18).abs() < 1e-3, "{}", plant.velocity(-0.5));
+        let sliding = Table { peak: None, ..table };
+        let [full, sliding] = [table, sliding].map(|table| {
+            let mut plant = table.plant(&Corner::default(), 5e-4).unwrap();
+            plant.advance(0.003, 400);
+            plant.displacement()
+        });
+        assert!(full < 0.9 * sliding, "the peak holds the table: {full} {sliding}");
+        let bare = text.replace("force = 0.1\n", "");
+        std::fs::write(&path, bare).unwrap();
+        let missing = Table::from_model(&Model::load(&path).unwrap()).unwrap_err();
+        assert_eq!(missing, TableError::Missing { effect: "stribeck_friction", key: "force" });
     }
 }

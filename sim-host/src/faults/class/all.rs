@@ -17,6 +17,10 @@ fn spikes(dice: &mut Dice, low: f64, high: f64) -> Spoil {
     Spoil::Spikes { height: dice.sign() * dice.scale(low, high), length, period }
 }
 
+fn gain(dice: &mut Dice) -> Spoil {
+    Spoil::Gain { left: dice.uniform(0.5, 1.5), over: dice.scale(1.0, 20.0) }
+}
+
 /// Every class. Lengths in m, accelerations in m/s2.
 pub const CLASSES: &[Class] = &[
     Class { id: "none", what: "nothing", promise: Harmless(0.0), deal: |_| Fault::None },
@@ -250,5 +254,41 @@ pub const CLASSES: &[Class] = &[
         what: "behind a modifier, the valve stuck shut",
         promise: Reported(Clock::Deviation(0.06), 0.3),
         deal: |_| Fault::Behind(Break::Stuck(0.0)),
+    },
+    Class {
+        id: "lvdt-gain",
+        what: "LVDT: its gain goes to 0.5 to 1.5 of itself over 1 to 20 s",
+        promise: Inside,
+        deal: |d| signal(Displacement, gain(d)),
+    },
+    Class {
+        id: "shared-lvdt-open",
+        what: "an LVDT shared with the loop behind the device: no number, a rail for the loop",
+        promise: Reported(Clock::Onset, 0.013),
+        deal: |_| Fault::Shared(Spoil::Open),
+    },
+    Class {
+        id: "shared-lvdt-stuck",
+        what: "an LVDT shared with the loop behind the device: stands where it stood, to the last bit",
+        promise: Inside,
+        deal: |_| Fault::Shared(Spoil::Stuck),
+    },
+    Class {
+        id: "shared-lvdt-drifting",
+        what: "an LVDT shared with the loop behind the device: moves away at 0.1 to 1 m/s",
+        promise: Inside,
+        deal: |d| Fault::Shared(Spoil::Drifting(d.sign() * d.scale(0.1, 1.0))),
+    },
+    Class {
+        id: "shared-lvdt-creeping",
+        what: "an LVDT shared with the loop behind the device: moves away at 0.5 to 100 mm/s",
+        promise: Inside,
+        deal: |d| Fault::Shared(Spoil::Drifting(d.sign() * d.scale(5e-4, 0.1))),
+    },
+    Class {
+        id: "shared-lvdt-gain",
+        what: "an LVDT shared with the loop behind the device: its gain goes to 0.5 to 1.5 of itself over 1 to 20 s",
+        promise: Inside,
+        deal: |d| Fault::Shared(gain(d)),
     },
 ];

@@ -1,6 +1,6 @@
 //! The accelerometer's zero is off.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,8 @@ pub const ENTRY: Entry = Entry {
     signature: "a constant in the accelerometer",
     mistaken_for: &["tilt_coupling"],
     test: "the table at rest",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// An accelerometer's zero offset.

@@ -1,6 +1,6 @@
 //! The accelerometer's sensitivity is not what is declared.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,8 @@ pub const ENTRY: Entry = Entry {
     signature: "acceleration out of proportion to the second difference of displacement",
     mistaken_for: &["displacement_nonlinearity", "acceleration_lag"],
     test: "turn the accelerometer over in the field of gravity",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A wrong accelerometer sensitivity.

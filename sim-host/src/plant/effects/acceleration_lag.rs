@@ -1,7 +1,7 @@
 //! The accelerometer's filter lags.
 
 use super::displacement_lag::{NONE, SECOND, TIME_CONSTANT};
-use super::{Effect, Entry, Hooks, Instant, Stage};
+use super::{Effect, Entry, Hooks, Instant, Order, Stage};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -16,6 +16,8 @@ pub const ENTRY: Entry = Entry {
     signature: "acceleration trails the second difference of displacement",
     mistaken_for: &["valve_lag", "command_delay"],
     test: "accelerometer against LVDT phase",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A lag in the accelerometer.

@@ -1,6 +1,6 @@
 //! The valve passes more flow in one direction than in the other: unequal piston areas, ports or amplifier stages.
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,8 @@ pub const ENTRY: Entry = Entry {
     signature: "one direction is faster at any amplitude; even harmonics that grow with the command",
     mistaken_for: &["null_bias", "asymmetric_limit"],
     test: "ramps both ways at several speeds",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A gain for each direction.

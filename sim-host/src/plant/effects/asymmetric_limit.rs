@@ -1,6 +1,6 @@
 //! The two directions saturate at different speeds, for piston areas or valve lands differ.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -42,6 +42,12 @@ pub const ENTRY: Entry = Entry {
     signature: "one direction saturates earlier; even harmonics, drift under large motion",
     mistaken_for: &["null_bias", "flow_softening"],
     test: "ramps both ways; zero-command drift at two amplitudes",
+    order: Order::Second,
+    counter: Some(|parameters, countered| {
+        if let &[positive, negative] = parameters {
+            countered.limits = Some((positive, negative));
+        }
+    }),
 };
 
 /// A velocity limit for each direction.

@@ -7,7 +7,7 @@
 //!
 //! Source: A. Visintin, "Differential Models of Hysteresis", Springer (1994), chapter V.
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -49,6 +49,8 @@ pub const ENTRY: Entry = Entry {
     signature: "the accelerometer goes quiet after each reversal, then spikes; the LVDT shows nothing",
     mistaken_for: &["valve_deadband", "coulomb_friction"],
     test: "accelerometer against the second difference of the LVDT at reversals",
+    order: Order::Second,
+    counter: None,
 };
 
 /// Travel, in half gaps and divided by the exponent, that one step of the lead's equation covers while it bends.

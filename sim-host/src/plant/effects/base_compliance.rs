@@ -1,6 +1,6 @@
 //! The reaction mass moves on its springs: the accelerometer shows absolute motion, the LVDT motion relative to it.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -55,6 +55,8 @@ pub const ENTRY: Entry = Entry {
     signature: "a resonance in the accelerometer that the LVDT does not show",
     mistaken_for: &["payload_resonance", "oil_compliance"],
     test: "a floor accelerometer",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A base on springs.

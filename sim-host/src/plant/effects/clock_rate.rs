@@ -3,7 +3,7 @@
 //! By the stamps everything moves faster or slower by one factor, and an acceleration is not what the displacement's second
 //! difference says. It stands among a diagnosis's hypotheses so that it is weighed like any other, and is corrected where it wins.
 
-use super::{Compliance, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -30,6 +30,8 @@ pub const ENTRY: Entry = Entry {
     signature: "everything a little fast or slow, acceleration twice as much",
     mistaken_for: &["acceleration_gain", "viscous_friction"],
     test: "a signal of known frequency in the recording",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A clock at another rate.

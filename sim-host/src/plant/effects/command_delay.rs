@@ -3,7 +3,7 @@
 //! The command is constant over a step; delayed, it switches inside one. Its mean over the step is linear in the delay,
 //! so the delay has an exact derivative.
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 use std::collections::VecDeque;
@@ -31,6 +31,12 @@ pub const ENTRY: Entry = Entry {
     signature: "phase that falls in proportion to frequency, no loss of amplitude",
     mistaken_for: &["valve_lag", "displacement_lag"],
     test: "sines of 20 Hz and up at small amplitude and high gain",
+    order: Order::Second,
+    counter: Some(|parameters, countered| {
+        if let &[time] = parameters {
+            countered.delay = time;
+        }
+    }),
 };
 
 /// Rate of steps short enough, 1/s: a command that arrives within a step acts as its mean over it, and too early or too late by a

@@ -1,7 +1,7 @@
 //! Dry friction of the bearings: one size, against the motion, reached after the contact's bristles have bent.
 
 use super::bristle::Bristles;
-use super::{Dither, Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,6 +19,12 @@ pub const ENTRY: Entry = Entry {
     signature: "a step in effort at every reversal, the same size at all speeds",
     mistaken_for: &["valve_deadband", "stribeck_friction", "backlash"],
     test: "pressure difference; supply pressure or payload changed; amplitude ladder",
+    order: Order::Second,
+    counter: Some(|parameters, countered| {
+        if let &[force, ..] = parameters {
+            countered.coulomb = force;
+        }
+    }),
 };
 
 /// Friction of a contact that slides.

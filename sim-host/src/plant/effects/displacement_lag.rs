@@ -1,6 +1,6 @@
 //! The displacement sensor's filter lags.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -15,6 +15,8 @@ pub const ENTRY: Entry = Entry {
     signature: "displacement trails the accelerometer; the loop loses phase",
     mistaken_for: &["command_delay", "valve_lag"],
     test: "accelerometer against LVDT phase at 20 Hz and up",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// The time constant of a sensor.

@@ -1,6 +1,6 @@
 //! The displacement sensor is not linear over its stroke.
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,8 @@ pub const ENTRY: Entry = Entry {
     signature: "third harmonics at large stroke; accelerometer and LVDT disagree there",
     mistaken_for: &["end_stop", "acceleration_gain"],
     test: "a second displacement sensor",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A cubic displacement sensor.

@@ -1,6 +1,6 @@
 //! A cushion near the end of the stroke.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -42,6 +42,8 @@ pub const ENTRY: Entry = Entry {
     signature: "a force beyond one displacement, on both sides",
     mistaken_for: &["displacement_nonlinearity"],
     test: "slow sweeps of growing amplitude",
+    order: Order::Second,
+    counter: None,
 };
 
 /// A cushion near the end of the stroke.

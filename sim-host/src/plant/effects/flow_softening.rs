@@ -1,6 +1,6 @@
 //! The orifice softens the velocity limit: flow bends over before it reaches it.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,12 @@ pub const ENTRY: Entry = Entry {
     signature: "gain falls well below the velocity limit; odd harmonics",
     mistaken_for: &["load_dependent_flow", "supply_droop", "asymmetric_limit"],
     test: "velocity ladder from 50 to 110 % of the limit",
+    order: Order::Fourth,
+    counter: Some(|parameters, countered| {
+        if let &[sharpness] = parameters {
+            countered.sharpness = sharpness;
+        }
+    }),
 };
 
 /// A softened velocity limit.

@@ -1,6 +1,6 @@
 //! The gain changes as the oil warms.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,8 @@ pub const ENTRY: Entry = Entry {
     signature: "the same motion tracks differently early and late in a run",
     mistaken_for: &["supply_droop", "viscous_friction"],
     test: "randomised repeats of one short motion",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A gain that changes with time.

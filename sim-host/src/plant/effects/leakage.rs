@@ -1,6 +1,6 @@
 //! Oil leaks past the piston in proportion to load pressure.
 
-use super::{Compliance, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,8 @@ pub const ENTRY: Entry = Entry {
     signature: "velocity sags while force is needed; creep under a held load",
     mistaken_for: &["viscous_friction", "load_dependent_flow", "valve_lag", "command_delay"],
     test: "pressure at constant velocity; a loaded hold",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// Leakage past the piston.

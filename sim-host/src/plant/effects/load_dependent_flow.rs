@@ -1,7 +1,7 @@
 //! Load pressure takes its share of the supply: less is left to drive flow through the valve.
 
 use super::stiff_oil::{DAMPING, OIL, beneath};
-use super::{Compliance, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -32,6 +32,12 @@ pub const ENTRY: Entry = Entry {
     signature: "less speed while accelerating, more while braking",
     mistaken_for: &["flow_softening", "oil_compliance", "leakage"],
     test: "the same motion with mass added; pressure difference",
+    order: Order::Second,
+    counter: Some(|parameters, countered| {
+        if let &[stall, ..] = parameters {
+            countered.stall = stall;
+        }
+    }),
 };
 
 /// Flow that falls with load.

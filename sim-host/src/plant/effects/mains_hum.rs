@@ -2,7 +2,7 @@
 //!
 //! The phase differs from run to run: two amplitudes are fitted for each run, and the size over all runs is reported.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -70,6 +70,8 @@ pub const ENTRY: Entry = Entry {
     signature: "one line in the spectrum, whether the table moves or not",
     mistaken_for: &["acceleration_bias"],
     test: "the table at rest with the power on",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// Mains in the accelerometer's line.

@@ -2,7 +2,7 @@
 //!
 //! For a rigid mass the offset is a force in newtons beside the command's.
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -29,6 +29,12 @@ pub const ENTRY: Entry = Entry {
     signature: "a constant push: a slow creep at zero command, an offset in the effort",
     mistaken_for: &["asymmetric_limit", "tilt_coupling"],
     test: "zero command for a minute; the same motion at two amplitudes",
+    order: Order::Fourth,
+    counter: Some(|parameters, countered| {
+        if let &[offset] = parameters {
+            countered.null_bias = offset;
+        }
+    }),
 };
 
 /// A constant added to the command.

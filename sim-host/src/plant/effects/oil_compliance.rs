@@ -1,6 +1,6 @@
 //! The oil column is a spring between piston flow and table mass.
 
-use super::{Compliance, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -42,6 +42,12 @@ pub const ENTRY: Entry = Entry {
     signature: "a resonance between command and table, ringing after every sharp change",
     mistaken_for: &["payload_resonance", "base_compliance", "valve_lag", "command_delay"],
     test: "bare and loaded table, three stroke offsets; a floor accelerometer",
+    order: Order::Fourth,
+    counter: Some(|parameters, countered| {
+        if let &[frequency, damping] = parameters {
+            countered.oil = Some((frequency, damping));
+        }
+    }),
 };
 
 /// A compressible oil column.

@@ -22,7 +22,7 @@ pub use finite::NotFinite;
 pub use register::{Taken, found, register};
 pub use state::State;
 
-use super::{Ends, Entry, Parameter, Role, Stage, Yardstick};
+use super::{Ends, Entry, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use program::Program;
 
@@ -227,6 +227,8 @@ impl Own {
             signature: "an effect of the user's own",
             mistaken_for: Box::leak(mistaken.into_boxed_slice()),
             test: "a run in which the states of its expression reach further",
+            order: Order::Second,
+            counter: None,
         }
     }
 }

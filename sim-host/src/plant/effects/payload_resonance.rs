@@ -1,7 +1,7 @@
 //! A one-storey structure on the table, reacting on it, whose stiffness may change with its drift: joints that crack and
 //! open soften, columns that go into tension stiffen, and its frequency moves with the size of the motion.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -69,6 +69,8 @@ pub const ENTRY: Entry = Entry {
     signature: "a notch and a peak in the response, ringing after the motion ends",
     mistaken_for: &["oil_compliance", "base_compliance"],
     test: "bare and loaded table; an accelerometer on the payload",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A one-storey structure.

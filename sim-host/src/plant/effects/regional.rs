@@ -5,7 +5,9 @@
 //! it is `1 + change s / span`, never negative. The share is taken at the start of each integration step.
 //! Such an effect has its plain form's identifier and further parameters, whose keys say along what it acts.
 
-use super::{Compliance, Dither, Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Yardstick, build, entry};
+use super::{
+    Compliance, Dither, Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Yardstick, build, entry,
+};
 use crate::scalar::Scalar;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -118,7 +120,9 @@ fn of(plain: &'static Entry, along: Along, shape: Shape) -> Entry {
             format!("({}) (1 + change {name} / scale)", plain.equation)
         }
     };
-    Entry { equation: keep(equation), parameters: Box::leak(parameters.into_boxed_slice()), ..*plain }
+    // What acts in a part alone is not what a law counters everywhere.
+    let parameters = Box::leak(parameters.into_boxed_slice());
+    Entry { equation: keep(equation), parameters, order: Order::Second, counter: None, ..*plain }
 }
 
 const fn further(key: &'static str, unit: &'static str, meaning: &'static str, role: Role) -> Parameter {

@@ -3,7 +3,7 @@
 //! These are not physics and no search tries them: a diagnosis that has to call a mismatch unlisted fits them to what is
 //! left, so that the model predicts better and the curve's shape says what to look for.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -96,6 +96,8 @@ const fn curve(
         signature: "what the library's effects leave",
         mistaken_for: &[],
         test: "the same runs at another amplitude: a curve in the wrong coordinate does not carry over",
+        order: Order::Second,
+        counter: None,
     }
 }
 

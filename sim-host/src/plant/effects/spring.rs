@@ -1,6 +1,6 @@
 //! Something elastic between the table and the ground: hoses, cable chains, a gas spring, a gravity restoring force.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -42,6 +42,8 @@ pub const ENTRY: Entry = Entry {
     signature: "a force that grows with displacement; the table creeps back when the valve closes",
     mistaken_for: &["leakage", "end_stop", "tilt_coupling", "displacement_lag"],
     test: "pressure held at several places, at rest",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// A spring that hardens or softens with displacement.

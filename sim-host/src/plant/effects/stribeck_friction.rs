@@ -2,7 +2,7 @@
 
 use super::bristle::Bristles;
 use super::coulomb_friction::{FORCE, PRESLIDING};
-use super::{Dither, Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -46,6 +46,12 @@ pub const ENTRY: Entry = Entry {
     signature: "a step in effort at reversals with a peak on it",
     mistaken_for: &["coulomb_friction", "valve_deadband"],
     test: "slow ramps at several speeds",
+    order: Order::Second,
+    counter: Some(|parameters, countered| {
+        if let &[force, standstill, velocity, ..] = parameters {
+            (countered.coulomb, countered.peak) = (force, Some((standstill, velocity)));
+        }
+    }),
 };
 
 /// Speed over that of the peak's fall beyond which the peak is gone: `exp(-6.5^2)` is below 1e-18.

@@ -3,7 +3,7 @@
 //!
 //! The pressure is relative to its start; running at the limit for long it falls by `depth`.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -45,6 +45,12 @@ pub const ENTRY: Entry = Entry {
     signature: "gain and limit sag after fast motion and recover in seconds",
     mistaken_for: &["gain_drift", "flow_softening", "load_dependent_flow"],
     test: "back-to-back ramps; supply pressure logged",
+    order: Order::Second,
+    counter: Some(|parameters, countered| {
+        if let &[depth, recovery] = parameters {
+            countered.droop = (depth, recovery);
+        }
+    }),
 };
 
 /// An accumulator that empties.

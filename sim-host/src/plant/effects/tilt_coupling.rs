@@ -1,6 +1,6 @@
 //! The table tilts as it travels, and gravity shows in the accelerometer.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::{GRAVITY, Kind};
 use crate::scalar::Scalar;
 
@@ -27,6 +27,8 @@ pub const ENTRY: Entry = Entry {
     signature: "a copy of the displacement in the accelerometer",
     mistaken_for: &["acceleration_bias", "acceleration_gain"],
     test: "slow large motion: the accelerometer follows the displacement",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// Gravity through tilt.

@@ -6,7 +6,7 @@
 //! of a share `r` of the half width does. Within the overlap the clearance may leave a share `l` of the gain.
 
 use super::shaken::positive_part;
-use super::{Dither, Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -59,6 +59,12 @@ pub const ENTRY: Entry = Entry {
     signature: "small commands do nothing: flats at each reversal, growing with smaller motion",
     mistaken_for: &["coulomb_friction", "backlash"],
     test: "pressure difference; supply pressure or payload changed; amplitude ladder",
+    order: Order::Fourth,
+    counter: Some(|parameters, countered| {
+        if let &[half_width, ..] = parameters {
+            countered.deadband = half_width;
+        }
+    }),
 };
 
 /// Overlap of the spool's lands.

@@ -1,7 +1,7 @@
 //! The spool follows its command as a second-order system, whose driving force may be limited: a torque motor or a pilot stage
 //! gives less than in proportion where the spool is far from its command.
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -56,6 +56,8 @@ pub const ENTRY: Entry = Entry {
     signature: "phase lost and, above its frequency, amplitude too",
     mistaken_for: &["command_delay", "acceleration_lag", "displacement_lag"],
     test: "sines of 20 Hz and up at small amplitude and high gain",
+    order: Order::Fourth,
+    counter: None,
 };
 
 /// Second-order spool.

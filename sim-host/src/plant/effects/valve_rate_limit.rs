@@ -4,7 +4,7 @@
 //! command the spool moves at its greatest rate, close to it as a first-order lag (Merritt, *Hydraulic Control Systems*,
 //! 1967, section 7-5).
 
-use super::{Effect, Ends, Entry, Hooks, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -47,6 +47,8 @@ pub const ENTRY: Entry = Entry {
     signature: "large fast commands come out as ramps; small ones are untouched",
     mistaken_for: &["valve_lag", "command_delay"],
     test: "one frequency at growing amplitude",
+    order: Order::Second,
+    counter: None,
 };
 
 /// A limit on the spool's speed.

@@ -3,7 +3,7 @@
 //! A film of oil is sheared in proportion to the speed until the shear itself warms and thins it: the coefficient falls as
 //! speed rises.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -45,6 +45,12 @@ pub const ENTRY: Entry = Entry {
     signature: "a force that grows with speed",
     mistaken_for: &["leakage", "gain_drift"],
     test: "pressure at several constant velocities",
+    order: Order::Fourth,
+    counter: Some(|parameters, countered| {
+        if let &[coefficient] = parameters {
+            countered.viscous = coefficient;
+        }
+    }),
 };
 
 /// Friction that grows with velocity.

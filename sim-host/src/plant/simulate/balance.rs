@@ -52,8 +52,9 @@ pub fn balance<S: Scalar>(
         (dy, force)
     };
     let mut y = [S::from(0.0); MOST];
-    for m in mounted.iter().filter(|_| n > 0) {
+    for m in mounted.iter_mut().filter(|_| n > 0) {
         m.effect.rest(S::from(motion.displacement[0]), &mut y[m.first..m.last]);
+        m.effect.after(S::from(motion.displacement[0]), 0.0);
     }
     y.iter_mut().zip(states).for_each(|(y, &away)| *y += away);
     let mut trace = Trace::with_capacity(n, Wanted { load: true, ..Wanted::default() });

@@ -11,6 +11,10 @@ use crate::scalar::Scalar;
 /// Continuous states provided for: four of the plant, the rest of its effects.
 pub(in crate::plant) const STATES: usize = 16;
 
+/// The fastest rate at which a load is taken to give way, 1/s: faster, and without end, it does so in the equations of leakage
+/// and orifice. Half a millisecond is a tenth of what recordings resolve; it is the model's, whatever the steps.
+const STIFFEST: f64 = 2000.0;
+
 const DISPLACEMENT: usize = 0;
 /// The servo's state z, or a rigid mass's velocity.
 const SPEED: usize = 1;
@@ -179,8 +183,9 @@ impl<S: Scalar> Dynamics<S> {
         ((direct * noise.size()).powi(2) + gain * gain * driven).sqrt()
     }
 
-    /// The state a run starts from.
-    pub(in crate::plant) fn rest(&self, start: &Start<S>) -> State<S> {
+    /// The state a run starts from; what has memory of the displacement is told where that is, or it would sleep through the first
+    /// step.
+    pub(in crate::plant) fn rest(&mut self, start: &Start<S>) -> State<S> {
         let mut y = vec![S::from(0.0); self.used];
         y[DISPLACEMENT] = start.displacement;
         y[SPEED] = start.velocity;
@@ -192,7 +197,9 @@ impl<S: Scalar> Dynamics<S> {
         }
         let first = if self.yields { YIELDING } else { STIFF };
         y.iter_mut().skip(first).zip(&start.states).for_each(|(y, &away)| *y += away);
-        State { command: S::from(0.0), spool: S::from(0.0), time: 0.0, work: self.work(), y }
+        let state = State { command: S::from(0.0), spool: S::from(0.0), time: 0.0, work: self.work(), y };
+        self.settle(&state);
+        state
     }
 
     fn work(&self) -> Work<S> {
@@ -210,10 +217,22 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// The fastest rate among the effects' equations, 1/s: what the integration step has to resolve.
-    pub(super) fn fastest(&self) -> f64 {
+    pub(in crate::plant) fn fastest(&self) -> f64 {
         let oil = self.compliance.oil.map_or(0.0, |(stiffness, damping)| stiffness.value().sqrt() + damping.value());
-        let leakage = self.compliance.leakage.map_or(0.0, |c| 1.0 / c.value().max(1e-4));
-        self.mounted.iter().map(|m| m.effect.fastest()).fold(oil.max(leakage.min(2e3)), f64::max)
+        self.mounted.iter().map(|m| m.effect.fastest()).fold(oil.max(self.stiffest()), f64::max)
+    }
+
+    /// The fastest rate at which a load gives way, 1/s: beyond what its steps resolve the rule runs away.
+    pub(super) fn stiffest(&self) -> f64 {
+        let Compliance { oil, leakage, stall_acceleration, .. } = &self.compliance;
+        let leakage = leakage.map_or(0.0, Scalar::value);
+        match oil {
+            // A leakage that comes and goes with the motion leaves stiff oil where it is not.
+            _ if stall_acceleration.is_some() || (leakage > 0.0 && self.any.observes) => STIFFEST,
+            Some((stiffness, damping)) => (leakage * stiffness.value() + damping.value()).min(STIFFEST),
+            None if leakage > 0.0 => (1.0 / leakage).min(STIFFEST),
+            None => 0.0,
+        }
     }
 
     /// True where an effect advances with whole steps, so that mid-sample must end one.
@@ -269,15 +288,15 @@ impl<S: Scalar> Dynamics<S> {
         let State { spool, time, y, work, .. } = state;
         let Work { k: [k1, k2, k3, k4], moved, start, later, demands } = work;
         let (t, opening) = (*time, self.opening(*spool));
-        self.rates(t, &opening, y, h, k1, start);
+        self.rates(t, &opening, y, k1, start);
         shifted(moved, y, k1, 0.5 * h);
-        self.rates(t + 0.5 * h, &opening, moved, h, k2, later);
+        self.rates(t + 0.5 * h, &opening, moved, k2, later);
         demands[1] = later.demand;
         shifted(moved, y, k2, 0.5 * h);
-        self.rates(t + 0.5 * h, &opening, moved, h, k3, later);
+        self.rates(t + 0.5 * h, &opening, moved, k3, later);
         demands[2] = later.demand;
         shifted(moved, y, k3, h);
-        self.rates(t + h, &opening, moved, h, k4, later);
+        self.rates(t + h, &opening, moved, k4, later);
         (demands[0], demands[3]) = (start.demand, later.demand);
         let (k1, k2, k3, k4, y) = (&k1[..n], &k2[..n], &k3[..n], &k4[..n], &mut y[..n]);
         if middle {
@@ -329,9 +348,9 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// The force per table mass at this instant, m/s2.
-    pub(super) fn force_now(&self, state: &mut State<S>, h: f64) -> S {
+    pub(super) fn force_now(&self, state: &mut State<S>) -> S {
         let State { spool, time, y, work, .. } = state;
-        self.rates(*time, &self.opening(*spool), y, h, &mut work.k[0], &mut work.later);
+        self.rates(*time, &self.opening(*spool), y, &mut work.k[0], &mut work.later);
         work.later.force
     }
 
@@ -362,7 +381,7 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// Derivatives of every state into `dy`; the motion and the force they imply into `seen`.
-    fn rates(&self, time: f64, opening: &Opening<S>, y: &[S], h: f64, dy: &mut [S], seen: &mut Seen<S>) {
+    fn rates(&self, time: f64, opening: &Opening<S>, y: &[S], dy: &mut [S], seen: &mut Seen<S>) {
         let hooked;
         let mut opening = opening;
         if self.any.valve {
@@ -399,7 +418,7 @@ impl<S: Scalar> Dynamics<S> {
             dy[SPEED] -= *force;
         }
         if self.yields {
-            self.yielding(flow, *force, y, dy, h);
+            self.yielding(flow, *force, y, dy);
         }
         if let Some(pace) = self.compliance.pace {
             dy.iter_mut().for_each(|rate| *rate = *rate * pace);
@@ -523,27 +542,27 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// Velocity and load of an actuator that yields, driven by `flow`.
-    fn yielding(&self, flow: S, force: S, y: &[S], dy: &mut [S], h: f64) {
+    fn yielding(&self, flow: S, force: S, y: &[S], dy: &mut [S]) {
         let (velocity, load) = (y[TABLE], y[LOAD]);
         let leakage = self.compliance.leakage.unwrap_or(S::from(0.0));
         if let Some((stiffness, damping)) = self.compliance.oil {
             let available = self.compliance.stall_acceleration.map_or(flow, |stall| flow * drop(flow, load, stall));
-            // Load goes fast where flow gives way to it: no faster than the step resolves, which leaves where it goes to.
+            // Load goes fast where flow gives way to it: no faster than [`STIFFEST`], which leaves where it goes to.
             let gives = self.compliance.stall_acceleration.map_or(leakage, |stall| leakage + flow.abs() / stall * 0.5);
             let rate = gives * stiffness + damping;
-            let shown = (S::from(1.4 / h) / rate).min(S::from(1.0));
+            let shown = (S::from(STIFFEST) / rate).min(S::from(1.0));
             dy[LOAD] = ((available - velocity - leakage * load) * stiffness - load * damping) * shown;
             dy[TABLE] = load - force;
             return;
         }
         // Stiff oil: the load follows from the flow balance, q sqrt(1 - p/p_s) - C p = v, and the table obeys v' = p - f.
-        // Where the balance is stiffer than the step, its time constant is held at what the step resolves.
+        // Where the balance is stiffer, as with no flow it is without end, its time constant is held.
         let mut time_constant = leakage;
         if let Some(stall) = self.compliance.stall_acceleration {
             let sum = flow.abs() + velocity.abs() + 1e-9;
             time_constant += flow * flow / (stall * sum);
         }
-        let shortest = S::from(h / 1.4);
+        let shortest = S::from(1.0 / STIFFEST);
         dy[LOAD] = S::from(0.0);
         dy[TABLE] = (flow - velocity) / time_constant.max(shortest) - force;
     }

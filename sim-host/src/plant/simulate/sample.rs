@@ -70,7 +70,7 @@ impl<S: Scalar> Sample<S> {
             && linear.holds(state, &self.spools)
         {
             state.spool = self.spools[0];
-            note(dynamics, state, self.asked, self.h, (&mut self.start, &mut self.force));
+            note(dynamics, state, self.asked, (&mut self.start, &mut self.force));
             state.spool = self.spools[(self.total - 1) / 2];
             let middle = state.time + 0.5 * self.h * self.total as f64;
             linear.advance(state, &self.spools, self.h, true);
@@ -96,7 +96,7 @@ impl<S: Scalar> Sample<S> {
             && linear.holds(state, spool)
         {
             if number == 0 {
-                note(dynamics, state, self.asked, self.h, (&mut self.start, &mut self.force));
+                note(dynamics, state, self.asked, (&mut self.start, &mut self.force));
             }
             linear.advance(state, spool, self.h, halfway);
         } else {
@@ -137,13 +137,12 @@ fn note<S: Scalar>(
     dynamics: &Dynamics<S>,
     state: &mut State<S>,
     (motion, force): (bool, bool),
-    h: f64,
     (start, at_start): (&mut Instant<S>, &mut S),
 ) {
     if motion {
         dynamics.note(state, start);
     }
     if force {
-        *at_start = dynamics.force_now(state, h);
+        *at_start = dynamics.force_now(state);
     }
 }

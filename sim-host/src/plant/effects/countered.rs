@@ -1,0 +1,67 @@
+//! What of a table's effects a law can counter, in the terms of the core's tracking law.
+
+use super::entry;
+use crate::plant::simulate::Placed;
+
+/// Notes an effect's parameters where a law counters them.
+pub type Counter = fn(&[f64], &mut Countered);
+
+/// What a law is told of a table beyond Eq. 7. SI; zeros and none where there is nothing to counter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Countered {
+    /// Null bias, m.
+    pub null_bias: f64,
+    /// Delay of the command, s.
+    pub delay: f64,
+    /// Half width of the spool's overlap, m.
+    pub deadband: f64,
+    /// Sharpness of a soft limit, 1; 0 for a hard one.
+    pub sharpness: f64,
+    /// Velocity limits toward positive and negative displacement, m/s, where they differ from the model's.
+    pub limits: Option<(f64, f64)>,
+    /// Depth (1) and recovery (s) of the supply's droop.
+    pub droop: (f64, f64),
+    /// Acceleration at which the flow stalls, m/s2; 0 where no load slows it.
+    pub stall: f64,
+    /// Frequency (Hz) and damping (1) of the oil column; none where it is stiff.
+    pub oil: Option<(f64, f64)>,
+    /// Friction that slides, per table mass, m/s2.
+    pub coulomb: f64,
+    /// What friction has beyond that at standstill: its size there, per table mass (m/s2), and the speed over which it falls
+    /// (m/s). The law counters the sliding part alone.
+    pub peak: Option<(f64, f64)>,
+    /// Viscous friction per table mass, 1/s.
+    pub viscous: f64,
+}
+
+impl Default for Countered {
+    /// Nothing.
+    fn default() -> Self {
+        Self {
+            null_bias: 0.0,
+            delay: 0.0,
+            deadband: 0.0,
+            sharpness: 0.0,
+            limits: None,
+            droop: (0.0, 1.0),
+            stall: 0.0,
+            oil: None,
+            coulomb: 0.0,
+            peak: None,
+            viscous: 0.0,
+        }
+    }
+}
+
+impl Countered {
+    /// What a law counters of these effects.
+    pub fn of(effects: &[Placed<f64>]) -> Self {
+        let mut countered = Self::default();
+        for placed in effects {
+            if let Some(counter) = entry(placed.id).and_then(|entry| entry.counter) {
+                counter(&placed.parameters, &mut countered);
+            }
+        }
+        countered
+    }
+}
