@@ -11,7 +11,7 @@ use super::search::{CHANCE, Search};
 use super::split::Weighing;
 use super::standing::{outside, stands, strained};
 use crate::identify::fit::{Effort, Fit};
-use crate::plant::effects::entry;
+use crate::plant::effects::{Stage, entry};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -149,10 +149,11 @@ fn surer(weighing: &Weighing, after: &Judged, candidates: &[Judged]) -> Result<O
     Ok(Some(Judged::of(fit, weighing)?))
 }
 
-/// True for two laws of one thing: at one place, and one mistaken for the other by the library's own word.
+/// True for two laws of one thing: at one place, and one mistaken for the other by the library's own word. Sensors' faults are
+/// each their own.
 fn kin(id: &str, other: &str) -> bool {
     let (Some(a), Some(b)) = (entry(id), entry(other)) else { return false };
-    a.stage == b.stage && (a.mistaken_for.contains(&b.id) || b.mistaken_for.contains(&a.id))
+    a.stage == b.stage && a.stage != Stage::Sensor && (a.mistaken_for.contains(&b.id) || b.mistaken_for.contains(&a.id))
 }
 
 /// Whether names explain most of the mismatch and no other set of their size comes near: what they leave is then something beside
