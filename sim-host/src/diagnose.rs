@@ -219,7 +219,7 @@ fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Conclu
 fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
     let first = pass(split(whole.clone(), Some(seen.clone())), options)?;
     let dt = whole.fit.first().map_or(1.0, |run| run.dt);
-    let Some(finding) = clock::found(&first.conclusion.decision.after, dt) else { return Ok(first) };
+    let Some(finding) = clock::found(&first.conclusion.decision.after.fit, dt) else { return Ok(first) };
     options.say("correcting the sampling period", 0.1);
     for prepared in [&mut whole, &mut seen] {
         clock::correct(prepared, &finding);

@@ -4,7 +4,7 @@
 //! accelerometer's gain each explains in part. So it is grown, weighed and swapped as effects are; where it is among what was
 //! accepted, the sampling period is corrected and the search goes on as though it had been stated so.
 
-use super::judged::Judged;
+use crate::identify::fit::Fit;
 use crate::identify::model::Model;
 use crate::identify::prepare::Prepared;
 use crate::identify::quantity::quantities;
@@ -29,10 +29,10 @@ pub(super) fn disbelief(fitted: &Model) -> f64 {
 }
 
 /// The finding where a clock of another rate is part of what was accepted.
-pub(super) fn found(accepted: &Judged, dt: f64) -> Option<SetUpFinding> {
-    let placed = accepted.fit.model.effects.iter().find(|p| p.entry.id == ENTRY.id)?;
+pub(super) fn found(accepted: &Fit, dt: f64) -> Option<SetUpFinding> {
+    let placed = accepted.model.effects.iter().find(|p| p.entry.id == ENTRY.id)?;
     let rate = placed.values.first()?.value;
-    let std = quantities(&accepted.fit).get("clock_rate.rate").and_then(|q| q.std);
+    let std = quantities(accepted).get("clock_rate.rate").and_then(|q| q.std);
     Some(SetUpFinding::clock_rate(dt, dt * (1.0 + rate), std.map(|std| std * dt)))
 }
 

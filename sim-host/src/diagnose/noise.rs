@@ -4,6 +4,7 @@
 //! slower swings that follow the motion. So the scale is taken from the differences of neighbouring residuals of the stated
 //! model and, where the table rests, from the residual there, within what a stated figure may be wrong by.
 
+use super::residual::spectrum;
 use crate::identify::data::{Channel, Measured, Run};
 use crate::identify::evaluate::predict;
 use crate::identify::fit::Fit;
@@ -88,6 +89,7 @@ fn scale(
 ) -> Option<Scale> {
     let (least, count) = differences(residuals)?;
     let least = differences(raw).map_or(least, |(raw, _)| raw.min(least));
+    let least = between_lines(residuals).map_or(least, |floor| floor.min(least));
     let pressure = matches!(channel, Channel::PressureDifference | Channel::SupplyPressure);
     let rest = if pressure { None } else { at_rest_power(residuals, resting) };
     let most = everywhere(residuals);
@@ -107,6 +109,18 @@ fn differences(series: &[Vec<f64>]) -> Option<(f64, f64)> {
     fourth.sort_unstable_by(f64::total_cmp);
     let kept = &fourth[..fourth.len() * 99 / 100];
     Some((kept.iter().sum::<f64>() / kept.len() as f64 / TRIMMED / 70.0, fourth.len() as f64))
+}
+
+/// Power of white noise that the upper half of the band holds between its lines: a hum is no noise, however large it is.
+fn between_lines(residuals: &[Vec<f64>]) -> Option<f64> {
+    let longest = residuals.iter().max_by_key(|r| r.len())?;
+    let size = (longest.len() / 4).next_power_of_two().min(2048);
+    let mut upper = spectrum(longest, size).split_off(size / 4);
+    if longest.len() < 1000 || upper.is_empty() {
+        return None;
+    }
+    let middle = upper.len() / 2;
+    Some(*upper.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Mean square of all residuals.

@@ -244,7 +244,9 @@ fn ends(along: Along, runs: &[Run], predicted: &[Predicted]) -> Option<Vec<f64>>
         }
     }
     if along == Along::Speed {
-        values.iter_mut().for_each(|v| *v = v.abs());
+        for v in &mut values {
+            *v = v.abs();
+        }
     }
     values.retain(|v| v.is_finite());
     values.sort_by(f64::total_cmp);

@@ -57,7 +57,7 @@ fn a_clock_at_another_rate_is_found_and_corrected() {
     off.fit.iter_mut().for_each(|run| run.dt /= 1.005);
     clock::doubt(&mut off);
     let decision = decided(off.clone());
-    let finding = clock::found(&decision.after, off.fit[0].dt).expect("a clock");
+    let finding = clock::found(&decision.after.fit, off.fit[0].dt).expect("a clock");
     assert!((finding.found / finding.stated.unwrap() - 1.005).abs() < 5e-4, "{finding:?}");
     clock::correct(&mut off, &finding);
     let corrected = decided(off);

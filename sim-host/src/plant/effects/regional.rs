@@ -73,7 +73,7 @@ const SCALE: &str = "scale";
 
 /// The code of a form, as the parameter `region` holds it.
 fn code(along: Along, shape: Shape) -> f64 {
-    along as u8 as f64 + if shape == Shape::Slope { 10.0 } else { 0.0 }
+    f64::from(along as u8) + if shape == Shape::Slope { 10.0 } else { 0.0 }
 }
 
 fn decoded(code: f64) -> Option<(Along, Shape)> {

@@ -61,7 +61,9 @@ pub fn balance<S: Scalar>(
     let h = dt / STEPS as f64;
     for k in 0..n {
         let now = at(k, 0.0);
-        mounted.iter_mut().for_each(|m| m.effect.observe(&now));
+        for m in &mut mounted {
+            m.effect.observe(&now);
+        }
         trace.load.push(rates(&mounted, &now, &y).1 + viscous * now.velocity + motion.acceleration[k]);
         for step in 0..STEPS {
             let share = |part: f64| at(k, (step as f64 + part) / STEPS as f64);

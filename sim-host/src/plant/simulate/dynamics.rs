@@ -421,7 +421,9 @@ impl<S: Scalar> Dynamics<S> {
             self.yielding(flow, *force, y, dy);
         }
         if let Some(pace) = self.compliance.pace {
-            dy.iter_mut().for_each(|rate| *rate = *rate * pace);
+            for rate in dy {
+                *rate = *rate * pace;
+            }
         }
     }
 

@@ -91,20 +91,20 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
 
 /// The law as it fits best: as recorded, unless a delay or a shift of the displacement leaves far less.
 fn best(runs: &[&Run]) -> Option<(Fitted, i32, i32)> {
-    let plain = fit(runs, 0, 0, false)?;
+    let stated_feed = runs.first().is_some_and(|run| run.shaping.kvf != 0.0);
+    let plain = fit(runs, 0, 0, stated_feed)?;
     let others = DELAYS.iter().skip(1).map(|&d| (d, 0)).chain([(0, 1), (0, 2), (0, -1), (0, -2), (0, -3)]);
-    let tried = others.filter_map(|(delay, shift)| Some((fit(runs, shift, delay, false)?, delay, shift)));
+    let tried = others.filter_map(|(delay, shift)| Some((fit(runs, shift, delay, stated_feed)?, delay, shift)));
     let least = tried.min_by(|a, b| a.0.power.total_cmp(&b.0.power));
     let (fitted, delay, shift) = match least {
         Some(other) if other.0.power < FAR_LESS * plain.power && significant(plain.share) => other,
         _ => (plain, 0, 0),
     };
-    let fed = fit(runs, shift, delay, true);
-    let stated_feed = runs.first().is_some_and(|run| run.shaping.kvf != 0.0);
-    match fed {
-        Some(fed) if stated_feed || (fed.power < FAR_LESS * fitted.power && significant(fitted.share)) => {
-            Some((fed, delay, shift))
-        }
+    if stated_feed {
+        return Some((fitted, delay, shift));
+    }
+    match fit(runs, shift, delay, true) {
+        Some(fed) if fed.power < FAR_LESS * fitted.power && significant(fitted.share) => Some((fed, delay, shift)),
         _ => Some((fitted, delay, shift)),
     }
 }
