@@ -17,6 +17,9 @@ use rayon::prelude::*;
 
 /// Models of each size that are weighed on the validation.
 const JUDGED: usize = 6;
+/// Probability below which a name is never given, and alternatives among which one may be given as the likeliest.
+const UNLIKELY: f64 = 0.1;
+const FEW: usize = 2;
 /// How far a model is fitted again without names that are not sure.
 const LESS: Effort = Effort { steps: 10, tolerance: 1e-5 };
 /// Probability of physics outside the library where what is left follows nothing.
@@ -126,6 +129,7 @@ pub(super) fn weigh(
     let more_missing = unnamed || follows.is_certain() && more_is_missing(&before, &after, CALIBRATION.negligible);
     let mut decision =
         Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise };
+    scatter(&mut decision);
     if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.before, partial, &decision.candidates)) {
         decision.name_beside_more(&leader.added);
         decision.after = Judged { probability: CALIBRATION.beside_more, ..leader };
@@ -133,13 +137,30 @@ pub(super) fn weigh(
     Ok(decision)
 }
 
+/// Takes names back for which several others stand as well: what is missing is then not among what these data can name.
+fn scatter(decision: &mut Decision) {
+    let beliefs = decision.after.added.iter().map(|id| belief(id, &decision.candidates));
+    let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
+    let one_of_many = least < CALIBRATION.likely && decision.ties.len() > FEW;
+    if !decision.unlisted && (least < UNLIKELY || one_of_many) {
+        decision.take_back(1.0 - least);
+        (decision.unlisted, decision.more_missing) = (true, false);
+        decision.partial = Some(std::mem::replace(&mut decision.after, decision.before.clone()));
+        decision.ties.clear();
+    }
+}
+
+/// How far an effect, or another law of the same thing, is believed.
+fn belief(id: &str, candidates: &[Judged]) -> f64 {
+    let with = |judged: &&Judged| judged.added.iter().any(|other| *other == id || kin(id, other));
+    candidates.iter().filter(with).map(|c| c.probability).sum()
+}
+
 /// The accepted model less the names of which others of its size stand in the place, where others stand: what is missing there is
 /// then said to be missing, not named.
 fn surer(weighing: &Weighing, after: &Judged, candidates: &[Judged]) -> Result<Option<Judged>, SimulateError> {
-    let with = |judged: &Judged, id: &'static str| judged.added.iter().any(|other| *other == id || kin(id, other));
-    let belief = |id| candidates.iter().filter(|c| with(c, id)).map(|c| c.probability).sum::<f64>();
     let doubtful: Vec<&'static str> =
-        after.added.iter().copied().filter(|id| belief(*id) < CALIBRATION.likely).collect();
+        after.added.iter().copied().filter(|id| belief(id, candidates) < CALIBRATION.likely).collect();
     if doubtful.is_empty() || doubtful.len() == after.added.len() {
         return Ok(None);
     }
