@@ -44,7 +44,7 @@ pub(super) struct Calibration {
     pub(super) tie: f64,
 }
 
-/// Set by judgement over open cases of both examiners (seeds 9001, 77 and 501, burnt for that); no fit has made them yet, and
+/// Set by judgement over open cases of both examiners (seeds 9001, 77, 501, 6102 and 7301, burnt for that); no fit has made them yet, and
 /// probabilities that rest on them are not calibrated.
 pub(super) const CALIBRATION: Calibration = Calibration {
     form_freedom: 8.0,

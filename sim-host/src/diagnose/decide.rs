@@ -20,6 +20,8 @@ const JUDGED: usize = 6;
 /// Probability below which a name is never given, and alternatives among which one may be given as the likeliest.
 const UNLIKELY: f64 = 0.1;
 const FEW: usize = 2;
+/// Probability below which a name is likelier wrong than right.
+const EVEN: f64 = 0.5;
 /// How far a model is fitted again without names that are not sure.
 const LESS: Effort = Effort { steps: 10, tolerance: 1e-5 };
 /// Probability of physics outside the library where what is left follows nothing.
@@ -141,7 +143,7 @@ pub(super) fn weigh(
 fn scatter(decision: &mut Decision) {
     let beliefs = decision.after.added.iter().map(|id| belief(id, &decision.candidates));
     let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
-    let one_of_many = least < CALIBRATION.likely && decision.ties.len() > FEW;
+    let one_of_many = least < EVEN && decision.ties.len() > FEW;
     if !decision.unlisted && (least < UNLIKELY || one_of_many) {
         decision.take_back(1.0 - least);
         (decision.unlisted, decision.more_missing) = (true, false);

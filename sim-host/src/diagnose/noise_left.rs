@@ -11,7 +11,7 @@ use crate::plant::simulate::SimulateError;
 use crate::recording::{self, Doubt, Experiment, SetUpFinding};
 
 /// Factor between stated and found that is worth a word.
-const WORTH: f64 = 1.07;
+const WORTH: f64 = 1.035;
 /// Standard errors beyond which it is no chance.
 const CERTAIN: f64 = 5.0;
 /// Factor by which the noise of the fastest quarter exceeds that of the slowest, that is worth a word.
