@@ -55,6 +55,12 @@ fn at_work(entry: &'static Entry) -> Vec<Placed<f64>> {
     vec![Placed { id: entry.id, parameters: start.values.iter().map(|v| 1.037 * v.value).collect() }]
 }
 
+/// Whether a sensor's velocity depends on where the table has been.
+fn remembers(effects: &[Placed<f64>]) -> bool {
+    let hooks = effects.iter().filter_map(|placed| build(placed.id, &placed.parameters)).map(|effect| effect.hooks());
+    hooks.into_iter().any(|hooks| hooks.after && hooks.velocity)
+}
+
 #[test]
 fn every_effect_converges_at_the_order_it_promises() {
     let mut wrong = Vec::new();
@@ -62,6 +68,8 @@ fn every_effect_converges_at_the_order_it_promises() {
         let effects = at_work(entry);
         let (promised, found) = match entry.order {
             Order::Fourth => (4.0, orders(&effects, 1.0, 1, &[4, 8, 16, 32])),
+            // What the accelerometer feels behind a joint is taken by strides of the joint's own: steps count where they are shorter.
+            Order::Second if remembers(&effects) => (2.0, orders(&effects, 1.0, 2, &[64, 128, 256, 512])),
             Order::Second => (2.0, orders(&effects, 1.0, 6, &[8, 16, 32, 64, 128])),
         };
         // A velocity that is read at an instant shows the command's mean over the step that ends there: one order less.
