@@ -165,26 +165,18 @@ mod tests {
     #[test]
     fn every_class_keeps_its_promise_in_a_few_runs() {
         let motions = Motions::new(None).unwrap();
-        let runs: u64 = std::env::var("FAULT_RUNS").ok().and_then(|n| n.parse().ok()).unwrap_or(20);
-        let only = std::env::var("FAULT_CLASS").unwrap_or_default();
-        let seed: u64 = std::env::var("FAULT_SEED").ok().and_then(|n| n.parse().ok()).unwrap_or(77);
-        let alone = std::env::var("FAULT_ALONE").is_ok();
-        let mut broken = Vec::new();
-        for class in CLASSES.iter().filter(|class| class.id.contains(&only)) {
+        for class in CLASSES {
             let plan = Plan {
-                seed,
-                runs,
+                seed: 20262,
+                runs: 6,
                 class: Some(class.id.into()),
-                guard_alone: alone,
+                guard_alone: false,
                 records: Vec::new(),
                 version: String::new(),
             };
             let outcomes = run(&plan, &motions, &|_| ()).unwrap();
-            let farthest = outcomes.iter().fold(0.0_f64, |m, o| m.max(o.farthest_m));
-            let count = outcomes.iter().filter(|o| !o.broken.is_empty()).count();
-            println!("{} {} {count} broken, {:.1} mm", class.id, outcomes.len(), 1e3 * farthest);
-            broken.extend(outcomes.into_iter().filter(|outcome| !outcome.broken.is_empty()));
+            let broken: Vec<_> = outcomes.iter().filter(|outcome| !outcome.broken.is_empty()).collect();
+            assert!(broken.is_empty(), "{broken:#?}");
         }
-        assert!(broken.is_empty(), "{broken:#?}");
     }
 }
