@@ -58,7 +58,9 @@ pub(crate) fn run(wanted: &[String]) -> Result<(), Problem> {
         };
         say(&format!("  {name:20} {word}, {seconds} s{why}"));
         if let Outcome::Partly(left_out) = outcome {
-            left_out.iter().for_each(|line| say(&format!("    skipped: {line}")));
+            for line in left_out {
+                say(&format!("    skipped: {line}"));
+            }
         }
     }
     setup::report(&missing);

@@ -7,10 +7,12 @@
 //! model known well gets a quiet law. Where no pair is safe, nothing is written and the nearest is named.
 
 pub mod answer;
+mod corner;
 mod noise;
 mod table;
 
-pub use table::{Corner, Spread, Table, TableError};
+pub use corner::{Corner, Spread};
+pub use table::{Table, TableError};
 
 use super::margin::{Margins, margins_with};
 use super::{Clock, ClosedLoopError, pressure_by_settings};

@@ -20,6 +20,8 @@
 //!
 //! [sensors]                       # left out: the paper's laboratory
 //! displacement_step = 4e-5
+//! # velocity_noise = 1e-3         # a velocity transducer, m/s; without it LVDT and accelerometer tell the velocity
+//! # area_per_mass = 4.8e-6        # a sensor of the pressure difference: piston area over moving mass, m2/kg
 //! seed = 1
 //! ```
 
@@ -251,6 +253,7 @@ impl Scenario {
         for (key, value, most) in [
             ("displacement_step", self.sensors.displacement_step, 0.1),
             ("acceleration_noise", self.sensors.acceleration_noise, 1000.0),
+            ("velocity_noise", self.sensors.velocity_noise.unwrap_or(0.0), 1000.0),
         ] {
             if value > most {
                 return refuse("sensors", format!("{key} = {value:e}: expected at most {most}, in SI units"));

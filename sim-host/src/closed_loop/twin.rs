@@ -73,10 +73,15 @@ impl Twin {
         Ok(twin)
     }
 
+    /// What a law counters of its effects.
+    fn countered(&self) -> Countered {
+        Countered::of(self.effects.iter().map(|placed| (placed.id, &placed.parameters[..])))
+    }
+
     /// The largest speed it reaches both ways, m/s.
     pub fn velocity_limit(&self) -> f64 {
         // Stated for each direction they take the place of the model's one.
-        Countered::of(&self.effects).limits.map_or(self.plant.velocity_limit, |(up, down)| up.min(down))
+        self.countered().limits.map_or(self.plant.velocity_limit, |(up, down)| up.min(down))
     }
 
     /// The steady command that takes it to its largest speed, m: the valve fully open, as far as the model knows.
@@ -86,7 +91,7 @@ impl Twin {
 
     /// Load at which its flow stalls, as table acceleration, m/s2; none where no load slows it.
     pub fn stall(&self) -> Option<f64> {
-        Some(Countered::of(&self.effects).stall).filter(|&stall| stall > 0.0)
+        Some(self.countered().stall).filter(|&stall| stall > 0.0)
     }
 
     /// The table at rest at `start` (m), to be moved on in steps of `dt` (s) by whoever holds the clock.

@@ -155,3 +155,28 @@ pub fn join(plan: &Plan, folder: &Path) -> Result<Vec<Outcome>, CampaignError> {
     }
     Ok(outcomes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::faults::class::CLASSES;
+
+    /// A few runs of every class, with limit switches: what is long is for `shakedown faults`.
+    #[test]
+    fn every_class_keeps_its_promise_in_a_few_runs() {
+        let motions = Motions::new(None).unwrap();
+        for class in CLASSES {
+            let plan = Plan {
+                seed: 20262,
+                runs: 6,
+                class: Some(class.id.into()),
+                guard_alone: false,
+                records: Vec::new(),
+                version: String::new(),
+            };
+            let outcomes = run(&plan, &motions, &|_| ()).unwrap();
+            let broken: Vec<_> = outcomes.iter().filter(|outcome| !outcome.broken.is_empty()).collect();
+            assert!(broken.is_empty(), "{broken:#?}");
+        }
+    }
+}

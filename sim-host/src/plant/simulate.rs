@@ -203,6 +203,4 @@ impl<S> Trace<S> {
 }
 
 #[cfg(test)]
-mod halving;
-#[cfg(test)]
 mod tests;

@@ -28,10 +28,9 @@ fn model(free: impl Fn(usize) -> bool) -> Model {
     let start =
         |id: &str| Effect::start(entry(id).unwrap(), 0, &Yardsticks { displacement: 0.05, ..Yardsticks::TYPICAL });
     let mut model = EFFECTS.iter().fold(bare, |model, id| model.with(start(id).unwrap()));
-    let mut place = 0;
-    for value in model.own.iter_mut().chain(model.effects.iter_mut().flat_map(|effect| &mut effect.values)) {
+    let values = model.own.iter_mut().chain(model.effects.iter_mut().flat_map(|effect| &mut effect.values));
+    for (place, value) in values.enumerate() {
         (value.free, value.low, value.high) = (free(place), f64::NEG_INFINITY, f64::INFINITY);
-        place += 1;
     }
     model
 }
@@ -39,7 +38,7 @@ fn model(free: impl Fn(usize) -> bool) -> Model {
 fn run() -> Run {
     let n = 700;
     let tone = |t: f64, hz: f64, size: f64| size * (std::f64::consts::TAU * hz * t).sin();
-    let input: Vec<f64> = (0..n).map(|k| k as f64 * DT).map(|t| tone(t, 0.8, 0.05) + tone(t, 3.1, 0.005)).collect();
+    let input: Vec<f64> = (0..n).map(|k| f64::from(k) * DT).map(|t| tone(t, 0.8, 0.05) + tone(t, 3.1, 0.005)).collect();
     let shown = |channel, share: f64, noise| {
         let mut values: Vec<f64> = input.iter().map(|x| share * x).collect();
         values[40] = f64::NAN;

@@ -1,7 +1,6 @@
 //! What of a table's effects a law can counter, in the terms of the core's tracking law.
 
 use super::entry;
-use crate::plant::simulate::Placed;
 
 /// Notes an effect's parameters where a law counters them.
 pub type Counter = fn(&[f64], &mut Countered);
@@ -54,12 +53,12 @@ impl Default for Countered {
 }
 
 impl Countered {
-    /// What a law counters of these effects.
-    pub fn of(effects: &[Placed<f64>]) -> Self {
+    /// What a law counters of these effects: their identifiers, with their parameters in the order of the entries.
+    pub fn of<'a>(effects: impl IntoIterator<Item = (&'a str, &'a [f64])>) -> Self {
         let mut countered = Self::default();
-        for placed in effects {
-            if let Some(counter) = entry(placed.id).and_then(|entry| entry.counter) {
-                counter(&placed.parameters, &mut countered);
+        for (id, parameters) in effects {
+            if let Some(counter) = entry(id).and_then(|entry| entry.counter) {
+                counter(parameters, &mut countered);
             }
         }
         countered

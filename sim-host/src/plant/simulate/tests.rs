@@ -1,3 +1,5 @@
+mod halving;
+
 use super::*;
 use crate::identify::model::{Placed as Start0, Yardsticks};
 use crate::plant::effects::ENTRIES;
