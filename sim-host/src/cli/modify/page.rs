@@ -12,11 +12,12 @@ use shakedown::motion::metrics::RelativeError;
 use shakedown::motion::spectrum::{periods, response_spectrum};
 use shakedown::motion::{Motion, STANDARD_GRAVITY, peak};
 use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
+use std::fmt::Write as _;
 
 /// The whole page.
 pub(super) fn page(answer: &Answer) -> Result<Page, Failure> {
     let compared = &answer.compared;
-    let lead = format!(
+    let mut lead = format!(
         "{} fitted to {:.3} m/s and {:.3} m ({}): acceleration error E_a {:.3}, where clipping leaves {:.3}.",
         answer.name,
         answer.limits.velocity,
@@ -25,6 +26,9 @@ pub(super) fn page(answer: &Answer) -> Result<Page, Failure> {
         compared.fitted.e_a.ratio,
         compared.clipped.e_a.ratio,
     );
+    if let Some(far) = beyond(answer) {
+        let _ = write!(lead, " It goes {far:.3} m far, beyond the stroke.");
+    }
     Ok(Page {
         title: format!("{} fitted", answer.name),
         lead,
@@ -58,8 +62,17 @@ fn proven(answer: &Answer) -> Option<f64> {
     answer.modified.bound.filter(|_| squares)
 }
 
+/// How far the motion goes, m, where that is beyond the stroke: some methods do not look at it.
+fn beyond(answer: &Answer) -> Option<f64> {
+    let (far, _) = answer.modified.motion.peaks_between();
+    answer.limits.stroke.filter(|stroke| far > stroke * 1.001).map(|_| far)
+}
+
 /// What to do next.
 fn advice(answer: &Answer) -> Vec<String> {
+    if beyond(answer).is_some() {
+        return vec!["Do not play it: the table ends before the motion does. Fit with `--method convex`, which keeps the stroke too.".into()];
+    }
     let mut advice = Vec::new();
     match answer.drive.iter().find(|(key, _)| key == "file") {
         Some((_, file)) => advice.push(format!(
