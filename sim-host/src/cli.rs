@@ -19,6 +19,7 @@ mod identify;
 mod indices;
 mod init;
 mod learn;
+#[cfg(not(target_family = "wasm"))]
 mod live;
 mod modify;
 mod output;
@@ -27,6 +28,7 @@ mod present;
 mod progress;
 mod prove;
 mod qualify;
+#[cfg(not(target_family = "wasm"))]
 mod reference;
 mod replay;
 mod run;
@@ -70,6 +72,7 @@ enum Command {
     Demo(demo::Args),
     Design(design::Args),
     Learn(learn::Args),
+    #[cfg(not(target_family = "wasm"))]
     Live(Box<live::Args>),
     #[cfg(unix)]
     Device(device::Args),
@@ -115,6 +118,7 @@ pub(crate) fn main() -> ExitCode {
             Command::Demo(args) => demo::run(&args),
             Command::Design(args) => design::run(&args),
             Command::Learn(args) => learn::run(&args),
+            #[cfg(not(target_family = "wasm"))]
             Command::Live(args) => live::run(&args),
             #[cfg(unix)]
             Command::Device(args) => device::run(&args),

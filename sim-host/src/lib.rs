@@ -7,7 +7,7 @@ pub mod diagnose;
 pub mod faults;
 pub mod files;
 pub mod identify;
-#[cfg(feature = "cli")]
+#[cfg(all(feature = "cli", not(target_family = "wasm")))]
 pub mod live;
 pub mod motion;
 pub mod plant;

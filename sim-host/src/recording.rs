@@ -7,6 +7,7 @@ pub mod binary;
 pub mod channel;
 pub mod check;
 pub mod clock;
+mod copies;
 pub mod csv;
 pub mod described;
 mod document;

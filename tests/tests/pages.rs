@@ -47,6 +47,8 @@ const LOOK: &str = r"(() => {
     if (!lead || !lead.textContent.trim() || box(lead).bottom > 800) wrong.push('no verdict on the first screen');
     for (const tile of document.querySelectorAll('.tiles div, .advice li, h1, h2, figcaption, .legend button'))
         if (tile.scrollWidth > tile.clientWidth + 1 && tile.clientWidth > 0) wrong.push(`cut off: ${tile.textContent.trim().slice(0, 40)}`);
+    for (const caption of document.querySelectorAll('.table caption'))
+        if (box(caption).width && box(caption).right > innerWidth + 1) wrong.push(`cut off: ${caption.textContent.trim().slice(0, 40)}`);
     for (const table of document.querySelectorAll('.table'))
         if (box(table).right > innerWidth + 1) wrong.push(`a table reaches out: ${table.ariaLabel}`);
     const footer = document.querySelector('footer').innerText;

@@ -129,6 +129,7 @@ fn recordings(text: &dyn Fn(&str, &str), put: &dyn Fn(&str, &[u8])) {
     let header = "time [s],reference [mm],displacement [mm]\n";
     let good = header.to_owned() + &rows(600, row);
     text("run.csv", &good);
+    text("copy.csv", &good);
     text("inf.csv", &good.replacen("0.500,", "0.500,inf,", 1).replacen("0.500,inf,19.9499,", "0.500,inf,", 1));
     text("spike.csv", &(good.clone() + "3.000,1e300,0\n"));
     text("cut.csv", &(good.clone() + "3.000,1\n"));
@@ -207,6 +208,8 @@ fn recordings(text: &dyn Fn(&str, &str), put: &dyn Fn(&str, &[u8])) {
     text("x-notime.toml", &whole(SERVO, &CHANNELS.replace("time = { column = \"time\", unit = \"s\" }\n", ""), RUNS));
     text("x-use.toml", &whole(SERVO, CHANNELS, &(RUNS.to_owned() + "use = \"hold\"\n")));
     text("x-both.toml", &whole(SERVO, CHANNELS, &format!("{RUNS}use = \"fit\"\n{RUNS}use = \"holdout\"\n")));
+    let copied = format!("{RUNS}use = \"fit\"\n{}use = \"holdout\"\n", RUNS.replace("run.csv", "copy.csv"));
+    text("x-copy.toml", &whole(SERVO, CHANNELS, &copied));
     text("x-window.toml", &whole(SERVO, CHANNELS, &(RUNS.to_owned() + "from_s = 2.0\nto_s = 1.0\n")));
     text("x-outside.toml", &whole(SERVO, CHANNELS, &(RUNS.to_owned() + "from_s = 200.0\n")));
     text("x-gains.toml", &whole(SERVO, CHANNELS, &RUNS.replace("kp = 3.7", "kpp = 3.7")));
@@ -395,14 +398,14 @@ const LIVE: [Case; 15] = [
     ("live --listen 99999", &["--listen", "99999"]),
     ("live --speed 2", &["--recording"]),
     ("live --run 2", &["--recording"]),
-    ("live none.csv", &["none.csv", "No such file"]),
+    ("live none.csv", &["none.csv", "no such file", "name"]),
     ("live three.csv", &["three.csv", "reference"]),
     ("live --port none", &["none", "device list"]),
     ("live run.csv --port none", &["--out DIR", "recorded"]),
     ("live --port none --for 0", &["--for 0", "expected"]),
     ("live --table m-b0.toml", &["m-b0.toml", "above zero"]),
     ("live --table m-rigid.toml", &["m-rigid.toml", "servo"]),
-    ("live --recording none.toml", &["none.toml", "No such file"]),
+    ("live --recording none.toml", &["none.toml", "no such file", "name"]),
     ("live --recording x-typo.toml", &["line 4", "did you mean `b0`"]),
     ("effects leakage --figures file", &["--figures", "name a folder"]),
 ];
@@ -476,7 +479,7 @@ const MODELS: [Case; 36] = [
 ];
 
 /// Experiments and recordings, each by both commands that read them.
-const EXPERIMENTS: [Case; 32] = [
+const EXPERIMENTS: [Case; 33] = [
     ("x-inf.csv.toml", &["inf.csv", "infinite", "NaN"]),
     ("x-spike.csv.toml", &["spike.csv", "line 602", "1e300"]),
     ("x-cut.csv.toml", &["cut.csv", "line 602", "2 fields"]),
@@ -502,6 +505,7 @@ const EXPERIMENTS: [Case; 32] = [
     ("x-notime.toml", &["`time` is missing"]),
     ("x-use.toml", &["`hold`", "line"]),
     ("x-both.toml", &["held out here", "from_s"]),
+    ("x-copy.toml", &["line 16", "copy.csv holds the same samples as run.csv", "from_s"]),
     ("x-window.toml", &["after `from_s`"]),
     ("x-outside.toml", &["the file runs from"]),
     ("x-gains.toml", &["kp", "line"]),

@@ -99,11 +99,6 @@ const CHORES: &[Chore] = &[
         run: properties::run,
     },
     Chore { name: "deny", does: "checks licences, sources and banned crates (cargo-deny)", run: deny::run },
-    Chore {
-        name: "release",
-        does: "builds a release's files, with check sums, list of parts and how to flash [firmware]",
-        run: release::run,
-    },
     Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
     Chore {
         name: "reproduce",
@@ -112,7 +107,7 @@ const CHORES: &[Chore] = &[
     },
     Chore {
         name: "release",
-        does: "builds and tries the files that are handed to users, and names what cannot be built here [host]",
+        does: "builds, tries and sums the files that are handed to users, and names what cannot be built here [host|firmware]",
         run: release::run,
     },
     Chore { name: "help", does: "prints this", run: help },

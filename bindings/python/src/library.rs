@@ -11,7 +11,7 @@ use shakedown::closed_loop::twin::Twin;
 use shakedown::diagnose::Options;
 use shakedown::identify::answer;
 use shakedown::identify::outcome;
-use shakedown::motion::fit::answer::Answer;
+use shakedown::motion::fit::answer::{Answer, Compared};
 use shakedown::motion::fit::method::{Method, modify};
 use shakedown::motion::fit::named::PREVIEW;
 use shakedown::motion::fit::{Limits, Norm};
@@ -90,6 +90,7 @@ pub(crate) fn fit_record(
         let modified = modify(&motion, &limits, method, tell).map_err(|e| e.to_string())?;
         let seconds = begin.elapsed().as_secs_f64();
         let clipped = modify(&motion, &limits, Method::Clip, |_| {}).map_err(|e| e.to_string())?.motion;
+        let compared = Compared::new(&motion, &modified.motion, &clipped).map_err(|e| e.to_string())?;
         let answer = Answer {
             name,
             conditioning,
@@ -98,12 +99,13 @@ pub(crate) fn fit_record(
             motion,
             modified,
             clipped,
+            compared,
             relaxations: Vec::new(),
             target: None,
             seconds,
             drive: Vec::new(),
         };
-        let figures = answer.json().map_err(|e| e.to_string())?.to_string();
+        let figures = answer.json().to_string();
         Ok::<_, String>((figures, PyMotion(answer.modified.motion)))
     })?;
     fitted.map_err(said)

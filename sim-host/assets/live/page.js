@@ -137,7 +137,7 @@
       ["records missing", String(status.missing), "", status.missing > 0],
       ["dropped by the device", String(status.dropped), "", status.dropped > 0],
       ["frames not shown here", String(seen.skipped), "", seen.skipped > 0],
-      ["rows on disk", facts.recorded_in ? String(status.recorded) : "not recorded", ""],
+      ["rows on disk", facts.recorded_in ? String(status.recorded) : "none", ""],
     ];
     const list = find("tiles");
     if (!list.children.length) {

@@ -69,7 +69,10 @@ struct Asked {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     for path in [&args.first, &args.second] {
         if let Err(e) = std::fs::metadata(path) {
-            return Err(Failure::Input(format!("{}: cannot be read: {e}", path.display())));
+            return Err(Failure::Input(format!(
+                "{}: cannot be read: {e}; check its name and its folder",
+                path.display()
+            )));
         }
     }
     match (kind(&args.first)?, kind(&args.second)?) {

@@ -63,7 +63,9 @@ pub(crate) fn man(args: &Man) -> Result<(), Failure> {
 /// Opens the page.
 pub(crate) fn open(args: &Open) -> Result<(), Failure> {
     let place = args.page.display();
-    let page = args.page.canonicalize().map_err(|_| Failure::Input(format!("{place}: there is no such page")))?;
+    let page = args.page.canonicalize().map_err(|_| {
+        Failure::Input(format!("{place}: there is no such page; name one that a command wrote with --report"))
+    })?;
     if !page.is_file() {
         return Err(Failure::Input(format!("{place}: is no file; name a page that `--report` wrote")));
     }

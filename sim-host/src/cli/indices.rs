@@ -10,9 +10,11 @@ pub(crate) fn value(found: &Indices) -> Value {
     found.json()
 }
 
-/// A number, or that there is none.
+/// A number, or that there is none; what rounds to zero has no sign.
 fn or_none(x: f64, places: usize) -> String {
-    if x.is_finite() { format!("{x:.places$}") } else { "\u{2013}".into() }
+    let text = if x.is_finite() { format!("{x:.places$}") } else { "\u{2013}".into() };
+    let zero = |rest: &&str| rest.chars().all(|c| matches!(c, '0' | '.'));
+    text.strip_prefix('-').filter(zero).map(str::to_owned).unwrap_or(text)
 }
 
 /// The most telling of them, for the top of a page.
@@ -21,7 +23,7 @@ pub(crate) fn tiles(found: &Indices) -> Vec<(String, String)> {
         ("waveform error".into(), format!("{:.1} %", 100.0 * found.waveform)),
         ("spectrum beyond 10 %".into(), format!("{:.0} % of periods", 100.0 * found.spectrum)),
         ("peak error".into(), format!("{:+.1} %", 100.0 * found.peak)),
-        ("delay".into(), format!("{:.1} ms", 1e3 * found.delay)),
+        ("delay".into(), format!("{} ms", or_none(1e3 * found.delay, 1))),
         ("gain".into(), or_none(found.gain, 3)),
         ("coherence".into(), or_none(found.coherence, 3)),
     ]
@@ -75,4 +77,16 @@ fn transfer((name, found): &(&str, &Indices)) -> Option<Item> {
             rows,
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::or_none;
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign() {
+        assert_eq!(or_none(-0.04, 1), "0.0");
+        assert_eq!(or_none(-0.06, 1), "-0.1");
+        assert_eq!(or_none(f64::NAN, 1), "\u{2013}");
+    }
 }

@@ -4,10 +4,11 @@ use super::Failure;
 use super::output::{Outputs, print, write_whole};
 use super::source::Text;
 use serde_json::json;
+use shakedown::recording::Channel;
 use shakedown::recording::inner_loop::{Closure, InnerLoop};
 use shakedown::recording::propose::{Proposal, propose_as};
 use shakedown::recording::{Experiment, Severity, check};
-use shakedown::report::{Item, Page, Section, Table};
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -119,7 +120,10 @@ fn page(proposal: &Proposal) -> Page {
         table(&["channel", "unit", "what speaks for it", ""], channels.collect(), "Channels"),
         table(&["file", ""], files.chain(left_out).collect(), "Files"),
     ];
-    let sections = vec![Section { heading: "What is proposed".into(), items }];
+    let sections = vec![
+        Section { heading: "What is proposed".into(), items },
+        Section { heading: figures_of(proposal), items: figures(proposal) },
+    ];
     let lead =
         format!("An experiment from {} recordings: each proposal with what speaks for it.", proposal.files.len());
     let key = vec![
@@ -129,6 +133,37 @@ fn page(proposal: &Proposal) -> Page {
     ];
     let advice = proposal.open.iter().map(|open| format!("To settle: {open}.")).collect();
     Page { title: "A first experiment".into(), lead, key, advice, sections, ..Page::default() }
+}
+
+fn figures_of(proposal: &Proposal) -> String {
+    proposal.files.first().map_or_else(|| "The channels".into(), |file| format!("The channels of {file}"))
+}
+
+/// Every channel over time, so that a wrong column is seen at once.
+fn figures(proposal: &Proposal) -> Vec<Item> {
+    let time = proposal.choices.iter().find(|choice| choice.channel == Channel::Time);
+    let step = time.and_then(|choice| Some(proposal.facts.get(choice.column)?.step? * choice.unit?.factor));
+    let channels = proposal.choices.iter().filter(|choice| choice.channel != Channel::Time);
+    let plot = |choice: &shakedown::recording::propose::Choice| {
+        let samples = proposal.facts.get(choice.column)?.samples.clone();
+        let unit = choice.unit.map_or("unit unknown", |unit| unit.symbol);
+        let unit = if unit == "1" { "no unit" } else { unit };
+        let x = if step.is_some() { "time [s]" } else { "sample" };
+        Some(Item::Plot(Plot {
+            title: choice.channel.name().into(),
+            x: Axis { label: x.into(), log: false },
+            y: Axis { label: format!("{} [{unit}]", choice.channel.name()), log: false },
+            series: vec![Series {
+                name: proposal.facts[choice.column].heading.text.clone(),
+                x: (0..samples.len()).map(|k| k as f64 * step.unwrap_or(1.0)).collect(),
+                y: samples,
+                style: Style::Line,
+            }],
+            group: Some("time".into()),
+            ..Plot::default()
+        }))
+    };
+    channels.filter_map(plot).collect()
 }
 
 fn summary(proposal: &Proposal, path: &Path) -> String {

@@ -11,7 +11,7 @@ use super::source::{Text, plausible, record as read_record};
 use super::{Failure, described, present, progress};
 use clap::ValueEnum;
 use shakedown::motion::condition::{Recipe, Step, peak_acceleration};
-use shakedown::motion::fit::answer::{Answer, AnswerError};
+use shakedown::motion::fit::answer::{Answer, AnswerError, Compared};
 use shakedown::motion::fit::certificate::{self, Relaxation, Relaxed};
 use shakedown::motion::fit::method::{Method, modify};
 use shakedown::motion::fit::named::PREVIEW;
@@ -164,6 +164,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let seconds = begin.elapsed().as_secs_f64();
     let clipped = modify(&motion, &limits, Method::Clip, |_| {}).map_err(|e| failure(&e))?;
     let relaxations = args.relaxations(&motion, &limits, tell)?;
+    let compared = Compared::new(&motion, &modified.motion, &clipped.motion)?;
     spinner.finish_and_clear();
     let mut answer = Answer {
         name: record.name.clone(),
@@ -173,6 +174,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         motion,
         modified,
         clipped: clipped.motion,
+        compared,
         relaxations,
         target: args.target,
         seconds,
@@ -205,17 +207,21 @@ impl Args {
     }
 
     fn give(&self, answer: &Answer, inputs: &[PathBuf]) -> Result<(), Failure> {
-        let mut page = page::page(answer)?;
-        page.provenance.extend(answer.drive.iter().map(|(key, value)| (format!("drive: {key}"), value.clone())));
         if !self.outputs.quiet() {
-            present::print_section(&page::summary(answer)?);
+            present::print_section(&page::summary(answer));
             present::print_section(&page::given_up(answer));
         }
-        let mut json = answer.json()?;
+        let mut json = answer.json();
         if let (Some(object), Some(out)) = (json.as_object_mut(), &self.out) {
             object.insert("out".into(), out.display().to_string().into());
         }
         self.outputs.write_json(json, inputs)?;
+        // Its spectra take longer than some fits.
+        if !self.outputs.draws() {
+            return Ok(());
+        }
+        let mut page = page::page(answer)?;
+        page.provenance.extend(answer.drive.iter().map(|(key, value)| (format!("drive: {key}"), value.clone())));
         self.outputs.write_report(&mut page, inputs)
     }
 

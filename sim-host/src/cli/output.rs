@@ -66,6 +66,11 @@ impl Outputs {
         Ok(())
     }
 
+    /// True where figures or a page are asked for.
+    pub(crate) fn draws(&self) -> bool {
+        self.report.is_some() || self.figures.is_some()
+    }
+
     /// True where standard output belongs to JSON and no table may be printed.
     pub(crate) fn quiet(&self) -> bool {
         self.json.as_deref() == Some(Path::new("-"))

@@ -112,16 +112,31 @@ impl Window {
     }
 }
 
+/// Refuses two motions whose samples are not taken at the same times.
+fn comparable(reference: &Motion, response: &Motion) -> Result<(), CompareError> {
+    if ((reference.dt - response.dt) / reference.dt).abs() > 1e-9 {
+        return Err(CompareError::Interval { reference: reference.dt, response: response.dt });
+    }
+    if reference.len() != response.len() {
+        return Err(CompareError::Length { reference: reference.len(), response: response.len() });
+    }
+    Ok(())
+}
+
+/// A response's errors as it stands, acceleration and displacement: the shifts of [`compare`] take most of its time.
+pub fn compare_unshifted(
+    reference: &Motion,
+    response: &Motion,
+) -> Result<(RelativeError, RelativeError), CompareError> {
+    comparable(reference, response)?;
+    let of = |a: &[f64], b: &[f64]| relative_error(a, b, reference.dt, 0..reference.len(), Shift::None);
+    Ok((of(&reference.acceleration, &response.acceleration), of(&reference.displacement, &response.displacement)))
+}
+
 /// Compares a response with its reference, over the whole or over a window of the reference's time.
 pub fn compare(reference: &Motion, response: &Motion, window: Option<Window>) -> Result<Comparison, CompareError> {
-    let dt = reference.dt;
-    if ((dt - response.dt) / dt).abs() > 1e-9 {
-        return Err(CompareError::Interval { reference: dt, response: response.dt });
-    }
-    let count = reference.len();
-    if count != response.len() {
-        return Err(CompareError::Length { reference: count, response: response.len() });
-    }
+    comparable(reference, response)?;
+    let (dt, count) = (reference.dt, reference.len());
     let window = window.unwrap_or(Window { from_s: 0.0, to_s: reference.duration() });
     let range = window.indices(dt, count);
     if range.is_empty() {
@@ -207,6 +222,10 @@ mod tests {
         let loud = at(1.0, 5.0).unwrap();
         assert!(loud.e_a_unshifted.ratio > 1.0 && loud.spike_ratio() > 10.0, "{loud:?}");
         assert_eq!(at(90.0, 91.0), Err(CompareError::Window { from_s: 90.0, to_s: 91.0 }));
+        assert_eq!(compare_unshifted(&reference, &response).unwrap().0, {
+            let whole = compare(&reference, &response, None).unwrap();
+            whole.e_a_unshifted
+        });
         let other = Motion { dt: 0.01, ..reference.clone() };
         assert!(matches!(compare(&reference, &other, None), Err(CompareError::Interval { .. })));
         let shorter = Motion::from_acceleration(reference.dt, reference.acceleration[1..].to_vec());

@@ -69,7 +69,7 @@ impl fmt::Display for Place {
 #[non_exhaustive]
 pub enum Problem {
     /// The file cannot be opened or read.
-    #[error("cannot be read: {0}")]
+    #[error("{}", unread(.0))]
     Unreadable(#[from] std::io::Error),
     /// The file is larger than what is read.
     #[error("holds more than {limit} {what}; cut the file, or leave out channels that are not needed")]
@@ -209,6 +209,14 @@ pub enum Problem {
     /// Two statements that cannot both hold.
     #[error("{0}")]
     Contradiction(String),
+}
+
+/// Why a file is not read, and what to do where there is none.
+fn unread(error: &std::io::Error) -> String {
+    if error.kind() == std::io::ErrorKind::NotFound {
+        return "no such file: check its name and its folder".to_owned();
+    }
+    format!("cannot be read: {error}")
 }
 
 /// A number for a message: in powers of ten where its digits would be many.

@@ -1,6 +1,7 @@
 //! An experiment: the model, the channels and the runs of one TOML file, read, checked and brought to SI.
 
 use super::channel::{Channel, PerChannel};
+use super::copies;
 use super::document::read_text;
 use super::document::{Section, Source, parse};
 use super::error::{Place, Problem, RecordingError};
@@ -79,6 +80,7 @@ impl Experiment {
             check_needs(&model, &entry.law, &sources, &channels_at)?;
         }
         let (mut runs, mut notes) = load::runs(&entries, &sources, &folder, &text_layout)?;
+        let mut places = places_of(entries);
         for path in more {
             let text = read_text(path)?;
             let source = Source::new(path, &text);
@@ -93,12 +95,14 @@ impl Experiment {
             let (added, told) = load::runs(&entries, &sources, &folder, &text_layout)?;
             runs.extend(added);
             notes.extend(told);
+            places.extend(places_of(entries));
             inputs.push(path.clone());
         }
         for run in &runs {
             add_inputs(&mut inputs, &run.0);
         }
         let (runs, held_back) = assign(runs);
+        copies::refuse(&runs, &places)?;
         Ok(Self { name, path: path.to_path_buf(), model, sources, runs, held_back, inputs, notes })
     }
 
@@ -127,26 +131,15 @@ fn add_inputs(inputs: &mut Vec<PathBuf>, run: &Run) {
 fn run_entries(root: &Section<'_>, folder: &Path) -> Result<Vec<RunEntry>, RecordingError> {
     let list = root.required("runs", "write a [[runs]] table with its `file` for every recording")?;
     let entries = list.list()?.iter().map(|e| run_entry(&e.section()?, folder)).collect::<Result<Vec<_>, _>>()?;
-    for (i, entry) in entries.iter().enumerate() {
-        let whole = |e: &RunEntry| e.from_s.is_none() && e.to_s.is_none();
-        let again = |e: &&RunEntry| e.file == entry.file && e.stated.is_some() && e.stated != entry.stated;
-        if let Some(first) =
-            entries[..i].iter().find(again).filter(|e| entry.stated.is_some() && whole(e) && whole(entry))
-        {
-            let use_of = |e: &RunEntry| if e.stated == Some(Use::Fit) { "fitted" } else { "held out" };
-            let problem = format!(
-                "the same file is {} above and {} here, so that it would judge itself; split it with `from_s` and `to_s`, or name another",
-                use_of(first),
-                use_of(entry)
-            );
-            return Err(entry.place.clone().refuse(Problem::Contradiction(problem)));
-        }
-    }
     if entries.is_empty() {
         let problem = Problem::Missing { key: "runs", remedy: "name at least one recording" };
         return Err(list.refuse(problem));
     }
     Ok(entries)
+}
+
+fn places_of(entries: Vec<RunEntry>) -> Vec<Place> {
+    entries.into_iter().map(|entry| entry.place).collect()
 }
 
 fn run_entry(section: &Section<'_>, folder: &Path) -> Result<RunEntry, RecordingError> {

@@ -19,6 +19,7 @@
 mod band;
 mod best;
 mod fit;
+mod spread;
 
 use band::{Band, Order};
 use best::{Noise, Reduced, best};

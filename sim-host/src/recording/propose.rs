@@ -32,6 +32,8 @@ pub struct Proposal {
     pub notes: Vec<String>,
     /// The channels and what speaks for each.
     pub choices: Vec<Choice>,
+    /// The columns of the first of the files, which the channels are taken from.
+    pub facts: Vec<Facts>,
     /// The controller that reproduces the recorded command.
     pub control: Option<Loop>,
     /// The inner loop identified from reference, command and motion, whatever its law.
@@ -124,7 +126,7 @@ pub fn propose_as(folder: &Path, stated: &Stated) -> Result<Proposal, ProposeErr
         write::inner_loop(&mut text, inner);
     }
     write::layout(&mut text, stated, &notes);
-    Ok(Proposal { text, files, left_out, notes, choices, control, inner, open })
+    Ok(Proposal { text, files, left_out, notes, choices, facts, control, inner, open })
 }
 
 /// One recording's columns as channels.

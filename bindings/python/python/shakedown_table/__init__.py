@@ -88,6 +88,10 @@ class Designed:
     figures: dict[str, Any]
 
 
+#: Samples that pass to the core at once: copies of more would not stay within the processor's cache.
+_STRETCH = 2000
+
+
 class Controller(_native.Controller):
     """The control core: `step` for one tick, `steps` for a run."""
 
@@ -96,8 +100,13 @@ class Controller(_native.Controller):
         given = np.asarray(samples)
         if given.dtype != SAMPLE:
             raise TypeError(f"expected an array of shakedown_table.SAMPLE, not of {given.dtype}")
-        commands = self._steps(np.ascontiguousarray(given).tobytes())
-        return np.frombuffer(commands, COMMAND).reshape(given.shape).copy()
+        flat = np.ascontiguousarray(given).reshape(-1)
+        commands = np.empty(flat.shape, COMMAND)
+        into, size = commands.view(np.uint8), COMMAND.itemsize
+        for begin in range(0, flat.size, _STRETCH):
+            part = self._steps(flat[begin : begin + _STRETCH].tobytes())
+            into[size * begin : size * begin + len(part)] = np.frombuffer(part, np.uint8)
+        return commands.reshape(given.shape)
 
 
 def diagnose(experiment: Path, *, progress: Progress | None = None) -> dict[str, Any]:

@@ -190,7 +190,7 @@ fn provenance(
     put("peak_displacement_m", format!("{x:.6}"));
     put("peak_velocity_m_per_s", format!("{v:.6}"));
     put("peak_acceleration_m_per_s2", format!("{a:.6}"));
-    put("e_a", format!("{:.6}", answer.compared(&answer.modified.motion)?.e_a_unshifted.ratio));
+    put("e_a", format!("{:.6}", answer.compared.fitted.e_a.ratio));
     put("command_line", asked::line());
     put("version", env!("CARGO_PKG_VERSION").into());
     put("written", asked::utc());

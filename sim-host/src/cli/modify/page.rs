@@ -4,55 +4,75 @@ use super::super::Failure;
 use super::super::histories::strong_motion;
 use super::super::indices;
 use super::missed;
-use shakedown::motion::fit::answer::Answer;
+use shakedown::motion::fit::Norm;
+use shakedown::motion::fit::answer::{Answer, Compared, Errors};
 use shakedown::motion::fit::certificate::Stretch;
 use shakedown::motion::fit::method::Method;
+use shakedown::motion::metrics::RelativeError;
 use shakedown::motion::spectrum::{periods, response_spectrum};
-use shakedown::motion::{Motion, STANDARD_GRAVITY};
+use shakedown::motion::{Motion, STANDARD_GRAVITY, peak};
 use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
+use std::fmt::Write as _;
 
 /// The whole page.
 pub(super) fn page(answer: &Answer) -> Result<Page, Failure> {
-    let fitted = answer.compared(&answer.modified.motion)?;
-    let clipped = answer.compared(&answer.clipped)?;
-    let lead = format!(
+    let compared = &answer.compared;
+    let mut lead = format!(
         "{} fitted to {:.3} m/s and {:.3} m ({}): acceleration error E_a {:.3}, where clipping leaves {:.3}.",
         answer.name,
         answer.limits.velocity,
         answer.limits.stroke.unwrap_or(f64::INFINITY),
         answer.method_name(),
-        fitted.e_a_unshifted.ratio,
-        clipped.e_a_unshifted.ratio,
+        compared.fitted.e_a.ratio,
+        compared.clipped.e_a.ratio,
     );
+    if let Some(far) = beyond(answer) {
+        let _ = write!(lead, " It goes {far:.3} m far, beyond the stroke.");
+    }
     Ok(Page {
         title: format!("{} fitted", answer.name),
         lead,
-        key: key(answer)?,
+        key: key(answer),
         advice: advice(answer),
         sections: vec![in_time(answer), spectra(answer)?, given_up(answer)],
-        details: vec![summary(answer)?],
+        details: vec![summary(answer)],
         provenance: vec![("conditioning".into(), answer.conditioning.clone())],
     })
 }
 
 /// The figures that matter most.
-fn key(answer: &Answer) -> Result<Vec<(String, String)>, Failure> {
-    let fitted = answer.compared(&answer.modified.motion)?;
+fn key(answer: &Answer) -> Vec<(String, String)> {
     let (far, fast) = answer.modified.motion.peaks_between();
-    let mut key = vec![("E_a of the fit".to_owned(), format!("{:.3}", fitted.e_a_unshifted.ratio))];
-    key.extend(
-        answer.modified.bound.map(|bound| ("no motion within the limits is below".into(), format!("{bound:.3}"))),
-    );
+    let mut key = vec![("E_a of the fit".to_owned(), format!("{:.3}", answer.compared.fitted.e_a.ratio))];
+    key.extend(proven(answer).map(|bound| {
+        (format!("E_a by steps of velocity; proven: none below {bound:.4}"), format!("{:.4}", answer.compared.steps))
+    }));
     key.push((format!("speed, of {} m/s", answer.limits.velocity), format!("{fast:.4} m/s")));
     if let Some(stroke) = answer.limits.stroke {
         key.push((format!("farthest, of {stroke} m"), format!("{far:.4} m")));
     }
-    key.push(("peak acceleration".into(), format!("{:.3} g", fitted.response_peak / STANDARD_GRAVITY)));
-    Ok(key)
+    let peak = peak(&answer.modified.motion.acceleration);
+    key.push(("peak acceleration".into(), format!("{:.3} g", peak / STANDARD_GRAVITY)));
+    key
+}
+
+/// The bound, where it is on E_a by steps of velocity and no other norm.
+fn proven(answer: &Answer) -> Option<f64> {
+    let squares = matches!(answer.method, Method::Taut | Method::Convex(Norm::Two));
+    answer.modified.bound.filter(|_| squares)
+}
+
+/// How far the motion goes, m, where that is beyond the stroke: some methods do not look at it.
+fn beyond(answer: &Answer) -> Option<f64> {
+    let (far, _) = answer.modified.motion.peaks_between();
+    answer.limits.stroke.filter(|stroke| far > stroke * 1.001).map(|_| far)
 }
 
 /// What to do next.
 fn advice(answer: &Answer) -> Vec<String> {
+    if beyond(answer).is_some() {
+        return vec!["Do not play it: the table ends before the motion does. Fit with `--method convex`, which keeps the stroke too.".into()];
+    }
     let mut advice = Vec::new();
     match answer.drive.iter().find(|(key, _)| key == "file") {
         Some((_, file)) => advice.push(format!(
@@ -68,22 +88,26 @@ fn advice(answer: &Answer) -> Vec<String> {
 }
 
 /// The figures of the fit, as the terminal shows them too.
-pub(super) fn summary(answer: &Answer) -> Result<Section, Failure> {
-    let rows =
-        [("asked for", &answer.motion), ("fitted", &answer.modified.motion), ("clipped (Eq. 10)", &answer.clipped)];
+pub(super) fn summary(answer: &Answer) -> Section {
+    let Compared { fitted, clipped, indices: found, .. } = &answer.compared;
+    let none = RelativeError { ratio: 0.0, delay: 0.0 };
+    let rows = [
+        ("asked for", &answer.motion, &Errors { e_a: none, e_d: none }),
+        ("fitted", &answer.modified.motion, fitted),
+        ("clipped (Eq. 10)", &answer.clipped, clipped),
+    ];
     let mut table = Table {
         columns: ["motion", "E_a", "E_d", "peak [g]", "peak [m/s]", "farthest [m]", "end [mm]"].map(Into::into).into(),
         rows: Vec::new(),
         caption: "E_a and E_d unsquared and without shift, against what was asked for.".into(),
     };
-    for (name, motion) in rows {
-        let against = answer.compared(motion)?;
+    for (name, motion, against) in rows {
         let (x, v, a) = motion.peaks();
         let end = motion.displacement.last().copied().unwrap_or(0.0);
         table.rows.push(vec![
             name.into(),
-            format!("{:.4}", against.e_a_unshifted.ratio),
-            format!("{:.4}", against.e_d_unshifted.ratio),
+            format!("{:.4}", against.e_a.ratio),
+            format!("{:.4}", against.e_d.ratio),
             format!("{:.3}", a / STANDARD_GRAVITY),
             format!("{v:.4}"),
             format!("{x:.4}"),
@@ -95,7 +119,13 @@ pub(super) fn summary(answer: &Answer) -> Result<Section, Failure> {
         Item::Text(format!("Method: {}. Conditioning: {}.", answer.method_name(), answer.conditioning)),
         Item::Table(table),
     ];
-    if let Some(bound) = answer.modified.bound {
+    if let Some(bound) = proven(answer) {
+        items.push(Item::Text(format!(
+            "Proven: no motion within these limits has an E_a below {bound:.4} by steps of velocity from sample to sample; this one has \
+             {:.4}. The E_a of the table is of samples of the acceleration, whose slopes are smoother.",
+            answer.compared.steps
+        )));
+    } else if let Some(bound) = answer.modified.bound {
         items.push(Item::Text(format!(
             "Proven: no motion within these limits has a relative acceleration error below {bound:.4} in the norm that was \
              made small."
@@ -105,8 +135,8 @@ pub(super) fn summary(answer: &Answer) -> Result<Section, Failure> {
         items.push(Item::Note("This method does not look at the stroke: see how far the motion goes.".into()));
     }
     items.extend(target(answer));
-    items.extend(indices::tables(&[("fit", &answer.indices()?)]));
-    Ok(Section { heading: format!("{} fitted to the table", answer.name), items })
+    items.extend(indices::tables(&[("fit", found)]));
+    Section { heading: format!("{} fitted to the table", answer.name), items }
 }
 
 /// What it would take to meet the target.

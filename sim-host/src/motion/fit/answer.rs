@@ -3,7 +3,7 @@
 use super::certificate::{self, Relaxation, Stretch};
 use super::method::{Method, Modified};
 use super::{Limits, Reference};
-use crate::motion::metrics::{self, CompareError, Comparison, Indices, compare};
+use crate::motion::metrics::{self, CompareError, Indices, RelativeError};
 use crate::motion::spectrum::SpectrumError;
 use crate::motion::{Motion, STANDARD_GRAVITY, peak};
 use serde_json::{Value, json};
@@ -17,6 +17,44 @@ pub enum AnswerError {
     /// Its spectrum cannot be taken.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
+}
+
+/// How near a motion comes to what was asked for, without shift.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// Of the acceleration.
+    pub e_a: RelativeError,
+    /// Of the displacement.
+    pub e_d: RelativeError,
+}
+
+/// How near the fit comes, taken once for JSON, terminal and page: spectra and shifts cost more than some fits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// What came out.
+    pub fitted: Errors,
+    /// What Eq. 10 makes of it.
+    pub clipped: Errors,
+    /// The laboratory's indices of what came out.
+    pub indices: Indices,
+    /// What came out, by the steps of its velocity: E_a as a bound counts it. Slopes of samples, which E_a is taken from, are smoother.
+    pub steps: f64,
+}
+
+impl Compared {
+    /// The fit and the clipped motion against the one asked for.
+    pub fn new(asked: &Motion, fitted: &Motion, clipped: &Motion) -> Result<Self, AnswerError> {
+        let errors = |motion: &Motion| -> Result<Errors, CompareError> {
+            let (e_a, e_d) = metrics::compare_unshifted(asked, motion)?;
+            Ok(Errors { e_a, e_d })
+        };
+        let (near, far) = (errors(fitted)?, errors(clipped)?);
+        let indices = metrics::indices(&asked.acceleration, &fitted.acceleration, asked.dt)?;
+        let start = asked.displacement.first().copied().unwrap_or(0.0);
+        let reference = Reference::new(asked.dt, asked.velocity.clone(), start);
+        let steps = reference.map_or(f64::NAN, |reference| reference.acceleration_error(&fitted.velocity));
+        Ok(Self { fitted: near, clipped: far, indices, steps })
+    }
 }
 
 /// Everything that a fit found out.
@@ -36,6 +74,8 @@ pub struct Answer {
     pub modified: Modified,
     /// What Eq. 10 makes of it.
     pub clipped: Motion,
+    /// How near both come.
+    pub compared: Compared,
     /// What it would take to meet the target.
     pub relaxations: Vec<Relaxation>,
     /// The E_a to come down to, 1.
@@ -61,16 +101,6 @@ impl Answer {
         }
     }
 
-    /// A motion against the one asked for.
-    pub fn compared(&self, motion: &Motion) -> Result<Comparison, AnswerError> {
-        Ok(compare(&self.motion, motion, None)?)
-    }
-
-    /// The laboratory's indices of the fit.
-    pub fn indices(&self) -> Result<Indices, AnswerError> {
-        Ok(metrics::indices(&self.motion.acceleration, &self.modified.motion.acceleration, self.motion.dt)?)
-    }
-
     /// Where acceleration was given up.
     pub fn stretches(&self) -> Vec<Stretch> {
         let start = self.motion.displacement.first().copied().unwrap_or(0.0);
@@ -80,8 +110,8 @@ impl Answer {
     }
 
     /// The shape that docs/formats.md states, and more.
-    pub fn json(&self) -> Result<Value, AnswerError> {
-        let (fitted, clipped) = (self.compared(&self.modified.motion)?, self.compared(&self.clipped)?);
+    pub fn json(&self) -> Value {
+        let Compared { fitted, clipped, indices, steps } = &self.compared;
         let (displacement, velocity) = self.modified.motion.peaks_between();
         let acceleration = peak(&self.modified.motion.acceleration);
         let asked = self.motion.peaks();
@@ -99,16 +129,17 @@ impl Answer {
             json!({"deviation": found.deviation, "deviation_bound": found.bound,
                    "rounds": found.rounds, "ordinates": ordinates})
         });
-        Ok(json!({
+        json!({
             "record": self.name,
             "conditioning": self.conditioning,
             "method": self.method_name(),
-            "e_a": fitted.e_a_unshifted.ratio,
-            "e_a_shifted": fitted.e_a.ratio,
-            "e_a_clip": clipped.e_a_unshifted.ratio,
-            "indices": self.indices()?.json(),
+            "e_a": fitted.e_a.ratio,
+            "e_a_shifted": indices.shifted,
+            "e_a_clip": clipped.e_a.ratio,
+            "indices": indices.json(),
+            "e_a_steps": steps,
             "e_a_bound": self.modified.bound,
-            "e_d": fitted.e_d_unshifted.ratio,
+            "e_d": fitted.e_d.ratio,
             "peak_velocity": velocity,
             "peak_displacement": displacement,
             "peak_acceleration": acceleration,
@@ -125,7 +156,7 @@ impl Answer {
                 self.drive.iter().map(|(key, value)| (key.clone(), json!(value))).collect::<serde_json::Map<_, _>>()
             }),
             "seconds": self.seconds,
-        }))
+        })
     }
 }
 

@@ -12,6 +12,8 @@ use serde_json::{Value, json};
 pub struct Indices {
     /// Waveform: `||y - a|| / ||a||`, no shift.
     pub waveform: f64,
+    /// The same with the delay taken out.
+    pub shifted: f64,
     /// Spectrum: share of the periods, 1/12 octave apart, at which the response spectra (5 %) differ by more than 10 %.
     pub spectrum: f64,
     /// The same for 20 %.
@@ -112,6 +114,7 @@ pub fn indices(reference: &[f64], response: &[f64], dt: f64) -> Result<Indices, 
     let error: Vec<f64> = a.iter().zip(&y).map(|(a, y)| y - a).collect();
     Ok(Indices {
         waveform: still,
+        shifted: shifted.ratio,
         spectrum: share(0.1),
         spectrum_20: share(0.2),
         peak: peak(response) / peak(reference) - 1.0,

@@ -64,6 +64,41 @@ fn one_file_can_serve_as_two_runs_that_share_no_sample() {
 }
 
 #[test]
+fn a_recording_does_not_judge_itself_under_another_name() {
+    let of = |content: &str, uses: [&str; 2]| {
+        let folder = TempDir::new().unwrap();
+        fs::write(folder.path().join("a.csv"), recording(60)).unwrap();
+        fs::write(folder.path().join("b.csv"), content).unwrap();
+        let run = |file: &str, more: &str| RUN.replace("a.csv", file) + more + "\n";
+        let text = [MODEL, CHANNELS, &run("a.csv", uses[0]), &run("b.csv", uses[1])].concat();
+        let path = folder.path().join("e.toml");
+        fs::write(&path, text).unwrap();
+        let shown = folder.path().display().to_string() + "/";
+        Experiment::load(&path).map(drop).map_err(|e| e.to_string().replace(&shown, ""))
+    };
+    let (fit, held) = ("use = \"fit\"", "use = \"holdout\"");
+    let seen = Err("e.toml, line 18, `runs.file`: b.csv holds the same samples as a.csv, which is fitted above and held out here, so \
+                    that it would judge itself; split it with `from_s` and `to_s`, or name another"
+        .to_owned());
+    let copy = recording(60);
+    assert_eq!(of(&copy, [fit, held]), seen);
+    // The last of several runs is held out where none says.
+    assert_eq!(of(&copy, ["", ""]), seen);
+    // Written anew: spaces, a part of it, other times.
+    assert_eq!(of(&copy.replace(',', " , "), [fit, held]), seen);
+    assert_eq!(of(&recording(40), [fit, held]), seen);
+    let rows = |from: &str, to: &str| copy.lines().map(|l| l.replacen(from, to, 1) + "\n").collect::<String>();
+    assert_eq!(of(&rows("0.", "7."), [fit, held]), seen);
+    // Two that are fitted judge nothing, and one digit makes another recording.
+    assert_eq!(of(&copy, [fit, "use = \"fit\""]), Ok(()));
+    assert_eq!(of(&copy.replace(",48,", ",48.1,"), [fit, held]), Ok(()));
+    // Parts of one file may not overlap.
+    let parts = "[[runs]]\nfile = \"a.csv\"\ncontroller = { kp = 1 }\nto_s = 0.4\nuse = \"fit\"\n\
+                 [[runs]]\nfile = \"./a.csv\"\ncontroller = { kp = 1 }\nfrom_s = 0.2\nuse = \"holdout\"\n";
+    assert!(load(&[MODEL, CHANNELS, parts].concat()).unwrap_err().contains("holds the same samples"));
+}
+
+#[test]
 fn a_message_names_the_place_and_the_remedy() {
     let run = |more: &str| [MODEL, CHANNELS, RUN, more].concat();
     let model = |text: &str| [text, CHANNELS, RUN].concat();

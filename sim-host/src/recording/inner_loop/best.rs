@@ -2,7 +2,7 @@
 
 use super::band::{Band, Order};
 use super::fit::{Fitted, Problem, Timing};
-use super::{CLEARLY, Gain, LAG, Log, ROUNDS, Term, WORTH};
+use super::{CLEARLY, Gain, LAG, Log, ROUNDS, Term, WORTH, spread};
 
 /// A fit with the terms it kept.
 pub(super) struct Reduced {
@@ -79,10 +79,11 @@ pub(super) fn best(
     }
     let up_to = bands.iter().map(|b| b.excited).fold(0.0, f64::max) * std::f64::consts::TAU;
     let misses = whole.missed(&fitted, &active, up_to);
+    let errors = spread::errors(&whole, &active, &fitted);
     let gains = (0..terms.len()).filter(|i| active[*i]).map(|i| Gain {
         term: terms[i],
         value: fitted.gains[i],
-        std: fitted.std[i],
+        std: errors[i],
         share: fitted.share[i],
     });
     Some(Reduced { gains: gains.collect(), timing: fitted.timing, misses })

@@ -64,6 +64,39 @@ impl Problem {
         self.parts.iter().map(|p| 2.0 * p.target.len() as f64).sum()
     }
 
+    /// Frequencies, rad/s, between which equal shares of the target's weighted power lie.
+    pub(super) fn edges(&self, stretches: usize) -> Vec<f64> {
+        let power = |p: &Part| -> Vec<(f64, f64)> {
+            let bins = p.omega.iter().zip(&p.target).zip(&p.weight);
+            bins.map(|((omega, target), weight)| (*omega, weight * target.norm_sqr())).collect()
+        };
+        let mut bins: Vec<(f64, f64)> = self.parts.iter().flat_map(power).collect();
+        bins.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let total: f64 = bins.iter().map(|(_, p)| p).sum();
+        let (mut edges, mut sum) = (vec![0.0], 0.0);
+        for (omega, power) in bins {
+            sum += power;
+            if sum >= total * edges.len() as f64 / stretches as f64 && edges.len() < stretches {
+                edges.push(omega);
+            }
+        }
+        edges.push(f64::INFINITY);
+        edges
+    }
+
+    /// The same without the bins above one frequency up to another, rad/s.
+    pub(super) fn without(&self, above: f64, up_to: f64) -> Self {
+        let mut rest = self.clone();
+        for part in &mut rest.parts {
+            for (omega, weight) in part.omega.iter().zip(&mut part.weight) {
+                if *omega > above && *omega <= up_to {
+                    *weight = 0.0;
+                }
+            }
+        }
+        rest
+    }
+
     /// How much of the target goes along with a term.
     pub(super) fn along(&self, term: usize) -> f64 {
         let part = |p: &Part| -> f64 { p.target.iter().zip(&p.terms[term]).map(|(t, x)| (t * x.conj()).re).sum() };
