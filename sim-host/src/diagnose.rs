@@ -241,7 +241,8 @@ fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
         let beside = decision.partial.as_ref().unwrap_or(&decision.before);
         modelled = term::unlisted(&weighing, &decision.before, beside)?;
     }
-    if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed) {
+    let explain = |m: &&Modelled| decision.explain_a_part(&m.judged.added);
+    if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed).filter(explain) {
         decision.name_beside_more(&modelled.judged.added);
     }
     let conclusion = verdict::verdict(&whole, weighing.fitted(), decision, modelled.as_ref(), test)?;

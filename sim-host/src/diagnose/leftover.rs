@@ -9,6 +9,13 @@ use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
 impl Decision {
+    /// True where these effects alone, without what was found beside them, foresee more than the stated model.
+    pub(super) fn explain_a_part(&self, names: &[&'static str]) -> bool {
+        let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
+        let mut known = self.candidates.iter().chain(&self.partial).filter(|judged| judged.added == names);
+        known.any(|judged| left(judged) < left(&self.before))
+    }
+
     /// Names effects that explain a part and cannot be left to a curve; more is missing beside them.
     pub(super) fn name_beside_more(&mut self, names: &[&'static str]) {
         let same = |c: &Judged| c.added == names;
