@@ -1,6 +1,6 @@
 //! The accelerometer's filter lags.
 
-use super::displacement_lag::{NONE, SECOND, TIME_CONSTANT};
+use super::displacement_lag::{SECOND, TIME_CONSTANT};
 use super::{Effect, Entry, Hooks, Instant, Order, Stage};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
@@ -31,7 +31,7 @@ impl<S: Scalar> AccelerationLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
         let &[time, second] = parameters else { return None };
-        Some(Self { time, second: Some(second).filter(|second| second.value() > 1.01 * NONE) })
+        Some(Self { time, second: Some(second).filter(|second| second.value() > TIME_CONSTANT.low) })
     }
 }
 

@@ -44,8 +44,8 @@ pub(super) const SECOND: Parameter = Parameter {
     ..TIME_CONSTANT
 };
 
-/// Time constant below which a second pole is none, s.
-pub(super) const NONE: f64 = 5e-5;
+/// A second pole that is none: one faster than what is resolved, s.
+const NONE: f64 = 5e-5;
 
 /// A lag in the displacement sensor.
 #[derive(Debug, Clone)]
@@ -58,7 +58,7 @@ impl<S: Scalar> DisplacementLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
         let &[time, second] = parameters else { return None };
-        Some(Self { time, second: Some(second).filter(|second| second.value() > 1.01 * NONE) })
+        Some(Self { time, second: Some(second).filter(|second| second.value() > TIME_CONSTANT.low) })
     }
 }
 
