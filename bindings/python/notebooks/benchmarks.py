@@ -42,6 +42,8 @@ for name, toml, recording in cases:
         continue
     verdict = st.diagnose(path)
     named = ", ".join(effect["id"] for effect in verdict["effects"]) or "nothing named"
-    before, after = verdict["judged"]["before"]["chi2"], verdict["judged"]["after"]["chi2"]
+    judged = verdict["holdout"]
+    assert judged is not None, f"{name}: {verdict['verdict']}: {verdict['findings']}"
+    before, after = judged["before"]["chi2"], judged["after"]["chi2"]
     print(f"{name}: {verdict['verdict']}, {named}; chi2 of the hold-out runs {before:.3g} -> {after:.3g}")
     assert after <= 1.001 * before, name
