@@ -6,6 +6,9 @@ use super::run::{Run, Use};
 /// Fewest samples that are no coincidence.
 const LEAST: usize = 16;
 
+/// Difference of two steps, as a share, that is the rounding of their stamps.
+const ROUNDING: f64 = 1e-6;
+
 /// Refuses an experiment that fits and holds out the same samples: those of one file, of a copy, or of parts that overlap.
 ///
 /// `places` are those of the runs' files in the experiment, in the order of the runs.
@@ -33,8 +36,8 @@ pub(super) fn refuse(runs: &[Run], places: &[Place]) -> Result<(), RecordingErro
 /// Whether two runs hold the same samples at the same times, for as long as both last; or all the same, whatever their times.
 fn shares(a: &Run, b: &Run) -> bool {
     let (Some(a0), Some(b0)) = (a.time.first(), b.time.first()) else { return false };
-    // Steps are estimates from the stamps: those of a copy are the same.
-    if a.dt.to_bits() != b.dt.to_bits() {
+    // Steps are estimates from the stamps: those of a copy are the same but for their rounding.
+    if (a.dt - b.dt).abs() > ROUNDING * a.dt {
         return false;
     }
     let apart = (b0 - a0) / a.dt;
