@@ -1,4 +1,4 @@
-//! Noise into the link: `cargo run --release -p shakedown-firmware --no-default-features --example noise [BYTES [SEED]]`.
+//! Noise into the link: `cargo run --release -p shakedown-firmware --example noise [BYTES [SEED]]`.
 //!
 //! A device's assembler and server hear so many bytes (10^9 where nothing is said) of each kind of noise, and the device must not
 //! arm: bytes of any value; frames of every request with bits flipped; whole frames that ask for arming and answer wrongly, or

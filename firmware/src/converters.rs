@@ -7,6 +7,15 @@ use crate::control_loop::Codes;
 /// Inputs of a tick, in order: reference, displacement, acceleration, the existing controller's command.
 pub const INPUTS: usize = 4;
 
+/// Scans of a tick that on-chip converters of 12 bits sum up to a code of 16.
+pub const SCANS: usize = 16;
+
+/// What an output converter of 12 bits takes for `code`, which is of the scale of such a sum: the nearest it has.
+pub const fn twelve_bits(code: u16) -> u16 {
+    let nearest = (code as u32 + SCANS as u32 / 2) / SCANS as u32;
+    if nearest < 0xFFF { nearest as u16 } else { 0xFFF }
+}
+
 /// An analog-to-digital converter of four inputs and a digital-to-analog converter of one output.
 ///
 /// An implementation promises:

@@ -29,10 +29,10 @@ impl InputScaling {
     /// The wires of `setup`.
     pub(crate) fn new(setup: &Setup) -> Self {
         let wiring = &setup.wiring;
-        let full = u32::from(wiring.full_scale);
-        let (low, span) = if wiring.rails_are_faults { (1, full.saturating_sub(2)) } else { (0, u32::from(u16::MAX)) };
+        let (full, margin) = (u32::from(wiring.full_scale), u32::from(wiring.margin()));
+        let span = if margin > 0 { full.saturating_sub(2 * margin) } else { u32::from(u16::MAX) };
         Self {
-            low,
+            low: margin,
             span,
             displacement: wiring.displacement,
             acceleration: wiring.acceleration,

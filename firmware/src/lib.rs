@@ -1,5 +1,5 @@
 //! The parts of the firmware that no register knows of: what happens in a tick, what a request does, how a setup
-//! survives a reset. They build for the host as well, where their tests run, and where the same [`ControlLoop`] that decides
+//! survives a reset. The boards, each a folder of its own in `boards`, supply the rest. They build for the host as well, where their tests run, and where the same [`ControlLoop`] that decides
 //! on the target is the reference that the emulated image is held against, bit for bit.
 //!
 //! Two contexts share the work and no memory:
@@ -18,9 +18,11 @@ pub mod defaults;
 mod input_scaling;
 pub mod limits;
 pub mod link_server;
-#[cfg(all(target_os = "none", feature = "board"))]
+pub mod link_task;
+#[cfg(feature = "log")]
 mod logged;
 pub mod output;
+pub mod published;
 pub mod queues;
 pub mod signs_of_life;
 pub mod store;

@@ -117,9 +117,9 @@ mod tests {
     #[test]
     fn no_number_gives_the_code_of_zero() {
         let output = Output::new(&defaults::WIRING);
-        assert_eq!(output.code(f32::NAN), 2048);
-        assert_eq!(output.code(-f32::NAN), 2048);
-        assert_eq!(output.code(0.0), 2048);
+        assert_eq!(output.code(f32::NAN), 32768);
+        assert_eq!(output.code(-f32::NAN), 32768);
+        assert_eq!(output.code(0.0), 32768);
         assert_eq!(output.code(f32::INFINITY), defaults::WIRING.full_scale);
         assert_eq!(output.code(f32::NEG_INFINITY), 0);
     }
@@ -147,14 +147,14 @@ mod tests {
 
         /// What a failing program leaves is what the core itself asks for while the test is off.
         #[test]
-        fn zero_flow_is_the_cores_own(code in 400..3700u16, mode in 0..3usize, hardwired: bool, bias in -0.002f32..0.002) {
+        fn zero_flow_is_the_cores_own(code in 6400..59_200u16, mode in 0..3usize, hardwired: bool, bias in -0.002f32..0.002) {
             let mut setup = defaults::setup();
             setup.control.mode = [Mode::Guard, Mode::Modifier, Mode::Controller][mode];
             setup.control.inner_loop = if hardwired { InnerLoop::Hardwired } else { InnerLoop::Absent };
             setup.control.valve.null_bias = bias;
             let mut queues = Queues::new();
             let mut decide = ControlLoop::new(&setup, queues.split().0, false).unwrap();
-            let outcome = decide.tick(|input| [2048, code, 2048, 2048][input]);
+            let outcome = decide.tick(|input| [32768, code, 32768, 32768][input]);
             prop_assert_eq!(outcome.output, ZeroFlow::new(&setup).code(code));
             prop_assert!(!decide.relay());
         }

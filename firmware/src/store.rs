@@ -78,10 +78,31 @@ fn read(slots: &impl Slots, slot: usize) -> Option<Found> {
     let mut bytes = [0; SLOT];
     slots.read(slot, &mut bytes);
     let (sequence, body) = whole(&bytes)?;
+    decoded(body).map(|setup| Found { setup, slot, sequence })
+}
+
+/// Not part of what is made anew for every flash: the format is the same, and so is the code.
+#[inline(never)]
+fn decoded(body: &[u8]) -> Option<Setup> {
     match postcard::from_bytes::<(u8, Setup)>(body) {
-        Ok((VERSION, setup)) if setup.validate().is_ok() => Some(Found { setup, slot, sequence }),
+        Ok((VERSION, setup)) if setup.validate().is_ok() => Some(setup),
         _ => None,
     }
+}
+
+/// Fills a slot with `setup`, its mark included, which is programmed last; how many bytes. None where it does not fit.
+#[inline(never)]
+fn encoded(setup: &Setup, sequence: u32, bytes: &mut [u8; SLOT]) -> Option<usize> {
+    let (head, rest) = bytes.split_first_chunk_mut::<HEAD>()?;
+    let body = postcard::to_slice(&(VERSION, setup), rest).ok()?;
+    let (length, check) = (body.len(), checksum(body) ^ sequence);
+    rest.get_mut(length..length + 4)?.copy_from_slice(&check.to_le_bytes());
+    let (mark, numbers) = head.split_at_mut(4);
+    let (first, second) = numbers.split_at_mut(4);
+    mark.copy_from_slice(&MARK);
+    first.copy_from_slice(&u32::try_from(length).ok()?.to_le_bytes());
+    second.copy_from_slice(&sequence.to_le_bytes());
+    Some(HEAD + length + 4)
 }
 
 /// Why a setup was not saved.
@@ -102,18 +123,8 @@ pub fn save<S: Slots>(slots: &mut S, setup: &Setup) -> Result<(), SaveError<S::E
         None => (0, 0),
     };
     let mut bytes = [0; SLOT];
-    let (head, rest) = bytes.split_first_chunk_mut::<HEAD>().ok_or(SaveError::TooLong)?;
-    let body = postcard::to_slice(&(VERSION, setup), rest).map_err(|_| SaveError::TooLong)?;
-    let (length, check) = (body.len(), checksum(body) ^ sequence);
-    rest.get_mut(length..length + 4).ok_or(SaveError::TooLong)?.copy_from_slice(&check.to_le_bytes());
-    let (mark, numbers) = head.split_at_mut(4);
-    let (first, second) = numbers.split_at_mut(4);
-    mark.copy_from_slice(&MARK);
-    first.copy_from_slice(&u32::try_from(length).map_err(|_| SaveError::TooLong)?.to_le_bytes());
-    second.copy_from_slice(&sequence.to_le_bytes());
-
+    let end = encoded(setup, sequence, &mut bytes).ok_or(SaveError::TooLong)?;
     slots.erase(slot).map_err(SaveError::Flash)?;
-    let end = HEAD + length + 4;
     slots.program(slot, 4, bytes.get(4..end).ok_or(SaveError::TooLong)?).map_err(SaveError::Flash)?;
     slots.program(slot, 0, &MARK).map_err(SaveError::Flash)?;
     match load(slots) {

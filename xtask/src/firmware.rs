@@ -1,5 +1,10 @@
 //! The firmware image: builds it, flashes it, runs it against the plant on an emulated processor.
 
+use std::path::Path;
+
+use object::read::elf::ElfFile32;
+use object::{LittleEndian, Object as _, ObjectSection as _, SectionKind};
+
 use crate::output::say;
 use crate::setup::{self, QEMU};
 use crate::shell::{Problem, command, no_words, run as execute, top, works};
@@ -8,7 +13,10 @@ use crate::toolchain::{self, TARGET, Toolchain};
 /// What the linker is told; the same as in `firmware/.cargo/config.toml`, which only a build from that folder reads.
 pub(crate) const LINKER: &str = "-C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 /// The image, from the top of the workspace.
-const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-firmware";
+const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-stm32f407";
+
+/// Where RAM begins on all of them.
+const RAM: u64 = 0x2000_0000;
 
 /// A board that an image is built for.
 pub(crate) struct Board {
@@ -18,8 +26,8 @@ pub(crate) struct Board {
     pub(crate) title: &'static str,
     /// The package that is built.
     pub(crate) package: &'static str,
-    /// Its features.
-    pub(crate) features: &'static [&'static str],
+    /// Its program that is the image.
+    pub(crate) image: &'static str,
     /// The part, as `probe-rs` calls it.
     pub(crate) chip: &'static str,
     /// Where its flash begins.
@@ -27,21 +35,37 @@ pub(crate) struct Board {
 }
 
 /// All of them; the first is the one that is flashed and replayed by default.
-pub(crate) const BOARDS: &[Board] = &[Board {
-    name: "stm32f407",
-    title: "STM32F407 with its own converters",
-    package: "shakedown-firmware",
-    features: &["board"],
-    chip: "STM32F407VGTx",
-    flash: 0x0800_0000,
-}];
+pub(crate) const BOARDS: &[Board] = &[
+    Board {
+        name: "stm32f407",
+        title: "STM32F407 with its own converters",
+        package: "shakedown-stm32f407",
+        image: "shakedown-stm32f407",
+        chip: "STM32F407VGTx",
+        flash: 0x0800_0000,
+    },
+    Board {
+        name: "stm32f407-outboard",
+        title: "STM32F407 with converters of 16 bits outboard",
+        package: "shakedown-stm32f407",
+        image: "shakedown-stm32f407-outboard",
+        chip: "STM32F407VGTx",
+        flash: 0x0800_0000,
+    },
+    Board {
+        name: "stm32g474",
+        title: "NUCLEO-G474RE with its own converters",
+        package: "shakedown-stm32g474",
+        image: "shakedown-stm32g474",
+        chip: "STM32G474RETx",
+        flash: 0x0800_0000,
+    },
+];
 
 impl Board {
     /// The command that builds its image, without its flags.
     pub(crate) fn command(&self) -> Result<std::process::Command, Problem> {
-        let features = self.features.join(",");
-        let words = ["build", "--locked", "--profile", "firmware", "--package", self.package];
-        found()?.cargo(&[&words[..], &["--no-default-features", "--features", &features]].concat())
+        found()?.cargo(&["build", "--locked", "--profile", "firmware", "--package", self.package, "--bin", self.image])
     }
 }
 /// The C compiler for the target.
@@ -55,9 +79,26 @@ pub(crate) fn build(words: &[String]) -> Result<(), Problem> {
         Toolchain::Rustup => "compiler: rustup's, with its standard library for the target",
         Toolchain::Debian => "compiler: Debian's rustc-web, compiling core from rust-web-src",
     });
-    image("shakedown-firmware")?;
-    say(&format!("image: {IMAGE} ({TARGET})"));
+    for board in BOARDS {
+        execute(board.command()?.env("RUSTFLAGS", LINKER).current_dir(top()))?;
+        let path = top().join(format!("target/{TARGET}/firmware/{}", board.image));
+        let (flash, ram) = size(&path)?;
+        say(&format!("{}: {}, {flash} bytes of flash, {ram} of RAM beside the stack", board.title, path.display()));
+    }
     Ok(())
+}
+
+/// Bytes that an image takes of flash, and of RAM for its variables.
+fn size(path: &Path) -> Result<(u64, u64), Problem> {
+    let failed = |e: String| Problem::Failed(format!("{}: {e}", path.display()));
+    let bytes = std::fs::read(path).map_err(|e| failed(e.to_string()))?;
+    let file = ElfFile32::<LittleEndian>::parse(bytes.as_slice()).map_err(|e| failed(e.to_string()))?;
+    // What is not there at run time has no address.
+    Ok(file.sections().filter(|section| section.address() > 0).fold((0, 0), |(flash, ram), section| {
+        let stored = section.kind() != SectionKind::UninitializedData;
+        let variable = section.address() >= RAM;
+        (flash + if stored { section.size() } else { 0 }, ram + if variable { section.size() } else { 0 })
+    }))
 }
 
 /// The chore: builds the image and writes it to the board through a debug probe.

@@ -68,8 +68,8 @@ fn build(product: Product, from: &Path, name: &str) -> Result<String, Problem> {
         }
         Product::Firmware => {
             let flags = format!("{} {}", firmware::LINKER, remap(from, &folder));
-            let made = folder.join(toolchain::TARGET).join("firmware/shakedown-firmware");
-            (firmware::image_command("shakedown-firmware")?, flags, made)
+            let made = folder.join(toolchain::TARGET).join("firmware/shakedown-stm32f407");
+            (firmware::image_command("shakedown-stm32f407")?, flags, made)
         }
     };
     in_folder(&mut cargo, from).env("CARGO_TARGET_DIR", &folder).env("RUSTFLAGS", flags);

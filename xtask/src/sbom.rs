@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What is shipped of this workspace.
-const SHIPPED: [&str; 3] = ["shakedown", "shakedown-core", "shakedown-firmware"];
+const SHIPPED: [&str; 4] = ["shakedown", "shakedown-core", "shakedown-stm32f407", "shakedown-stm32g474"];
 
 /// The chore: writes the list to a file, or prints it.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {

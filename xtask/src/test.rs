@@ -89,7 +89,8 @@ fn lints() -> Outcome {
     let linted = execute(command(&["cargo"]).args(words).args(host).args(deny));
     let linted = linted.and_then(|()| match toolchain::find() {
         Some(found @ Toolchain::Rustup) => {
-            execute(found.cargo(&[&words[..], &["--package", "shakedown-firmware"]].concat())?.args(deny))
+            let boards = ["--package", "shakedown-stm32f407", "--package", "shakedown-stm32g474"];
+            execute(found.cargo(&[&words[..], &boards].concat())?.args(deny))
         }
         _ => Ok(()),
     });

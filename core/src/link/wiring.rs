@@ -34,10 +34,10 @@ pub struct Wiring {
     pub external: Scale,
     /// Output, m.
     pub output: Scale,
-    /// Largest code of the converters: 4095 on chip, 65535 outboard.
+    /// Largest code of the converters: 65520 on chip, the sum of 16 scans of 12 bits; 65535 outboard.
     pub full_scale: u16,
-    /// Whether a code at either end of the range is no reading: with a signal biased to the middle, a broken wire, a
-    /// short or a saturated amplifier ends there.
+    /// Whether a code at either end of the range ([`Wiring::margin`]) is no reading: with a signal biased to the middle, a broken wire,
+    /// a short or a saturated amplifier ends there.
     pub rails_are_faults: bool,
 }
 
@@ -122,6 +122,14 @@ impl Source {
     }
 }
 
+impl Wiring {
+    /// Codes at either end that are no reading: where the rails are faults, those within a 4096th of the range, for a mean of several
+    /// scans at a rail is not always its last code; else none.
+    pub const fn margin(&self) -> u16 {
+        if self.rails_are_faults { 1 + self.full_scale / 4096 } else { 0 }
+    }
+}
+
 impl Setup {
     /// Checks every field. A device takes a setup only when all of it holds.
     pub fn validate(&self) -> Result<(), SetupError> {
@@ -162,7 +170,7 @@ impl Setup {
     /// The LVDT reads the whole stroke, with a code to spare at either end where the rails are faults.
     fn check_stroke(&self) -> Result<(), SetupError> {
         let wiring = &self.wiring;
-        let spare = u16::from(wiring.rails_are_faults);
+        let spare = wiring.margin();
         let reach = wiring.displacement.span(spare, wiring.full_scale - spare);
         let needed = [-self.control.stroke, self.control.stroke];
         let remedy = "control.stroke must lie within what the LVDT reads; lower it, or rescale the input";

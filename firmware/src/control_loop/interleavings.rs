@@ -45,7 +45,7 @@ struct Device<'a> {
 impl Device<'_> {
     fn tick(&mut self, events: Events) {
         let before = (self.decide.relay(), self.decide.wires, self.decide.rate);
-        if self.decide.tick_with(Codes::of(|_| 2048), events).news && self.decide.news().tell {
+        if self.decide.tick_with(Codes::of(|_| 32768), events).news && self.decide.news().tell {
             self.published = self.decide.standing();
         }
         let after = (self.decide.relay(), self.decide.wires, self.decide.rate);
@@ -121,8 +121,8 @@ impl Device<'_> {
             10 => Asked::Trip,
             11 => Asked::ClearTrip,
             12 | 13 => Asked::Save,
-            14 => Asked::WriteSetup(setup(1000.0, 2048.0 + dice.below(3) as f32)),
-            _ => Asked::WriteSetup(setup(1000.0 * (1 + dice.below(2)) as f32, 2048.0)),
+            14 => Asked::WriteSetup(setup(1000.0, 32768.0 + dice.below(3) as f32)),
+            _ => Asked::WriteSetup(setup(1000.0 * (1 + dice.below(2)) as f32, 32768.0)),
         }
     }
 }

@@ -12,6 +12,12 @@ impl Codes {
         Self(word(0, 1), word(2, 3))
     }
 
+    /// From such words: the first two in the first, either's first in the low half.
+    #[inline(always)]
+    pub const fn of_words([first, second]: [u32; 2]) -> Self {
+        Self(first, second)
+    }
+
     /// Each by itself.
     pub const fn each(self) -> [u16; 4] {
         [self.0 as u16, (self.0 >> 16) as u16, self.1 as u16, (self.1 >> 16) as u16]

@@ -2,7 +2,7 @@ use super::*;
 use crate::defaults;
 use crate::queues::{LoopCommand, Point, Queues, ServerEnd};
 
-const REST: [u16; 4] = [2048; 4];
+const REST: [u16; 4] = [32768; 4];
 
 fn with_loop(test: impl FnOnce(&mut ControlLoop<'_>, &mut ServerEnd<'_>)) {
     let mut queues = Queues::new();
@@ -70,7 +70,7 @@ fn what_only_the_board_sees_trips_with_its_own_cause_and_opens_the_relay_after_t
                 !decide.relay()
             });
             assert!(opened.is_some_and(|ticks| ticks <= 51), "{opened:?}");
-            assert_eq!(tick(decide, Events::default()).output, 2048);
+            assert_eq!(tick(decide, Events::default()).output, 32768);
         });
     }
 }

@@ -15,7 +15,7 @@ struct Pair {
 
 impl Converters for Pair {
     type Error = ();
-    const FULL_SCALE: u16 = 4095;
+    const FULL_SCALE: u16 = defaults::LIMITS.full_scale;
 
     fn read(&mut self) -> Result<Codes, ()> {
         if self.reads { Ok(self.codes.into()) } else { Err(()) }
@@ -80,7 +80,7 @@ fn after(spoil: impl FnOnce(&mut Bench), judge: impl FnOnce(TestStatus, &Bench))
     let mut queues = Queues::new();
     let (loop_end, mut server): (_, ServerEnd<'_>) = queues.split();
     let mut decide = ControlLoop::new(&defaults::setup(), loop_end, false).unwrap();
-    let pair = Pair { codes: [2048; 4], reads: true, writes: true, written: 0, recovered: 0 };
+    let pair = Pair { codes: [32768; 4], reads: true, writes: true, written: 0, recovered: 0 };
     let board = Bench { pair, stop: false, low: false, late: false, relay: false, fed: 0, told: None };
     let mut control = Control::new(&mut decide, board);
     for tick in 0..100 {
@@ -113,7 +113,7 @@ fn a_board_on_which_all_is_well_stays_armed() {
         |standing, board| {
             assert_eq!(
                 (standing.state, board.relay, board.pair.written, board.pair.recovered),
-                (State::Ready, true, 2048, 0)
+                (State::Ready, true, 32768, 0)
             );
         },
     );

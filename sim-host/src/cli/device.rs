@@ -2,6 +2,7 @@
 
 mod commission;
 mod page;
+mod proof;
 mod record;
 mod setup;
 
@@ -10,8 +11,8 @@ use super::{Failure, described};
 use clap::Subcommand;
 use serde_json::json;
 use shakedown::device::{Port, Session, SessionError};
-use shakedown_core::link::{HostRequest, Report};
-use std::path::PathBuf;
+use shakedown_core::link::{HostRequest, Report, Source};
+use std::path::{Path, PathBuf};
 
 /// Talks to a device over its serial line: setup, a record, telemetry, commissioning.
 #[derive(Debug, clap::Args)]
@@ -23,7 +24,8 @@ use std::path::PathBuf;
   shakedown device --port /dev/ttyACM0 run reference.csv --out run/
   shakedown device --port /dev/ttyACM0 run --seconds 60 --out run/
   shakedown diagnose run/experiment.toml
-  shakedown device --port /dev/ttyACM0 commission --out commissioning.toml")]
+  shakedown device --port /dev/ttyACM0 commission --out commissioning.toml
+  shakedown device --port /dev/ttyACM0 commission --daily")]
 pub(crate) struct Args {
     /// The serial port [default: the one that table.toml of this folder states].
     #[arg(long, value_name = "PORT")]
@@ -86,6 +88,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Action::Listen(listen) => listen.run(&mut session),
         Action::Stop => session.order(&HostRequest::Stop).map_err(failed),
         Action::Trip => session.order(&HostRequest::Trip).map_err(failed),
+        Action::Commission(walk) if walk.daily => proof::walk(&mut session, Path::new(proof::FILE)),
         Action::Commission(walk) => walk.run(&mut session),
     }
 }
@@ -120,18 +123,22 @@ fn failed(error: SessionError) -> Failure {
     Failure::Work(error.to_string())
 }
 
+/// What a rehearsal's status says.
+const REHEARSES: &str = "a simulated table; the relay stays open, and nothing that is wired to the device moves";
+
 fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure> {
     let identity = session
         .ask(&HostRequest::Identify, |report| if let Report::Identity(who) = report { Some(*who) } else { None });
     let identity = identity.map_err(failed)?;
     let vitals = session.vitals().map_err(failed)?;
+    let rehearsal = session.setup().map_err(failed)?.wiring.source == Source::Rehearsal;
     let [major, minor, patch] = identity.firmware;
     let firmware = format!("{major}.{minor}.{patch}");
     let cause = vitals.cause.map(|cause| format!("{cause:?}"));
     let value = json!({
         "firmware": firmware, "state": vitals.state, "cause": cause, "ticks": vitals.ticks, "dropped": vitals.dropped,
         "garbled": vitals.garbled, "stored": vitals.stored, "buffered": vitals.buffered,
-        "highest_rate_hz": identity.highest_rate,
+        "highest_rate_hz": identity.highest_rate, "clock": identity.clock, "rehearsal": rehearsal,
     });
     outputs.write_json(value, &[])?;
     let stored = if vitals.stored { "as stored in flash" } else { "not stored: a reset loses it" };
@@ -144,9 +151,14 @@ fn status(session: &mut Session<Port>, outputs: &Outputs) -> Result<(), Failure>
         ("frames garbled", vitals.garbled.to_string()),
         ("setup", stored.to_owned()),
         ("highest control rate [Hz]", identity.highest_rate.to_string()),
+        ("clock", format!("{:?}", identity.clock)),
+        ("what moves", if rehearsal { REHEARSES.to_owned() } else { "what is wired to it".to_owned() }),
     ];
     outputs.write_report(&mut page::facts("Device", "Device identity and health.", &said), &[])?;
     if !outputs.quiet() {
+        if rehearsal {
+            print(&format!("REHEARSAL: {REHEARSES}\n"));
+        }
         print(&format!(
             "firmware {firmware}, {:?}{}\n{} ticks since its reset; {} records of telemetry dropped, {} frames garbled\nsetup: {}\n",
             vitals.state,

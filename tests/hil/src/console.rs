@@ -13,6 +13,15 @@ const ENDED: u32 = 0x2_0026;
 /// Says that what is kept is ours.
 const MARK: u32 = 0x5348_4B44;
 
+/// The tests that end in a reset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fatal {
+    /// The watchdog is not fed.
+    Starved,
+    /// The program panics.
+    Panicked,
+}
+
 /// Mark, failures so far, cycles.
 #[unsafe(link_section = ".uninit.kept")]
 static KEPT: MaybeUninit<[AtomicU32; 3]> = MaybeUninit::uninit();
@@ -29,20 +38,23 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    /// Where the watchdog's test has begun before the last reset: the report so far, and the cycles from there to the reset.
-    pub(crate) fn resumed() -> Option<(Self, u32)> {
+    /// Where a test has begun before the last reset that ends in one: which, the report so far, and the cycles from there to the reset
+    /// as far as they were kept.
+    pub(crate) fn resumed() -> Option<(Fatal, Self, u32)> {
         let [mark, failed, cycles] = kept();
-        if mark.swap(0, Ordering::Relaxed) != MARK {
-            return None;
-        }
-        Some((Self { failed: failed.load(Ordering::Relaxed) }, cycles.load(Ordering::Relaxed)))
+        let fatal = match mark.swap(0, Ordering::Relaxed).wrapping_sub(MARK) {
+            0 => Fatal::Starved,
+            1 => Fatal::Panicked,
+            _ => return None,
+        };
+        Some((fatal, Self { failed: failed.load(Ordering::Relaxed) }, cycles.load(Ordering::Relaxed)))
     }
 
     /// Keeps the report over the reset to come.
-    pub(crate) fn keep(&self) {
+    pub(crate) fn keep(&self, fatal: Fatal) {
         let [mark, failed, _] = kept();
         failed.store(self.failed, Ordering::Relaxed);
-        mark.store(MARK, Ordering::Relaxed);
+        mark.store(MARK + fatal as u32, Ordering::Relaxed);
     }
 
     /// Keeps how far the cycle counter is.

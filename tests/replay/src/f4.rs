@@ -1,15 +1,19 @@
 //! The emulated F4. Everything that knows the emulator (`rigless` 0.4, young and not settled) is in this folder.
 //!
-//! Three things the emulator does not model are supplied here, from the firmware's own register writes: the DAC (its data
-//! register is watched), the trigger line from TIM2 to the converter (a conversion is started at each update, by the bit
-//! that software would set), and codes finer than a millivolt (the reference is set to 4095 "mV", so that a millivolt is
-//! a code). The part is an STM32F427, whose first megabyte of flash, RAM, timers, converters and DMA are the F407's.
+//! Two things the emulator does not model are supplied here, from the firmware's own register writes: the DAC (its data
+//! register is watched), and the triggers from TIM2 by TIM1 to the converter and its DMA (where all their registers are set as they
+//! must be, the samples of an update are put where the DMA would put them, and its interrupt is raised; see [`sampling`]). The part is an STM32F427, whose first megabyte of flash, RAM, timers, converters and DMA are the F407's.
 
 mod board;
 mod count;
 mod driver;
+mod inputs;
+mod outboard;
+mod sampling;
 mod silicon;
+mod stack;
 mod tick_cost;
+mod timer;
 mod wire;
 
 use std::path::Path;
@@ -24,8 +28,8 @@ use crate::{ReplayError, World};
 use board::Board;
 pub use count::{Mark, marks};
 use driver::Lockstep;
-pub use driver::Stack;
 pub use silicon::Silicon;
+pub use stack::Stack;
 
 /// Virtual time in which the firmware must start its timer, ms.
 const BOOT_LIMIT: u64 = 2000;
@@ -56,6 +60,8 @@ pub struct Ran<W> {
     pub status: Option<u32>,
     /// What [`follow`] followed.
     pub followed: Vec<u64>,
+    /// At each line of the log, whether the relay was closed; only where [`run_logged`] watches it.
+    pub logged: Vec<bool>,
 }
 
 /// Runs the image at `elf` in `world` until the world ends it.
@@ -77,6 +83,12 @@ pub fn follow<W: World>(elf: &Path, world: W, tick: u64, addresses: &[u64]) -> R
     start(elf, &[], |wire| Lockstep::new(world, wire).follow(tick, addresses))
 }
 
+/// The same as [`run`], and notes at each line that the program logs whether the relay was closed.
+pub fn run_logged<W: World>(elf: &Path, world: W) -> Result<Ran<W>, ReplayError> {
+    let log = crate::size::log(elf)?;
+    start(elf, &[], |wire| Lockstep::new(world, wire).log_at(log))
+}
+
 fn start<W: World>(
     elf: &Path,
     flash: &[(u64, Vec<u8>)],
@@ -90,12 +102,13 @@ fn start<W: World>(
     }
     let emulator = |error: &dyn std::error::Error| ReplayError::Emulator(error.to_string());
     let wire = Arc::new(Mutex::new(crate::Line::default()));
-    let board = Box::new(Board::new(Arc::clone(&wire)).map_err(|error| emulator(&error))?);
+    let driver = driver(Arc::clone(&wire));
+    let board = Box::new(Board::new(wire, driver.outboard()).map_err(|error| emulator(&error))?);
     let until = VirtualNanos(BOOT_LIMIT * 1_000_000);
     let session = Session::new(board, 0, until).map_err(|error| emulator(&error))?;
     let mut start = Start::new(&images);
     start.semihosting = true;
-    let finished = emulator::run(session, &start, driver(wire)).map_err(|error| emulator(&error))?;
+    let finished = emulator::run(session, &start, driver).map_err(|error| emulator(&error))?;
     let (stop, status) = (finished.stop, finished.exit_status);
     if !finished.driver.ticked() {
         return Err(ReplayError::NoTick(BOOT_LIMIT));
@@ -105,9 +118,11 @@ fn start<W: World>(
     let (stack, silicon) = (finished.driver.stack(), finished.driver.silicon());
     let dearest_tick = finished.driver.tick_cost.most();
     let console = finished.driver.console.clone();
+    let logged = finished.driver.logged.clone();
     let (world, followed) = finished.driver.into_world();
     Ok(Ran {
         world,
+        logged,
         stack,
         silicon,
         dearest_tick,

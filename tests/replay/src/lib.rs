@@ -13,5 +13,5 @@ pub mod size;
 pub mod world;
 
 pub use error::ReplayError;
-pub use f4::{Mark, Ran, Stack, follow, marks, run, run_with};
-pub use world::{Line, Oscillator, Tick, World};
+pub use f4::{Mark, Ran, Stack, follow, marks, run, run_logged, run_with};
+pub use world::{Fitted, Line, Oscillator, Tick, World};

@@ -4,7 +4,8 @@ use shakedown::device::{Drive, Progress, Talker};
 use shakedown_core::link::Setup;
 
 use crate::bench::Bench;
-use crate::{Oscillator, Tick, World};
+use crate::world::SCANS;
+use crate::{Fitted, Oscillator, Tick, World};
 
 /// What was at the converters in one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +20,9 @@ pub struct Codes {
 
 /// What goes wrong, and when.
 pub type Mischief = Box<dyn FnMut(&mut Tick<'_>, &mut Talker) + Send>;
+
+/// What sums of scans become scan by scan.
+pub type Scanner = Box<dyn FnMut([u16; 4]) -> [[u16; 4]; SCANS] + Send>;
 
 /// A run of a record on the emulated board.
 #[allow(missing_debug_implementations, reason = "what goes wrong is a function")]
@@ -39,6 +43,8 @@ pub struct Seen {
     pub progress: Progress,
     /// What goes wrong.
     pub mischief: Option<Mischief>,
+    /// What the scans of on-chip converters read; none for what is at the converters, without noise.
+    pub scanner: Option<Scanner>,
     /// Ticks still to run after the end, so that the last telemetry arrives.
     pub after: u32,
     /// Ticks after which it ends in any case.
@@ -55,6 +61,7 @@ pub struct Seen {
     pub watchdog_clock: u64,
     /// Resets since power-on.
     pub resets: usize,
+    fitted: Fitted,
     relay: bool,
 }
 
@@ -71,6 +78,7 @@ impl Seen {
             times: Vec::new(),
             progress: Progress::Going(0),
             mischief: None,
+            scanner: None,
             after: 100,
             limit,
             dead_from: None,
@@ -79,6 +87,7 @@ impl Seen {
             oscillator: Oscillator::Crystal,
             watchdog_clock: 32_000,
             resets: 0,
+            fitted: Fitted::of(setup.wiring.full_scale),
             relay: false,
         }
     }
@@ -114,6 +123,17 @@ impl World for Seen {
             self.after -= 1;
         }
         self.after > 0 && self.codes.len() < self.limit
+    }
+
+    fn fitted(&self) -> Fitted {
+        self.fitted
+    }
+
+    fn scans(&mut self, inputs: [u16; 4]) -> [[u16; 4]; SCANS] {
+        match &mut self.scanner {
+            Some(scanner) => scanner(inputs),
+            None => crate::world::spread(inputs),
+        }
     }
 
     fn converts(&self) -> bool {

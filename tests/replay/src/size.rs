@@ -15,7 +15,8 @@ pub struct Size {
 }
 
 const RAM: std::ops::Range<u32> = 0x2000_0000..0x2002_0000;
-/// Section types: no bits in the file; and the flag of what is there at run time.
+/// Section types: symbols; no bits in the file; and the flag of what is there at run time.
+const SYMBOLS: u32 = 2;
 const NOBITS: u32 = 8;
 const ALLOC: u32 = 2;
 
@@ -64,6 +65,33 @@ pub fn fault_handler(path: &Path) -> Result<Vec<u16>, ReplayError> {
     let code = handler.and_then(|handler| loaded(&bytes, handler, 2 * HALVES));
     let code = code.ok_or_else(|| fail("it has no vector table at the start of the flash".into()))?;
     Ok(code.chunks_exact(2).map(|half| u16::from_le_bytes([half[0], half[1]])).collect())
+}
+
+/// From the start of the log's control block to the offset at which its next byte goes (defmt-rtt; SEGGER's RTT: 16 bytes of mark, two
+/// counts, then of the first channel name, buffer, size, offset).
+const LOG_OFFSET: u32 = 16 + 2 * 4 + 3 * 4;
+
+/// Where the ELF file at `path` keeps how far its log is written.
+pub fn log(path: &Path) -> Result<u64, ReplayError> {
+    let fail = |reason: String| ReplayError::Image { path: path.to_owned(), reason };
+    let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
+    let block = symbol(&bytes, b"_SEGGER_RTT").ok_or_else(|| fail("it has no log".into()))?;
+    Ok(u64::from(block + LOG_OFFSET))
+}
+
+/// The value of a symbol of a 32-bit little-endian ELF file.
+fn symbol(bytes: &[u8], name: &[u8]) -> Option<u32> {
+    let half = |at: usize| Some(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?));
+    let word = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
+    let (table, entry, count) = (word(0x20)? as usize, usize::from(half(0x2E)?), usize::from(half(0x30)?));
+    let section = |number: usize| table + number * entry;
+    let symbols = (0..count).map(section).find(|&at| word(at + 4) == Some(SYMBOLS))?;
+    let (from, length) = (word(symbols + 16)? as usize, word(symbols + 20)? as usize);
+    let names = word(section(word(symbols + 24)? as usize) + 16)? as usize;
+    (from..from + length).step_by(16).find_map(|at| {
+        let text = bytes.get(names + word(at)? as usize..)?;
+        (text.starts_with(name) && text.get(name.len()) == Some(&0)).then(|| word(at + 4))?
+    })
 }
 
 /// The bytes that a 32-bit little-endian ELF file loads to `address`.

@@ -11,6 +11,33 @@ pub struct Line {
     pub to_device: VecDeque<u8>,
 }
 
+/// Scans that on-chip converters sum up to a code.
+pub const SCANS: usize = 16;
+
+/// The converters that the board is built with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fitted {
+    /// Its own: a code is the sum of 16 scans of 12 bits, and the output has 12.
+    OnChip,
+    /// Of 16 bits, on its SPI.
+    Outboard,
+}
+
+impl Fitted {
+    /// The code that the output gives for `code`: of 12 bits on the chip, on the scale of 16.
+    pub fn at_the_output(self, code: u16) -> u16 {
+        match self {
+            Self::OnChip => shakedown_firmware::converters::twelve_bits(code) * SCANS as u16,
+            Self::Outboard => code,
+        }
+    }
+
+    /// The converters whose largest code is `full_scale`.
+    pub const fn of(full_scale: u16) -> Self {
+        if full_scale == u16::MAX { Self::Outboard } else { Self::OnChip }
+    }
+}
+
 /// One update of the sampling timer.
 #[derive(Debug)]
 pub struct Tick<'a> {
@@ -52,6 +79,16 @@ pub trait World: Send + 'static {
     /// The sampling timer's update. False ends the run.
     fn tick(&mut self, tick: Tick<'_>) -> bool;
 
+    /// The converters that the image under test expects.
+    fn fitted(&self) -> Fitted {
+        Fitted::OnChip
+    }
+
+    /// The scans of on-chip converters whose sums are `inputs`, 12 bits each.
+    fn scans(&mut self, inputs: [u16; 4]) -> [[u16; 4]; SCANS] {
+        spread(inputs)
+    }
+
     /// Whether a conversion follows this update; a converter that is dead says no.
     fn converts(&self) -> bool {
         true
@@ -72,8 +109,18 @@ pub trait World: Send + 'static {
         None
     }
 
-    /// Whether the DMA is off when this update's conversion ends, so that the converter overruns.
+    /// Whether this update's sample is lost: the DMA is off when the conversion ends, so that the converter overruns; an outboard one is
+    /// still busy.
     fn overruns(&self) -> bool {
         false
     }
+}
+
+/// Scans without noise whose sums are `inputs`.
+pub(crate) fn spread(inputs: [u16; 4]) -> [[u16; 4]; SCANS] {
+    let mut scans = [[0; 4]; SCANS];
+    for (number, scan) in scans.iter_mut().enumerate() {
+        *scan = inputs.map(|code| (code / 16 + u16::from(usize::from(code % 16) > number)).min(4095));
+    }
+    scans
 }

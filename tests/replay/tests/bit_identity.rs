@@ -8,16 +8,24 @@
 
 mod common;
 
-use common::{image, near_field, seen::Seen, setup, twin};
+use common::{image, near_field, outboard, seen::Seen, setup, setup_outboard, twin};
 use shakedown::device::Progress;
+use shakedown_core::link::Setup;
 use shakedown_core::{Mode, State};
+use shakedown_replay::World as _;
+use std::path::PathBuf;
 
 const SECONDS: usize = 60;
 
-/// Runs `mode` on both; the first tick at which they differ.
-fn first_difference(mode: Mode, seconds: usize, spoil: impl FnMut(usize, u16) -> u16) -> (Seen, Option<usize>) {
-    let (setup, record) = (setup(mode), near_field(seconds));
-    let seen = shakedown_replay::run(&image(), Seen::new(setup, record.clone())).unwrap().world;
+/// Runs `image` under `setup`, and the host; the first tick at which they differ.
+fn first_difference(
+    image: PathBuf,
+    setup: Setup,
+    seconds: usize,
+    spoil: impl FnMut(usize, u16) -> u16,
+) -> (Seen, Option<usize>) {
+    let record = near_field(seconds);
+    let seen = shakedown_replay::run(&image, Seen::new(setup, record.clone())).unwrap().world;
     assert_eq!(seen.progress, Progress::Done);
     assert_eq!(seen.drive.telemetry().gaps(), []);
     assert_eq!(seen.drive.telemetry().dropped(), 0);
@@ -36,7 +44,8 @@ fn telemetry_says_what_was_done(seen: &Seen, twin: &twin::Twin) {
     assert!(rows.len() > seen.codes.len() - 200);
     for row in rows {
         let codes = seen.codes[row.tick as usize];
-        assert_eq!((row.record.inputs, row.record.output), (codes.inputs, codes.output), "tick {}", row.tick);
+        let output = seen.fitted().at_the_output(row.record.output);
+        assert_eq!((row.record.inputs, output), (codes.inputs, codes.output), "tick {}", row.tick);
         let Some(entry) = twin.entries.get(row.tick as usize) else { continue };
         let bits = |r: &shakedown_core::link::Record| (r.reference.to_bits(), r.fitted.to_bits(), r.flags);
         assert_eq!(bits(&row.record), bits(&entry.record), "tick {}", row.tick);
@@ -44,8 +53,8 @@ fn telemetry_says_what_was_done(seen: &Seen, twin: &twin::Twin) {
     }
 }
 
-fn identical(mode: Mode) {
-    let (seen, difference) = first_difference(mode, SECONDS, |_, code| code);
+fn identical(image: PathBuf, setup: Setup) {
+    let (seen, difference) = first_difference(image, setup, SECONDS, |_, code| code);
     assert_eq!(difference, None);
     let running = seen.drive.telemetry().run().count();
     assert!(running >= SECONDS * 1000, "{running} ticks ran");
@@ -55,17 +64,32 @@ fn identical(mode: Mode) {
 
 #[test]
 fn guard_mode_is_bit_identical() {
-    identical(Mode::Guard);
+    identical(image(), setup(Mode::Guard));
 }
 
 #[test]
 fn modifier_mode_is_bit_identical() {
-    identical(Mode::Modifier);
+    identical(image(), setup(Mode::Modifier));
 }
 
 #[test]
 fn controller_mode_is_bit_identical() {
-    identical(Mode::Controller);
+    identical(image(), setup(Mode::Controller));
+}
+
+#[test]
+fn guard_mode_is_bit_identical_with_outboard_converters() {
+    identical(outboard(), setup_outboard(Mode::Guard));
+}
+
+#[test]
+fn modifier_mode_is_bit_identical_with_outboard_converters() {
+    identical(outboard(), setup_outboard(Mode::Modifier));
+}
+
+#[test]
+fn controller_mode_is_bit_identical_with_outboard_converters() {
+    identical(outboard(), setup_outboard(Mode::Controller));
 }
 
 /// The control of the tests above: one bit wrong in one code, and they fail at that tick.
@@ -80,7 +104,7 @@ fn one_wrong_bit_is_found() {
             code
         }
     };
-    let (seen, difference) = first_difference(Mode::Controller, 4, spoil);
+    let (seen, difference) = first_difference(image(), setup(Mode::Controller), 4, spoil);
     assert_eq!(difference, at);
     assert!(seen.drive.telemetry().rows().iter().any(|row| row.tick == 2500 && row.state == State::Running));
 }

@@ -65,7 +65,8 @@ fn mischief(case: &Case, setup: Setup, truth: Arc<Mutex<Vec<f32>>>) -> Mischief 
                 let arrives = spoiled.pass(f64::from(scale.to_si(tick.inputs[at])), &mut dice);
                 let code = arrives / f64::from(scale.per_code) + f64::from(scale.zero);
                 // An open wire ends at a rail.
-                tick.inputs[at] = if code.is_nan() { 0 } else { code.round().clamp(0.0, 4095.0) as u16 };
+                tick.inputs[at] =
+                    if code.is_nan() { 0 } else { code.round().clamp(0.0, f64::from(setup.wiring.full_scale)) as u16 };
             }
             (Fault::LinkCut, _) => tick.line.to_device.clear(),
             (Fault::LinkGarbled(share), _) => {

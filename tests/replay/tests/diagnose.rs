@@ -16,7 +16,7 @@ use shakedown::device::{Kept, Progress, Recorder};
 use shakedown_core::Mode;
 
 /// Noise of the sensors beyond the converters' steps, codes: the paper's 0.04 mm and 0.02 g.
-const NOISE: [f64; 2] = [0.54, 20.0];
+const NOISE: [f64; 2] = [8.6, 320.0];
 
 /// Roughly normal, from a fixed generator.
 fn normal(state: &mut u64) -> f64 {
@@ -40,7 +40,7 @@ fn a_recording_of_the_device_is_read_as_it_is() {
     let mut state = 0x2545_F491_4F6C_DD1D;
     seen.mischief = Some(Box::new(move |tick, _| {
         for (code, noise) in tick.inputs[1..3].iter_mut().zip(NOISE) {
-            *code = (f64::from(*code) + noise * normal(&mut state)).round().clamp(1.0, 4094.0) as u16;
+            *code = (f64::from(*code) + noise * normal(&mut state)).round().clamp(16.0, 65_504.0) as u16;
         }
     }));
     let seen = shakedown_replay::run(&image(), seen).unwrap().world;

@@ -8,14 +8,14 @@ use shakedown_replay::{Ran, Tick, World};
 /// Ticks after which it ends in any case.
 const LIMIT: u64 = 5000;
 
-/// A wire from the output to the LVDT's input, or one that adds so many codes.
+/// A wire from the output to the LVDT's input, or one that adds so many of the sum of 16 scans.
 struct Looped {
     off: u16,
 }
 
 impl World for Looped {
     fn tick(&mut self, tick: Tick<'_>) -> bool {
-        tick.inputs[1] = tick.output.unwrap_or(0).saturating_add(self.off).min(4095);
+        tick.inputs[1] = tick.output.unwrap_or(0).saturating_add(self.off).min(65_520);
         tick.index < LIMIT
     }
 }
@@ -24,22 +24,32 @@ fn run(off: u16) -> Ran<Looped> {
     let image =
         PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware/shakedown-hil");
     assert!(image.exists(), "{} is missing: run `cargo xtask hil`", image.display());
-    shakedown_replay::run(&image, Looped { off }).unwrap()
+    shakedown_replay::run_logged(&image, Looped { off }).unwrap()
 }
 
 #[test]
 fn the_boards_own_tests_pass_on_the_emulated_board() {
     let ran = run(0);
     print!("{}", ran.console);
-    assert_eq!((ran.status, ran.resets.len()), (Some(0), 1), "{}", ran.console);
+    assert_eq!((ran.status, ran.resets.len()), (Some(0), 2), "{}", ran.console);
     let passed = ran.console.lines().filter(|line| line.contains("... ok")).count();
-    assert_eq!(passed, 10, "{}", ran.console);
+    assert_eq!(passed, 11, "{}", ran.console);
 }
 
-/// The control: a converter that is 40 codes off.
+/// The program panics with the relay closed, and what it logs of that comes after the relay's opening.
+#[test]
+fn a_panic_opens_the_relay_before_it_logs() {
+    let ran = run(0);
+    assert!(ran.console.contains("a panic ends in a reset ... ok"), "{}", ran.console);
+    // Each start writes the word once, for its first value.
+    assert!(ran.logged.len() > ran.resets.len() + 1, "nothing was logged");
+    assert!(ran.logged.iter().all(|closed| !closed), "it was logged with the relay closed: {:?}", ran.logged);
+}
+
+/// The control: a converter that is 640 codes off.
 #[test]
 fn a_converter_that_is_off_fails_them() {
-    let ran = run(40);
+    let ran = run(640);
     assert_eq!(ran.status, Some(1), "{}", ran.console);
     assert!(ran.console.contains("largest difference ... FAILED"), "{}", ran.console);
 }

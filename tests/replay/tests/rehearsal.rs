@@ -45,7 +45,7 @@ fn noise() -> Mischief {
     Box::new(move |tick, _| {
         for code in tick.inputs.iter_mut() {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            *code = (state >> 20) as u16;
+            *code = (state >> 16) as u16;
         }
     })
 }
@@ -123,7 +123,8 @@ fn one_wrong_bit_of_the_motion_is_found() {
     assert_eq!(difference, Some(2500));
 }
 
-/// What leaves by the output is the table's displacement, by the code of the LVDT, whose scale it shares, one tick on.
+/// What leaves by the output is the table's displacement, by the code of the LVDT, whose scale it shares, one tick on: half a step of
+/// the output's 12 bits, and one of the LVDT's 16.
 #[test]
 fn the_motion_leaves_by_the_output() {
     let ran = on_board(rehearsing(Mode::Controller, InnerLoop::Absent), &near_field(4), noise());
@@ -131,7 +132,7 @@ fn the_motion_leaves_by_the_output() {
     let rows = seen.drive.telemetry().rows();
     for pair in rows.windows(2).filter(|pair| pair[1].tick == pair[0].tick + 1) {
         let (out, next) = (seen.codes[pair[0].tick as usize].output, pair[1].record.inputs[1]);
-        assert!(out.abs_diff(next) <= 1, "tick {}: {out}, {next}", pair[0].tick);
+        assert!(out.abs_diff(next) <= 9, "tick {}: {out}, {next}", pair[0].tick);
     }
 }
 

@@ -149,7 +149,7 @@ pub(super) const FIGURES: &[Figure] = &[
         SAFETY,
         "times that 10^9 bytes of each kind of noise arm a device",
         "none",
-        "cargo run --release -p shakedown-firmware --no-default-features --example noise",
+        "cargo run --release -p shakedown-firmware --example noise",
     ),
     figure(
         SAFETY,

@@ -34,7 +34,7 @@ pub(super) fn run() -> Result<(), Problem> {
         lines += &flashing(board);
     }
     let list = folder.join(format!("shakedown-{}-firmware.cdx.json", env!("CARGO_PKG_VERSION")));
-    write(&list, sbom::of(&["shakedown-firmware"])?.as_bytes())?;
+    write(&list, sbom::of(&["shakedown-stm32f407", "shakedown-stm32g474"])?.as_bytes())?;
     write(&folder.join("SHA256SUMS"), sums.as_bytes())?;
     write(&folder.join("FLASHING.txt"), lines.as_bytes())?;
     say(&format!("{sums}\nin {FOLDER}, with {}\n\n{lines}", list.file_name().unwrap_or_default().display()));
@@ -52,7 +52,7 @@ fn built(board: &Board) -> Result<PathBuf, Problem> {
     let mut cargo = board.command()?;
     cargo.env("CARGO_TARGET_DIR", &folder).env("RUSTFLAGS", format!("{LINKER} {}", remap(&top(), &folder)));
     execute(&mut cargo)?;
-    Ok(folder.join(toolchain::TARGET).join("firmware").join(board.package))
+    Ok(folder.join(toolchain::TARGET).join("firmware").join(board.image))
 }
 
 /// Writes the three files of an image; where they are.

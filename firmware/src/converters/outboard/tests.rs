@@ -1,41 +1,31 @@
 use super::*;
-use core::cell::{Cell, RefCell};
+use core::cell::RefCell;
 use core::convert::Infallible;
-use embedded_hal::spi::ErrorType;
+use embedded_hal::spi::{ErrorType, Operation};
 
-/// An input converter on a mock bus, as its data sheet has it: registers, and a sample one frame late.
-#[derive(Default)]
-struct MockAdc<'a> {
-    volts: [f32; INPUTS],
-    ranges: [u8; INPUTS],
-    selected: usize,
-    missing: Option<&'a Cell<bool>>,
+/// An input converter on a mock bus, as its data sheet has it: the channels in order, from the select on.
+struct MockAdc {
+    volts: [f32; CHANNELS],
+    /// The data line is stuck at this level.
+    stuck: Option<bool>,
 }
 
-impl ErrorType for MockAdc<'_> {
+impl ErrorType for MockAdc {
     type Error = Infallible;
 }
 
-impl SpiDevice for MockAdc<'_> {
+impl SpiDevice for MockAdc {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
-        let [Operation::TransferInPlace(frame)] = operations else { panic!("one exchange a frame") };
-        if self.missing.is_some_and(Cell::get) {
-            frame.fill(0xFF);
-            return Ok(());
-        }
-        match **frame {
-            [address, value, ref mut echo] => {
-                assert_eq!(address & 1, 1, "a write");
-                self.ranges[usize::from((address >> 1) - RANGE_REGISTER)] = value;
-                *echo = value;
-            }
-            [high, _, ref mut top, ref mut bottom] => {
-                assert_eq!(high & 0xC0, 0xC0, "a channel selected by hand");
-                let code = ((self.volts[self.selected] / 10.24 + 1.0) * 32768.0) as u16;
-                [*top, *bottom] = code.to_be_bytes();
-                self.selected = usize::from((high - 0xC0) >> 2);
-            }
-            _ => panic!("a frame of {} bytes", frame.len()),
+        let [Operation::Read(frame)] = operations else { panic!("one read a sample") };
+        let mut bits = self.volts.iter().flat_map(|volts| {
+            let code = (volts / 10.0 * 32768.0).clamp(-32768.0, 32767.0) as i16;
+            (0..16).rev().map(move |bit| code >> bit & 1 == 1)
+        });
+        for byte in frame.iter_mut() {
+            *byte = (0..8).fold(0, |byte, _| {
+                let bit = bits.next().expect("a channel more than the converter was asked for");
+                byte << 1 | u8::from(self.stuck.unwrap_or(bit))
+            });
         }
         Ok(())
     }
@@ -59,31 +49,42 @@ impl SpiDevice for MockDac<'_> {
     }
 }
 
+fn read(volts: [f32; CHANNELS], stuck: Option<bool>) -> Result<[u16; INPUTS], Error<Infallible, Infallible>> {
+    let log = RefCell::default();
+    let mut pair = Outboard::new(MockAdc { volts, stuck }, MockDac { written: Some(&log) }).unwrap();
+    let first = pair.read().map(Codes::each);
+    assert_eq!(pair.read().map(Codes::each), first);
+    first
+}
+
 #[test]
 fn each_input_arrives_at_its_own_place() {
-    let log = RefCell::default();
-    let adc = MockAdc { volts: [-10.24, 0.0, 5.12, 10.239], ranges: [9; INPUTS], ..MockAdc::default() };
-    let mut pair = Outboard::new(adc, MockDac { written: Some(&log) }).unwrap();
-    for _ in 0..3 {
-        assert_eq!(pair.read().unwrap().each(), [0, 32768, 49152, 65532]);
+    assert_eq!(read([-10.0, 0.0, 5.0, 9.9997, 2.5], None), Ok([0, 32768, 49152, 65535]));
+}
+
+/// A line that is stuck would read as a table in its middle.
+#[test]
+fn a_data_line_that_is_stuck_gives_no_sample() {
+    for (level, code) in [(false, 0x8000), (true, 0x7FFF)] {
+        assert_eq!(read([1.0, 2.0, 3.0, 4.0, 2.5], Some(level)), Err(Error::Witness(code)));
     }
-    assert_eq!(pair.input.ranges, [RANGE_10V; INPUTS]);
+}
+
+#[test]
+fn a_reference_that_is_off_gives_no_sample() {
+    assert!(read([0.0, 0.0, 0.0, 0.0, 2.49], None).is_ok());
+    assert!(read([0.0, 0.0, 0.0, 0.0, 2.4], None).is_err());
+    assert!(read([0.0, 0.0, 0.0, 0.0, 2.6], None).is_err());
 }
 
 #[test]
 fn the_output_is_reset_set_and_written() {
     let log = RefCell::default();
-    let mut pair = Outboard::new(MockAdc::default(), MockDac { written: Some(&log) }).unwrap();
+    let adc = MockAdc { volts: [0.0; CHANNELS], stuck: None };
+    let mut pair = Outboard::new(adc, MockDac { written: Some(&log) }).unwrap();
     pair.write(0x8001).unwrap();
     assert_eq!(log.borrow()[..], [[0x0F, 0, 0], [0x04, 0x02, 0x28], [0x03, 0x80, 0x01]]);
-}
-
-#[test]
-fn a_converter_that_is_not_there_is_named() {
-    let (log, missing) = (RefCell::default(), Cell::new(true));
-    let adc = MockAdc { missing: Some(&missing), ..MockAdc::default() };
-    let made = Outboard::new(adc, MockDac { written: Some(&log) });
-    assert_eq!(made.err(), Some(Error::ReadBack { register: 0x05, read: 0xFF }));
+    assert_eq!(last_frame(0x8001), [0x03, 0x80, 0x01]);
 }
 
 /// The control word, field by field as the data sheet's table has them, and not as this file names them.

@@ -19,6 +19,9 @@ pub(super) struct Commission {
     /// Where what was measured is written.
     #[arg(long, value_name = "FILE", default_value = "commissioning.toml", value_parser = place())]
     out: PathBuf,
+    /// Walks through the proof test alone, before the first test of a day; its result is kept in proof-test.toml.
+    #[arg(long, conflicts_with_all = ["out", "record"])]
+    pub(super) daily: bool,
     /// The record of steps 12 and 14, columns `time` (s) and `reference` (m); without it they are left out.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -35,8 +38,8 @@ enum Measures {
     Standing,
     /// The same, once the trip is cleared.
     Cleared,
-    /// What a meter at the plug reads with this code on the output.
-    Output(u16),
+    /// What a meter at the plug reads with a code so many quarters up the output's range.
+    Output(u32),
 }
 
 /// Steps by their number in the guide.
@@ -51,8 +54,8 @@ const STEPS: &[(&str, &str, Measures)] = &[
     ("6b", "Hold the limit switch at the positive end open, then Enter.", Measures::Standing),
     ("6c", "Release it, then Enter.", Measures::Cleared),
     ("6d", "Hold the one at the negative end open, then Enter.", Measures::Standing),
-    ("7a", "Release it. At the amplifier's plug [V]?", Measures::Output(2048)),
-    ("7b", "At the amplifier's plug [V]?", Measures::Output(3072)),
+    ("7a", "Release it. At the amplifier's plug [V]?", Measures::Output(2)),
+    ("7b", "At the amplifier's plug [V]?", Measures::Output(3)),
     ("8", "Write the setup, save it, reset; the vitals say `stored` [yes/no]?", Measures::Typed),
 ];
 
@@ -70,17 +73,18 @@ impl Commission {
 
     /// The steps with the hydraulics off; whether all were walked.
     fn dry(session: &mut Session<Port>, text: &mut String) -> Result<bool, Failure> {
+        let full_scale = session.setup().map_err(failed)?.wiring.full_scale;
         for &(number, instruction, measures) in STEPS {
-            if let Measures::Output(code) = measures {
+            if let Measures::Output(quarters) = measures {
                 clear(session)?;
-                session.order(&HostRequest::Probe(code)).map_err(failed)?;
+                session.order(&HostRequest::Probe(up(full_scale, quarters))).map_err(failed)?;
             }
             let Some(typed) = prompted(number, instruction)? else { return Ok(false) };
             let _ = writeln!(text, "\n[step-{number}]\ninstruction = {instruction:?}\ntyped = {typed:?}");
             match measures {
                 Measures::Typed => {}
-                Measures::Output(code) => {
-                    let _ = writeln!(text, "output_code = {code}");
+                Measures::Output(quarters) => {
+                    let _ = writeln!(text, "output_code = {}", up(full_scale, quarters));
                 }
                 Measures::Inputs => inputs(session, text)?,
                 Measures::Standing | Measures::Cleared => {
@@ -108,8 +112,13 @@ impl Commission {
     }
 }
 
+/// The code so many quarters up the range of converters whose codes are counted from the power of two above `full_scale`.
+const fn up(full_scale: u16, quarters: u32) -> u16 {
+    ((full_scale as u32 + 1).next_power_of_two() / 4 * quarters) as u16
+}
+
 /// Asks for a step; what was typed, or none at the end or at `stop`.
-fn prompted(number: &str, instruction: &str) -> Result<Option<String>, Failure> {
+pub(super) fn prompted(number: &str, instruction: &str) -> Result<Option<String>, Failure> {
     print(&format!("{number}. {instruction} "));
     let mut typed = String::new();
     let read = std::io::stdin().lock().read_line(&mut typed).map_err(|e| Failure::Work(e.to_string()))?;
@@ -118,7 +127,7 @@ fn prompted(number: &str, instruction: &str) -> Result<Option<String>, Failure> 
 }
 
 /// Leaves a trip behind, and what was on the output.
-fn clear(session: &mut Session<Port>) -> Result<(), Failure> {
+pub(super) fn clear(session: &mut Session<Port>) -> Result<(), Failure> {
     match session.order(&HostRequest::ClearTrip) {
         // There was none.
         Ok(()) | Err(shakedown::device::SessionError::Refused(_)) => Ok(()),

@@ -1,6 +1,6 @@
 //! A test run, and its telemetry saved.
 
-use super::{failed, page, setup};
+use super::{failed, page, proof, setup};
 use crate::cli::output::{Outputs, print};
 use crate::cli::reference::resampled;
 use crate::cli::{Failure, progress};
@@ -9,7 +9,7 @@ use shakedown::device::{Drive, Kept, Port, Recorder, RecorderError, Session};
 use shakedown::files::Unfinished;
 use shakedown_core::link::{Setup, Source};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Longest test that is attended, ms.
@@ -44,6 +44,9 @@ pub(super) struct Run {
     /// Folder for `recording.csv` and `experiment.toml`; `recording.part.csv` while they come in.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Does not ask for the day's proof test (`commission --daily`); a rehearsal never does.
+    #[arg(long)]
+    without_proof_test: bool,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -62,6 +65,9 @@ impl Run {
             None => session.setup().map_err(failed)?,
         };
         let Planned { mut drive, what, total } = self.planned(&setup)?;
+        if !self.without_proof_test && setup.wiring.source != Source::Rehearsal {
+            proof::asked(Path::new(proof::FILE))?;
+        }
         let mut recorder = Recorder::begin(&self.out, &setup, Kept::Run).map_err(unkept)?;
         let bar = progress::bar(total, what);
         let unfinished = Unfinished::begin();

@@ -116,7 +116,8 @@ fn integral(error: &[f64], dt: f64) -> Vec<f64> {
 }
 
 fn backward(samples: &[f64], dt: f64) -> Vec<f64> {
-    let first = samples.first().copied().unwrap_or(0.0);
+    // What stood before the first sample of a part is not recorded: the slope there is the next one's.
+    let first = samples.first().map_or(0.0, |first| 2.0 * first - samples.get(1).unwrap_or(first));
     std::iter::once(first)
         .chain(samples.iter().copied())
         .zip(samples)

@@ -13,10 +13,10 @@ use rigless::machine::{self, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::Stm32f427;
-use rigless::soc::stm32f427::peripherals::adc::Channel;
 use rigless::soc::{Bus, Error};
 use rigless::time::VirtualNanos;
 
+use super::outboard::{Ad5761r, Ad7606, Wires, select};
 use super::wire::Wire;
 use crate::Line;
 
@@ -26,14 +26,15 @@ const CARRIED: [&str; 14] = [
 ];
 /// USART3 in the part's list of ports.
 const PORT: usize = 2;
-/// Inputs of ADC1 that the firmware scans.
-const INPUTS: [u8; 4] = [0, 1, 2, 3];
+/// What has a model besides where the converters are outboard.
+const CARRIED_OUTBOARD: [&str; 2] = ["SPI1", "SPI2"];
+/// SPI1 and SPI2 in the part's list of serial interfaces.
+const INPUT_BUS: usize = 0;
+const OUTPUT_BUS: usize = 1;
 /// Crystals, Hz: none at the slow pair.
 const CRYSTALS: (u64, u64) = (8_000_000, 0);
 /// Supply, mV.
 const SUPPLY: u32 = 3300;
-/// The reference of the converter, mV, so that a millivolt is a code.
-const REFERENCE: u32 = 4095;
 const CLOCK_HZ: u64 = 168_000_000;
 const PRIORITY_BITS: u8 = 4;
 /// What the processor's clock is divided by for its own timer.
@@ -87,16 +88,18 @@ pub(super) struct Board {
 
 impl Board {
     /// The board with the world at its line.
-    pub(super) fn new(line: Arc<Mutex<Line>>) -> Result<Self, Error> {
+    pub(super) fn new(line: Arc<Mutex<Line>>, outboard: Option<Wires>) -> Result<Self, Error> {
         let mut whole = Stm32f427::new()?;
         whole.rcc.attach_crystals(CRYSTALS.0, CRYSTALS.1);
         whole.set_supply(SUPPLY);
-        for channel in INPUTS.iter().filter_map(|&number| Channel::new(number)) {
-            whole.adc[0].set_input(channel, 0);
-        }
-        whole.adc[0].set_reference(REFERENCE);
         whole.usart[PORT].attach(Wire(Arc::clone(&line)));
-        let carried = whole.bus().slots().iter().map(|slot| CARRIED.contains(&slot.peripheral().name)).collect();
+        let more: &[&str] = if outboard.is_some() { &CARRIED_OUTBOARD } else { &[] };
+        if let (Some(wires), Some(input), Some(output)) = (outboard, select("GPIOA", 3), select("GPIOB", 12)) {
+            whole.spi[INPUT_BUS].attach_selected(Ad7606::new(Arc::clone(&wires)), input);
+            whole.spi[OUTPUT_BUS].attach_selected(Ad5761r::new(wires), output);
+        }
+        let named = |name| CARRIED.contains(&name) || more.contains(&name);
+        let carried = whole.bus().slots().iter().map(|slot| named(slot.peripheral().name)).collect();
         Ok(Self { part: Part { whole, carried, line } })
     }
 }

@@ -56,7 +56,7 @@ pub fn marks(elf: &Path) -> Result<Vec<Mark>, ReplayError> {
     let image = Image::read(elf, None)
         .map_err(|error| ReplayError::Image { path: elf.to_owned(), reason: error.to_string() })?;
     let emulator = |error: &dyn std::error::Error| ReplayError::Emulator(error.to_string());
-    let board = Box::new(Board::new(Arc::default()).map_err(|error| emulator(&error))?);
+    let board = Box::new(Board::new(Arc::default(), None).map_err(|error| emulator(&error))?);
     let session = Session::new(board, 0, VirtualNanos(STRIDE)).map_err(|error| emulator(&error))?;
     let images = [image];
     let finished = emulator::run(session, &Start::new(&images), Marks::default()).map_err(|error| emulator(&error))?;

@@ -2,66 +2,40 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rigless::device::Level;
-use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop, Watch};
-use rigless::mcu::Operate;
+use rigless::emulator::{Access, AccessKind, Driver, HitKind, Host, Settled, Stop, Watch};
 use rigless::session::Session;
-use rigless::soc::Width;
-use rigless::soc::stm32f427::peripherals::adc::Channel;
-use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::time::VirtualNanos;
 
 use super::board::Board;
+use super::outboard::Wires;
+use super::sampling::Sampling;
 use super::silicon::Silicon;
+use super::stack::Stack;
 use super::tick_cost::TickCost;
-use crate::{Line, Tick, World};
+use super::timer::Timer;
+use crate::world::SCANS;
+use crate::{Fitted, Line, Tick, World};
 
 const TIM2_CR1: u64 = 0x4000_0000;
 const TIM2_ARR: u64 = 0x4000_002C;
 const DAC_DHR12R1: u64 = 0x4000_7408;
 const GPIOB_BSRR: u64 = 0x4002_0418;
-const ADC1_CR2: u64 = 0x4001_2008;
-const SWSTART: u64 = 1 << 30;
-const DMA2_S0CR: u64 = 0x4002_6410;
-const ADON: u64 = 1;
-/// Nanoseconds to so many counts of the timer, which has 84 MHz.
-const NANOSECONDS: (u64, u64) = (250, 21);
 /// How long to wait before looking again while the timer stands, ns.
 const PATIENCE: u64 = 1_000_000;
-/// Port B, and the emergency stop on it.
-const PORT_B: usize = 1;
-const STOP_PIN: u8 = 1;
-/// Where the vector table holds the top of the stack, whose bottom is that of the memory (`memory.x`); and what the firmware
-/// paints it with at reset.
-const STACK_TOP: u64 = 0x0800_0000;
-const MEMORY: u64 = 0x2000_0000;
-const PAINT: u64 = 0xCCCC_CCCC;
-
-/// The timer's updates, from its registers.
-#[derive(Debug, Clone, Copy, Default)]
-struct Timer {
-    running: bool,
-    started: u64,
-    updates: u64,
-    reload: u64,
-    /// Counts before the first update of this start and since, at the reload in force then.
-    counts: u64,
-}
-
-impl Timer {
-    fn next(&mut self) -> u64 {
-        self.counts += self.reload + 1;
-        self.started + self.counts * NANOSECONDS.0 / NANOSECONDS.1
-    }
-}
-
 /// The driver of a run.
 pub(super) struct Lockstep<W> {
-    world: W,
+    pub(super) world: W,
     wire: Arc<Mutex<Line>>,
     timer: Timer,
-    inputs: [u16; 4],
-    circuit_closed: bool,
+    pub(super) sampling: Sampling,
+    /// When the scans under way end, ns, where they go, and what they are.
+    pub(super) scans: Option<(u64, u64, [[u16; 4]; SCANS])>,
+    /// When the next update comes, ns.
+    next: u64,
+    pub(super) outboard: Option<Wires>,
+    pub(super) busy: bool,
+    pub(super) inputs: [u16; 4],
+    pub(super) circuit_closed: bool,
     supply: u32,
     output: Option<u16>,
     relay: bool,
@@ -71,6 +45,9 @@ pub(super) struct Lockstep<W> {
     /// Instructions to follow, and from which tick to the next.
     follow: Option<(u64, Vec<u64>)>,
     followed: Vec<u64>,
+    /// Where a line's end in the log is kept, and whether the relay was closed at each.
+    log: Option<u64>,
+    pub(super) logged: Vec<bool>,
     stack: Stack,
     silicon: Silicon,
     pub(super) tick_cost: TickCost,
@@ -78,21 +55,18 @@ pub(super) struct Lockstep<W> {
     pub(super) console: String,
 }
 
-/// The stack, byte.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Stack {
-    /// Deepest it has been.
-    pub deepest: u64,
-    /// What there is of it.
-    pub size: u64,
-}
-
 impl<W: World> Lockstep<W> {
     pub(super) fn new(world: W, wire: Arc<Mutex<Line>>) -> Self {
+        let outboard = (world.fitted() == Fitted::Outboard).then(Wires::default);
         Self {
             world,
             wire,
             timer: Timer::default(),
+            sampling: Sampling::default(),
+            scans: None,
+            next: 0,
+            outboard,
+            busy: true,
             inputs: [0; 4],
             circuit_closed: true,
             supply: 3300,
@@ -103,11 +77,18 @@ impl<W: World> Lockstep<W> {
             ticked: false,
             follow: None,
             followed: Vec::new(),
+            log: None,
+            logged: Vec::new(),
             stack: Stack::default(),
             silicon: Silicon::default(),
             tick_cost: TickCost::default(),
             console: String::new(),
         }
+    }
+
+    /// What the chips outboard share with this driver; none where there are none.
+    pub(super) fn outboard(&self) -> Option<Wires> {
+        self.outboard.clone()
     }
 
     pub(super) const fn ticked(&self) -> bool {
@@ -122,15 +103,6 @@ impl<W: World> Lockstep<W> {
         self.stack
     }
 
-    /// How deep the paint is gone.
-    fn measure_stack(&mut self, host: &mut dyn Host) {
-        let top = host.read(STACK_TOP, Width::W32).unwrap_or(MEMORY);
-        let painted = |&address: &u64| host.read(address, Width::W32).is_ok_and(|word| word == PAINT);
-        let untouched = (MEMORY..top).step_by(4).take_while(painted).count() as u64 * 4;
-        let size = top.saturating_sub(MEMORY);
-        self.stack = Stack { deepest: size - untouched, size };
-    }
-
     pub(super) fn into_world(self) -> (W, Vec<u64>) {
         (self.world, self.followed)
     }
@@ -138,6 +110,12 @@ impl<W: World> Lockstep<W> {
     /// Follows the instructions at `addresses` through tick `tick`.
     pub(super) fn follow(mut self, tick: u64, addresses: &[u64]) -> Self {
         self.follow = Some((tick, addresses.to_vec()));
+        self
+    }
+
+    /// Notes whether the relay is closed whenever the word at `address` is written.
+    pub(super) fn log_at(mut self, address: u64) -> Self {
+        self.log = Some(address);
         self
     }
 
@@ -158,48 +136,45 @@ impl<W: World> Lockstep<W> {
         let new = resets != self.resets;
         if new {
             self.resets = resets;
-            self.timer.running = false;
+            self.timer = Timer::default();
+            self.scans = None;
             self.relay = false;
         }
         new
     }
 
-    /// A write of the firmware's that the emulator has no model for, or that moves the timer.
-    fn notice(&mut self, session: &mut Session<Board>, access: Access, value: u64) {
-        match access.address {
-            DAC_DHR12R1 => self.output = Some((value & 0xFFF) as u16),
-            GPIOB_BSRR if value & 1 != 0 => self.relay = true,
-            GPIOB_BSRR if value & 1 << 16 != 0 => self.relay = false,
-            TIM2_ARR => self.timer.reload = value,
-            TIM2_CR1 => {
-                let running = value & 1 != 0;
-                if self.note_resets(session) {
-                    self.circuit(session, access.virtual_time);
-                }
-                if running && !self.timer.running {
-                    self.timer = Timer {
-                        running,
-                        started: access.virtual_time.0,
-                        updates: 0,
-                        counts: 0,
-                        reload: self.timer.reload,
-                    };
-                    session.run_until(VirtualNanos(self.timer.next()));
-                }
-                self.timer.running = running;
-            }
-            _ => {}
+    /// The same at the program's first access to the timer.
+    fn hear_of_resets(&mut self, session: &mut Session<Board>, access: Access) {
+        if self.note_resets(session) {
+            self.circuit(session, access.virtual_time);
         }
     }
 
-    fn circuit(&self, session: &mut Session<Board>, at: VirtualNanos) {
-        let level = if self.circuit_closed { Level::Low } else { Level::High };
-        if let Some(pin) = Pin::new(STOP_PIN) {
-            session
-                .board_mut()
-                .part
-                .whole
-                .drive_port(at, PORT_B, |port, registers, context| port.drive(pin, Some(level), registers, context));
+    /// A write of the firmware's that the emulator has no model for, or that moves the timer.
+    fn notice(&mut self, session: &mut Session<Board>, access: Access, value: u64) {
+        match access.address {
+            DAC_DHR12R1 => self.output = Some((value & 0xFFF) as u16 * SCANS as u16),
+            GPIOB_BSRR if value & 1 != 0 => self.relay = true,
+            GPIOB_BSRR if value & 1 << 16 != 0 => self.relay = false,
+            TIM2_ARR => {
+                self.hear_of_resets(session, access);
+                self.timer.set_reload(value);
+            }
+            TIM2_CR1 => {
+                let running = value & 1 != 0;
+                self.hear_of_resets(session, access);
+                if running && !self.timer.running {
+                    self.timer.start(access.virtual_time.0);
+                    self.next = self.timer.next();
+                    session.run_until(VirtualNanos(self.next));
+                }
+                self.timer.control(value);
+                self.timer.running = running;
+                if !running {
+                    self.scans = None;
+                }
+            }
+            _ => {}
         }
     }
 
@@ -207,7 +182,10 @@ impl<W: World> Lockstep<W> {
     fn update(&mut self, session: &mut Session<Board>, stop: Stop) -> Option<()> {
         let wire = Arc::clone(&self.wire);
         let mut line = wire.lock().unwrap_or_else(PoisonError::into_inner);
-        let (was_closed, supply, inputs) = (self.circuit_closed, self.supply, self.inputs);
+        let (was_closed, supply) = (self.circuit_closed, self.supply);
+        if let Some(wires) = &self.outboard {
+            self.output = wires.lock().unwrap_or_else(PoisonError::into_inner).output;
+        }
         let tick = Tick {
             index: self.timer.updates,
             time: stop.at.0,
@@ -222,7 +200,7 @@ impl<W: World> Lockstep<W> {
         };
         let go_on = self.world.tick(tick);
         drop(line);
-        self.timer.updates += 1;
+        self.timer.update();
         if self.circuit_closed != was_closed {
             self.circuit(session, stop.at);
         }
@@ -230,20 +208,7 @@ impl<W: World> Lockstep<W> {
         if self.supply != supply {
             part.whole.set_supply(self.supply);
         }
-        for (number, (&code, was)) in (0..).zip(self.inputs.iter().zip(inputs)) {
-            if let Some(channel) = Channel::new(number).filter(|_| code != was || self.timer.updates == 1) {
-                part.whole.adc[0].set_input(channel, u32::from(code));
-            }
-        }
-        if self.world.overruns() {
-            let _ = part.write(stop.at, DMA2_S0CR, Width::W32, 0);
-        }
-        if self.world.converts() {
-            let control = part.read(stop.at, ADC1_CR2, Width::W32).unwrap_or(0);
-            if control & ADON != 0 {
-                let _ = part.write(stop.at, ADC1_CR2, Width::W32, control | SWSTART);
-            }
-        }
+        self.convert(session, stop.at);
         go_on.then_some(())
     }
 }
@@ -255,6 +220,8 @@ impl<W: World> Driver<Board> for Lockstep<W> {
                 self.tick_cost.settled(access);
                 self.silicon.settled(session, host, self.world.oscillator(), access, value);
                 if access.kind == AccessKind::Write {
+                    self.sampling.notice(access.address, value);
+                    self.acknowledge(host, access.address);
                     if access.address == DAC_DHR12R1
                         && let Some(time) = self.world.stands()
                     {
@@ -263,9 +230,13 @@ impl<W: World> Driver<Board> for Lockstep<W> {
                     self.notice(session, access, value);
                 }
             }
-            Settled::Hit(hit) => self.followed.push(hit.address),
+            Settled::Hit(hit) if hit.kind == HitKind::Instruction => self.followed.push(hit.address),
+            Settled::Hit(_) => self.logged.push(self.relay),
             Settled::Stop(stop) => {
                 if std::mem::take(&mut self.first) {
+                    if let Some(address) = self.log {
+                        session.watch(Watch::Writes { address, length: 4 });
+                    }
                     session.board_mut().part.whole.rcc.calibrate_lsi(self.world.watchdog_clock());
                     self.circuit(session, stop.at);
                 }
@@ -286,12 +257,18 @@ impl<W: World> Driver<Board> for Lockstep<W> {
         if !self.timer.running {
             return self.ticked.then_some(VirtualNanos(stop.at.0 + PATIENCE));
         }
+        if let Some((_, buffer, scans)) = self.scans.take() {
+            Self::deliver(host, buffer, &scans);
+            return Some(VirtualNanos(self.next));
+        }
         self.ticked = true;
         self.watch(session);
         if self.update(session, stop).is_none() {
-            self.measure_stack(host);
+            self.stack = Stack::measured(host);
             return None;
         }
-        Some(VirtualNanos(self.timer.next()))
+        self.next = self.timer.next();
+        let due = self.scans.as_ref().map(|&(due, ..)| due);
+        Some(VirtualNanos(due.map_or(self.next, |due| due.min(self.next))))
     }
 }

@@ -11,11 +11,25 @@ use std::path::PathBuf;
 use shakedown_core::Mode;
 use shakedown_core::link::Setup;
 use shakedown_firmware::defaults;
+use shakedown_firmware::limits::Limits;
 
 /// The image under test; `cargo xtask firmware` builds it.
 pub(crate) fn image() -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../target/thumbv7em-none-eabihf/firmware/shakedown-firmware");
+    built("shakedown-stm32f407")
+}
+
+/// The same board's image with converters of 16 bits outboard.
+pub(crate) fn outboard() -> PathBuf {
+    built("shakedown-stm32f407-outboard")
+}
+
+/// The image of the board of another family, which no emulator here runs.
+pub(crate) fn g474_image() -> PathBuf {
+    built("shakedown-stm32g474")
+}
+
+fn built(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware").join(name);
     assert!(path.exists(), "{} is missing: run `cargo xtask firmware` first", path.display());
     path
 }
@@ -23,6 +37,13 @@ pub(crate) fn image() -> PathBuf {
 /// The setup for a mode: the paper's gains, every part of the core at work.
 pub(crate) fn setup(mode: Mode) -> Setup {
     let mut setup = defaults::setup();
+    setup.control.mode = mode;
+    setup
+}
+
+/// The same for converters of 16 bits.
+pub(crate) fn setup_outboard(mode: Mode) -> Setup {
+    let mut setup = defaults::setup_of(Limits { full_scale: u16::MAX, highest_rate: 4000 });
     setup.control.mode = mode;
     setup
 }

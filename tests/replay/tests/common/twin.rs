@@ -6,6 +6,7 @@ use shakedown_core::link::Setup;
 use shakedown_core::{OperatorRequest, State};
 use shakedown_firmware::ControlLoop;
 use shakedown_firmware::queues::{Entry, LoopCommand, Point, Queues};
+use shakedown_replay::Fitted;
 
 use super::bench::Bench;
 use super::seen::Codes;
@@ -31,6 +32,7 @@ pub(crate) fn run(
     mut spoil: impl FnMut(usize, u16) -> u16,
 ) -> Twin {
     let changes = changes(telemetry);
+    let fitted = Fitted::of(setup.wiring.full_scale);
     let mut queues = Queues::new();
     let (loop_end, mut server) = queues.split();
     let mut decide = ControlLoop::new(&setup, loop_end, false).unwrap();
@@ -56,7 +58,7 @@ pub(crate) fn run(
         }
         let inputs = bench.codes();
         let outcome = decide.tick(|input| inputs[input]);
-        let output = spoil(tick, outcome.output);
+        let output = spoil(tick, fitted.at_the_output(outcome.output));
         twin.codes.push(Codes { inputs, output, relay: decide.relay() });
         while let Some(entry) = server.records.dequeue() {
             twin.entries.push(entry);

@@ -1,27 +1,25 @@
-//! The tick's board: an STM32F407.
+//! The tick's board: an STM32G474.
 
 use shakedown_firmware::output::ZeroFlow;
+use shakedown_firmware::published;
 use shakedown_firmware::queues::TestStatus;
 use shakedown_firmware::tick::{self, Board};
 
-use crate::board::{converters::OnChip, failure, line, pins::Pins, standing, ticker::Ticker, watchdog::Watchdog};
+use crate::{converters::OnChip, failure, line, pins::Pins, ticker::Ticker, watchdog::Watchdog};
 
 /// The tick.
-pub(crate) type Control = tick::Control<'static, 'static, Stm32f407>;
+pub type Control = tick::Control<'static, 'static, Stm32g474>;
 
 /// What the tick owns of the board.
-pub(crate) struct Stm32f407 {
-    /// Inputs and output.
+pub struct Stm32g474 {
     pub(crate) converters: OnChip,
-    /// Relay, emergency stop, supply.
     pub(crate) pins: Pins,
-    /// The timer.
     pub(crate) ticker: Ticker,
     /// Fed where something follows a tick, which is at least every sixteenth, and the link has been served.
     pub(crate) watchdog: Watchdog,
 }
 
-impl Board for Stm32f407 {
+impl Board for Stm32g474 {
     type Pair = OnChip;
 
     #[inline]
@@ -61,7 +59,7 @@ impl Board for Stm32f407 {
 
     #[inline]
     fn tell(&mut self, standing: TestStatus, ticks: u32, dropped: u32) {
-        standing::publish(standing, ticks, dropped);
+        published::publish(standing, ticks, dropped);
         self.converters.go_live();
         line::wake();
     }

@@ -2,51 +2,56 @@
 
 use cortex_m::{Peripherals, singleton};
 use defmt_rtt as _;
-use shakedown_core::link::{Assembler, Setup};
+use shakedown_core::link::Setup;
+use shakedown_firmware::limits::Limits;
 use shakedown_firmware::queues::{LoopEnd, Queues};
 use shakedown_firmware::{ControlLoop, LinkServer, defaults, store};
 use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
 
-use super::control::{Control, Stm32f407};
-use super::link::Link;
-use crate::board::{
-    clock, converters::OnChip, entropy, failure, flash::Flash, line::Line, pins::Pins, ticker::Ticker,
-    watchdog::Watchdog,
-};
+use crate::control::{Control, Stm32f407};
+use crate::link::{Hardware, Link};
+use crate::pair::{Pair, Parts};
+use crate::{clock, entropy, failure, flash::Flash, line::Line, pins::Pins, ticker::Ticker, watchdog::Watchdog};
 
 /// Sets everything up, the watchdog first: a start that hangs is a program that hangs. The first tick follows one period later.
-pub(crate) fn start(
+pub fn start<P: Pair>(
     device: pac::Peripherals,
     mut core: Peripherals,
     queues: &'static mut Queues,
-) -> (Control, &'static mut Link) {
+) -> (Control<P>, &'static mut Link) {
     let watchdog = Watchdog::start(device.IWDG);
     let (mut rcc, clock) = clock::start(device.RCC);
     let restarted = clock::restarted(&rcc);
     let flash = Flash(LockedFlash::new(device.FLASH));
-    let (setup, stored) = stored_or_default(&flash);
+    let (setup, stored) = stored_or_default(&flash, P::LIMITS);
     let port_a = device.GPIOA.split(&mut rcc);
     let port_b = device.GPIOB.split(&mut rcc);
     let port_d = device.GPIOD.split(&mut rcc);
-    let _analog = (
-        port_a.pa0.into_analog(),
-        port_a.pa1.into_analog(),
-        port_a.pa2.into_analog(),
-        port_a.pa3.into_analog(),
-        port_a.pa4.into_analog(),
-    );
     // A line with nothing at its end is idle, not noise.
     let _line = (port_d.pd8.into_alternate::<7>(), port_d.pd9.into_alternate::<7>().internal_pull_up(true));
     let pins = Pins::new(port_b.pb0.into_push_pull_output(), port_b.pb1.into_pull_up_input(), device.PWR, &mut rcc);
-    let converters = OnChip::new(device.ADC1, &device.ADC_COMMON, device.DAC, device.DMA2, &mut rcc);
+    let parts = Parts {
+        adc: device.ADC1,
+        adc_common: device.ADC_COMMON,
+        dac: device.DAC,
+        dma: device.DMA2,
+        scans: device.TIM1,
+        input_bus: device.SPI1,
+        output_bus: device.SPI2,
+        port_a,
+        pb12: port_b.pb12,
+        pb13: port_b.pb13,
+        pb15: port_b.pb15,
+    };
+    let Some(converters) = P::set_up(parts, &mut rcc) else { failure::park() };
     let line = Line::new(device.USART3, device.DMA1, &mut rcc);
-    let ticker = Ticker::new(device.TIM2, setup.control.rate as u32, &mut rcc);
+    let ticker = Ticker::new(device.TIM2, setup.control.rate as u32, P::CONVERSION, &mut rcc);
     let (loop_end, server_end) = queues.split();
     let decide = place_loop(&setup, loop_end);
-    failure::prepare(decide.zero_flow());
+    failure::prepare(decide.zero_flow(), P::put_last);
     let Ok(()) = decide.begin(&setup, restarted) else { failure::park() };
     let entropy = entropy::gather(&device.RNG, &mut core.DCB, &mut core.DWT, &mut rcc);
-    let server = LinkServer::new(setup, stored, clock, defaults::LIMITS, entropy, server_end);
+    let server = LinkServer::new(setup, stored, clock, P::LIMITS, entropy, server_end);
     let link = place_link(server, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
     let control = Control::new(decide, Stm32f407 { converters, pins, ticker, watchdog });
@@ -56,10 +61,10 @@ pub(crate) fn start(
 
 /// The setup in flash, and whether there is one that this board takes.
 #[inline(never)]
-fn stored_or_default(flash: &Flash) -> (Setup, bool) {
-    match store::load(flash).filter(|found| defaults::LIMITS.check(&found.setup).is_ok()) {
+fn stored_or_default(flash: &Flash, limits: Limits) -> (Setup, bool) {
+    match store::load(flash).filter(|found| limits.check(&found.setup).is_ok()) {
         Some(found) => (found.setup, true),
-        None => (defaults::setup(), false),
+        None => (defaults::setup_of(limits), false),
     }
 }
 
@@ -73,7 +78,5 @@ fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut ControlLo
 /// Puts the link where it stays.
 #[inline(never)]
 fn place_link(server: LinkServer<'static>, line: Line, flash: Flash) -> &'static mut Link {
-    let link =
-        singleton!(: Link = Link { server, line, flash, assembler: Assembler::new(), answer: None, logged: None });
-    link.unwrap_or_else(|| failure::park())
+    singleton!(: Link = Link::new(server, Hardware { line, flash })).unwrap_or_else(|| failure::park())
 }

@@ -24,11 +24,11 @@ const CROSSING: u32 = 100_000;
 static SIGNS: SignsOfLife = SignsOfLife::new();
 
 /// The watchdog, running.
-pub(crate) struct Watchdog(IWDG);
+pub struct Watchdog(IWDG);
 
 impl Watchdog {
     /// Starts it; nothing but a reset stops it.
-    pub(crate) fn start(watchdog: IWDG) -> Self {
+    pub fn start(watchdog: IWDG) -> Self {
         let watchdog = Self(watchdog);
         watchdog.key(START);
         watchdog.limit(WATCHFUL);
@@ -37,7 +37,7 @@ impl Watchdog {
 
     /// The ticks go on; if the link does too, the program is alive.
     #[inline]
-    pub(crate) fn feed(&self) {
+    pub fn feed(&self) {
         if SIGNS.ticked() {
             self.key(RELOAD);
         }
@@ -65,12 +65,12 @@ impl Watchdog {
 }
 
 /// The link has been served.
-pub(crate) fn served() {
+pub fn served() {
     SIGNS.served();
 }
 
 /// Lets `work` take seconds. Only with the ticks stopped, so that nobody feeds the watchdog meanwhile.
-pub(crate) fn patiently<T>(_: &OpenRelay, work: impl FnOnce() -> T) -> T {
+pub fn patiently<T>(_: &OpenRelay, work: impl FnOnce() -> T) -> T {
     // SAFETY: whoever owns the watchdog runs in ticks, of which there are none meanwhile.
     let watchdog = Watchdog(unsafe { IWDG::steal() });
     watchdog.limit(PATIENT);

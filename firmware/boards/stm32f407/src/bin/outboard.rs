@@ -1,23 +1,18 @@
-//! shakedown on an STM32F407: resources and task signatures. What the tasks do is in `tasks`, what the registers need
-//! in `board`, and what decides the output in the library beside this file and in the core.
+//! shakedown on an STM32F407 with converters outboard: resources and task signatures. What the registers need is in the library above
+//! this file, what the tasks do in that of the firmware, and what decides the output in the core.
 #![cfg_attr(target_os = "none", no_std, no_main)]
-
-#[cfg(target_os = "none")]
-mod board;
-#[cfg(target_os = "none")]
-mod tasks;
 
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use shakedown_firmware::queues::Queues;
 
-    use crate::tasks::{control::Control, link::Link, start};
+    use shakedown_stm32f407::{control::Control, line, link::Link, outboard::Outboard, start};
 
     #[shared]
     struct Shared {
         #[lock_free]
-        control: Control,
+        control: Control<Outboard>,
     }
 
     #[local]
@@ -31,16 +26,10 @@ mod app {
         (Shared { control }, Local { link })
     }
 
-    /// The converter has sampled every input of this tick.
-    #[task(binds = DMA2_STREAM0, priority = 15, shared = [control])]
+    /// The converter has had its time for every input of this tick.
+    #[task(binds = TIM2, priority = 15, shared = [control])]
     fn tick(context: tick::Context) {
         context.shared.control.tick();
-    }
-
-    /// The converter overran: this tick has no sample.
-    #[task(binds = ADC, priority = 15, shared = [control])]
-    fn lost(context: lost::Context) {
-        context.shared.control.tick_without_sample();
     }
 
     /// Bytes have come and the line fell idle, or one of the others below asks for it.
@@ -52,13 +41,13 @@ mod app {
     /// Half of the receive buffer is full.
     #[task(binds = DMA1_STREAM1, priority = 3)]
     fn received(_: received::Context) {
-        crate::tasks::link::received();
+        line::received();
     }
 
     /// The frame has left.
     #[task(binds = DMA1_STREAM3, priority = 3)]
     fn sent(_: sent::Context) {
-        crate::tasks::link::sent();
+        line::sent();
     }
 
     #[idle]

@@ -9,7 +9,7 @@ use stm32f4xx_hal::{
 use shakedown_core::link::StopCause;
 
 /// Relay, emergency stop and supply monitor.
-pub(crate) struct Pins {
+pub struct Pins {
     relay: PB0<Output>,
     stop: PB1<Input>,
     power: PWR,
@@ -18,7 +18,7 @@ pub(crate) struct Pins {
 impl Pins {
     /// With the relay open and the supply monitor at 2.84 V falling, 2.93 V rising: below a board of 3.0 V, above the 2.7 V
     /// that the flash is written with.
-    pub(crate) fn new(mut relay: PB0<Output>, stop: PB1<Input>, power: PWR, rcc: &mut Rcc) -> Self {
+    pub fn new(mut relay: PB0<Output>, stop: PB1<Input>, power: PWR, rcc: &mut Rcc) -> Self {
         relay.set_low();
         // Without its clock the monitor takes no setting and says that all is well.
         PWR::enable(rcc);
@@ -29,7 +29,7 @@ impl Pins {
 
     /// Closes or opens the relay.
     #[inline]
-    pub(crate) fn set_relay(&mut self, closed: bool) {
+    pub fn set_relay(&mut self, closed: bool) {
         if closed {
             self.relay.set_high();
         } else {
@@ -39,19 +39,19 @@ impl Pins {
 
     /// Whether the emergency-stop circuit is open.
     #[inline]
-    pub(crate) fn emergency_stop(&self) -> bool {
+    pub fn emergency_stop(&self) -> bool {
         self.stop.is_high()
     }
 
     /// Whether the supply is below 2.84 V.
     #[inline]
-    pub(crate) fn supply_low(&self) -> bool {
+    pub fn supply_low(&self) -> bool {
         self.power.csr().read().pvdo().bit_is_set()
     }
 }
 
 /// A cause of a trip that stands on the inputs now.
-pub(crate) fn standing_cause() -> Option<StopCause> {
+pub fn standing_cause() -> Option<StopCause> {
     // SAFETY: both registers are read only.
     let (stop, power) = unsafe { (stm32f4xx_hal::pac::GPIOB::steal(), PWR::steal()) };
     if stop.idr().read().bits() & 1 << 1 != 0 {
@@ -64,7 +64,7 @@ pub(crate) fn standing_cause() -> Option<StopCause> {
 }
 
 /// Opens the relay, whoever owns it: for the end of a program that has failed.
-pub(crate) fn open_relay() {
+pub fn open_relay() {
     // SAFETY: a write to the set/reset register touches the one bit named, and nothing runs after it.
     unsafe { stm32f4xx_hal::pac::GPIOB::steal() }.bsrr().write(|w| unsafe { w.bits(1 << 16) });
 }

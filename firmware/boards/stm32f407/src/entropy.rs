@@ -18,7 +18,7 @@ static KEPT: MaybeUninit<AtomicU32> = MaybeUninit::uninit();
 
 /// The chip's random numbers, stirred into what chance left at power-on, every reset since and the cycles that the start took:
 /// a generator that fails leaves the rest.
-pub(crate) fn gather(random: &RNG, dcb: &mut DCB, dwt: &mut DWT, rcc: &mut Rcc) -> u64 {
+pub fn gather(random: &RNG, dcb: &mut DCB, dwt: &mut DWT, rcc: &mut Rcc) -> u64 {
     dcb.enable_trace();
     dwt.enable_cycle_counter();
     RNG::enable(rcc);

@@ -1,5 +1,5 @@
 //! Clocks: 168 MHz from the 8 MHz crystal, from an external clock on its pin, or from the internal oscillator where neither
-//! starts within its bound. A clock that stops later ends the program, see [`super::failure`].
+//! starts within its bound. A clock that stops later ends the program, see [`crate::failure`].
 
 use shakedown_core::link::Clock;
 use stm32f4xx_hal::{
@@ -9,7 +9,7 @@ use stm32f4xx_hal::{
 };
 
 /// Timer clock of APB1, Hz.
-pub(crate) const TIMER_HZ: u32 = 84_000_000;
+pub const TIMER_HZ: u32 = 84_000_000;
 /// Looks at a crystal that is to start: at 16 MHz and about 10 cycles each 20 ms, ten times what one takes (data sheet, t_SU(HSE)
 /// 2 ms), and well within the watchdog's shortest time.
 const CRYSTAL: u32 = 32_000;
@@ -17,7 +17,7 @@ const CRYSTAL: u32 = 32_000;
 const EXTERNAL: u32 = 1600;
 
 /// Sets the clocks; which one it is.
-pub(crate) fn start(rcc: pac::RCC) -> (Rcc, Clock) {
+pub fn start(rcc: pac::RCC) -> (Rcc, Clock) {
     let clock = find(&rcc);
     let hse = Config::hse(8.MHz());
     let config = match clock {
@@ -56,7 +56,7 @@ fn ready(rcc: &pac::RCC, looks: u32) -> bool {
 }
 
 /// Whether the last reset was the watchdog's, or one that the program asked for after a panic; clears the flags.
-pub(crate) fn restarted(rcc: &Rcc) -> bool {
+pub fn restarted(rcc: &Rcc) -> bool {
     let flags = rcc.csr().read();
     let restarted = flags.wdgrstf().bit_is_set() || flags.sftrstf().bit_is_set();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());

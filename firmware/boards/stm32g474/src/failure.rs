@@ -9,22 +9,22 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m_rt::exception;
-use shakedown_firmware::{defaults, output::ZeroFlow};
+use shakedown_firmware::output::ZeroFlow;
 
-use super::{converters, pins};
+use crate::{converters::OnChip, pins};
 
-/// How the output is wired.
-static ZERO_FLOW: Mutex<Cell<Option<ZeroFlow>>> = Mutex::new(Cell::new(None));
+/// How the output is wired. Before that is known the output drives nothing.
+static LAST: Mutex<Cell<Option<ZeroFlow>>> = Mutex::new(Cell::new(None));
 /// A failure has begun to be logged: one in the log itself is not.
 static LOGGED: AtomicBool = AtomicBool::new(false);
 
 /// Remembers how the output is wired.
-pub(crate) fn prepare(zero_flow: ZeroFlow) {
-    interrupt::free(|free| ZERO_FLOW.borrow(free).set(Some(zero_flow)));
+pub fn prepare(zero_flow: ZeroFlow) {
+    interrupt::free(|free| LAST.borrow(free).set(Some(zero_flow)));
 }
 
 /// The end, without a word.
-pub(crate) fn park() -> ! {
+pub fn park() -> ! {
     secure();
     wait()
 }
@@ -33,9 +33,9 @@ pub(crate) fn park() -> ! {
 fn secure() {
     pins::open_relay();
     interrupt::disable();
-    let zero_flow = interrupt::free(|free| ZERO_FLOW.borrow(free).get());
-    let zero_flow = zero_flow.unwrap_or_else(|| ZeroFlow::new(&defaults::setup()));
-    converters::write_last(zero_flow.code(converters::last_displacement()));
+    if let Some(zero_flow) = interrupt::free(|free| LAST.borrow(free).get()) {
+        OnChip::put_last(zero_flow);
+    }
 }
 
 fn end(log: impl FnOnce()) -> ! {
@@ -67,7 +67,7 @@ fn panic(_info: &core::panic::PanicInfo<'_>) -> ! {
 unsafe extern "C" fn hard_fault() -> ! {
     core::arch::naked_asm!(
         "movw r0, #0x0418",
-        "movt r0, #0x4002",
+        "movt r0, #0x4800",
         "mov.w r1, #0x10000",
         "str r1, [r0]",
         "ldr r0, =_stack_start",
@@ -81,7 +81,7 @@ extern "C" fn after_fault() -> ! {
     end(|| defmt::error!("fault"))
 }
 
-/// The crystal has stopped: the processor runs at 16 MHz from here on, a tenth of what a tick needs (RM0090, 7.2.7).
+/// The crystal has stopped: the processor runs at 16 MHz from here on, a tenth of what a tick needs (RM0440, clock security system).
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     end(|| defmt::error!("clock failed"))

@@ -34,7 +34,7 @@ static RECEIVED: Ring = Ring(UnsafeCell::new([0; RING]));
 static SENDING: Frame = Frame(UnsafeCell::new([0; MAX_FRAME]));
 
 /// The line.
-pub(crate) struct Line {
+pub struct Line {
     usart: USART3,
     dma: DMA1,
     taken: usize,
@@ -44,7 +44,7 @@ pub(crate) struct Line {
 
 impl Line {
     /// Sets the line up and listens.
-    pub(crate) fn new(usart: USART3, dma: DMA1, rcc: &mut Rcc) -> Self {
+    pub fn new(usart: USART3, dma: DMA1, rcc: &mut Rcc) -> Self {
         USART3::enable(rcc);
         USART3::reset(rcc);
         DMA1::enable(rcc);
@@ -70,7 +70,7 @@ impl Line {
     }
 
     /// The next byte that has come.
-    pub(crate) fn take(&mut self) -> Option<u8> {
+    pub fn take(&mut self) -> Option<u8> {
         if self.written == self.taken {
             self.written = (RING - usize::from(self.dma.st(1).ndtr().read().ndt().bits())) % RING;
         }
@@ -86,7 +86,7 @@ impl Line {
 
     /// Forgets that the line fell idle, if it did. Reading the data register does that and takes a byte that waits there, so not
     /// while one does: the DMA fetches it, which does it as well, and if it does not this is asked again.
-    pub(crate) fn acknowledge(&self) {
+    pub fn acknowledge(&self) {
         let status = self.usart.sr().read();
         if status.idle().bit_is_set() && status.rxne().bit_is_clear() {
             let _ = self.usart.dr().read();
@@ -94,12 +94,12 @@ impl Line {
     }
 
     /// Whether the last frame has left.
-    pub(crate) fn ready(&self) -> bool {
+    pub fn ready(&self) -> bool {
         self.dma.st(3).cr().read().en().bit_is_clear()
     }
 
     /// Sends what `write` puts into the frame buffer, if it is free; `write` returns the length.
-    pub(crate) fn send(&mut self, write: impl FnOnce(&mut [u8; MAX_FRAME]) -> usize) {
+    pub fn send(&mut self, write: impl FnOnce(&mut [u8; MAX_FRAME]) -> usize) {
         if !self.ready() {
             return;
         }
@@ -122,14 +122,14 @@ impl Line {
 }
 
 /// Half of the ring is full: have it read.
-pub(crate) fn received() {
+pub fn received() {
     // SAFETY: a write of ones to the flag-clear register touches those flags alone.
     unsafe { DMA1::steal() }.lifcr().write(|w| unsafe { w.bits(FLAGS_1) });
     wake();
 }
 
 /// The frame has left: have the next one sent.
-pub(crate) fn sent() {
+pub fn sent() {
     // SAFETY: as above.
     unsafe { DMA1::steal() }.lifcr().write(|w| unsafe { w.bits(FLAGS_3) });
     wake();
@@ -137,6 +137,6 @@ pub(crate) fn sent() {
 
 /// Has the server look at its queues.
 #[inline]
-pub(crate) fn wake() {
+pub fn wake() {
     rtic::pend(Interrupt::USART3);
 }

@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use shakedown_firmware::queues::TestStatus;
+use crate::queues::TestStatus;
 
 static STANDING: AtomicU32 = AtomicU32::new(0);
 static TICKS: AtomicU32 = AtomicU32::new(0);
@@ -10,14 +10,14 @@ static DROPPED: AtomicU32 = AtomicU32::new(0);
 
 /// Publishes where the loop stands, how many ticks there were and how many records found no room; needed before the server is
 /// woken.
-pub(crate) fn publish(standing: TestStatus, ticks: u32, dropped: u32) {
+pub fn publish(standing: TestStatus, ticks: u32, dropped: u32) {
     TICKS.store(ticks, Ordering::Relaxed);
     STANDING.store(standing.to_word(), Ordering::Relaxed);
     DROPPED.store(dropped, Ordering::Relaxed);
 }
 
 /// What was published last: where the loop stands, ticks, records dropped.
-pub(crate) fn read() -> (TestStatus, u32, u32) {
+pub fn read() -> (TestStatus, u32, u32) {
     (
         TestStatus::from_word(STANDING.load(Ordering::Relaxed)),
         TICKS.load(Ordering::Relaxed),

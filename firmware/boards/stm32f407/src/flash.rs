@@ -5,7 +5,7 @@ use shakedown_firmware::store::{SLOT, Slots};
 use stm32f4xx_hal::flash::{Error, FlashExt, LockedFlash};
 use stm32f4xx_hal::pac;
 
-use super::{ticker, watchdog};
+use crate::{ticker, watchdog};
 
 const SECTOR: [u8; 2] = [10, 11];
 const OFFSET: [usize; 2] = [0x000C_0000, 0x000E_0000];

@@ -1,5 +1,0 @@
-//! What the tasks do.
-
-pub(crate) mod control;
-pub(crate) mod link;
-pub(crate) mod start;
