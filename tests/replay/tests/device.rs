@@ -25,6 +25,8 @@ use shakedown_core::Mode;
 use shakedown_core::link::{Setup, Source};
 use shakedown_replay::{Tick, World};
 
+/// Codes of the output in one step of a converter of 12 bit.
+const DAC_STEP: f32 = 16.0;
 /// Most that the board makes up for when it was kept from running.
 const CATCH_UP: Duration = Duration::from_millis(50);
 
@@ -180,7 +182,7 @@ fn the_recording_says_what_the_device_did() {
             && codes
                 .iter()
                 .zip(rows(4))
-                .all(|(c, u)| (wiring.output.to_si(c.output) - u).abs() <= 8.0 * wiring.output.per_code);
+                .all(|(c, u)| (wiring.output.to_si(c.output) - u).abs() <= 8.0 * DAC_STEP * wiring.output.per_code);
         same.then_some(start)
     };
     assert!((0..world.codes.len()).find_map(at).is_some(), "the recording is none of what the device did");
@@ -342,7 +344,7 @@ fn the_steps_with_oil_measure_what_the_table_does() {
 fn a_proof_test_that_fails_is_said_and_a_run_asks_for_one() {
     let folder = tempfile::tempdir().unwrap();
     let (reference, out) = (written(folder.path(), &near_field(1)), folder.path().join("run"));
-    let world = with_device(|port| {
+    let world = with_bench(Bench::new(setup(Mode::Controller), Vec::new()), |port, armed| {
         let port = port.to_str().unwrap();
         let within = |words: &[&str], typed: &str| {
             let words = [&["device", "--port", port], words].concat();
@@ -359,6 +361,11 @@ fn a_proof_test_that_fails_is_said_and_a_run_asks_for_one() {
         assert!(String::from_utf8_lossy(&failed.stderr).contains("step 1, 3, 5;"), "{failed:?}");
         let not_passed = within(&run, "no\n");
         assert!(String::from_utf8_lossy(&not_passed.stderr).contains("was not passed"));
+        // The relay opens at the end of the safe ramp, which the host does not wait for.
+        let asked = Instant::now();
+        while armed.load(Ordering::Relaxed) && asked.elapsed() < Duration::from_secs(5) {
+            std::thread::sleep(Duration::from_millis(10));
+        }
     });
     let kept: toml::Table = std::fs::read_to_string(folder.path().join("proof-test.toml")).unwrap().parse().unwrap();
     assert_eq!((kept["passed"].as_bool(), kept["step"].as_array().map(Vec::len)), (Some(false), Some(8)));

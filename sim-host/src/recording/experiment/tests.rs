@@ -87,8 +87,8 @@ fn a_recording_does_not_judge_itself_under_another_name() {
     // Written anew: spaces, a part of it, other times.
     assert_eq!(of(&copy.replace(',', " , "), [fit, held]), seen);
     assert_eq!(of(&recording(40), [fit, held]), seen);
-    let rows = |from: &str, to: &str| copy.lines().map(|l| l.replacen(from, to, 1) + "\n").collect::<String>();
-    assert_eq!(of(&rows("0.", "7."), [fit, held]), seen);
+    let later = (0..60).map(|k| format!("{},{k},{},0.5\n", 7.0 + f64::from(k) * 0.01, 2 * k)).collect::<String>();
+    assert_eq!(of(&("time,reference [mm],displacement,acceleration\n".to_owned() + &later), [fit, held]), seen);
     // Two that are fitted judge nothing, and one digit makes another recording.
     assert_eq!(of(&copy, [fit, "use = \"fit\""]), Ok(()));
     assert_eq!(of(&copy.replace(",48,", ",48.1,"), [fit, held]), Ok(()));
