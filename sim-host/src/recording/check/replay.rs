@@ -236,3 +236,17 @@ fn limited(command: &[f64], replay: &Replay) -> bool {
     let at_limit = command.len() - rest.len();
     at_limit > 10 && rest.len() > command.len() / 5 && rms(&rest) < REPRODUCED * deviation(command)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::backward;
+
+    /// A part that begins in motion is not blamed for a jump that no sample shows.
+    #[test]
+    fn the_slope_before_a_part_is_that_within_it() {
+        let slopes = backward(&[1.0, 1.2, 1.4, 1.4], 0.1);
+        let wanted = [2.0, 2.0, 2.0, 0.0];
+        assert!(slopes.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{slopes:?}");
+        assert!(backward(&[], 0.1).is_empty());
+    }
+}
