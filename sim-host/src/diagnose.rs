@@ -43,8 +43,9 @@ use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
+use judged::Decision;
 pub use result::Diagnosis;
-use split::{Split, reopened, split};
+use split::{Split, Weighing, reopened, split};
 use std::path::Path;
 use term::Modelled;
 use verdict::Conclusion;
@@ -214,28 +215,51 @@ fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Conclu
     Ok(first)
 }
 
-/// Forward through the data once, and again with the sampling period corrected where a clock of another rate was part of what
-/// was accepted.
+/// Forward through the data once, with the sampling period corrected where a clock of another rate is part of what is accepted:
+/// then everything is selected anew, before anything was judged.
 fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
-    let first = pass(split(whole.clone(), Some(seen.clone())), options)?;
+    let split_up = split(whole.clone(), Some(seen.clone()));
+    let selected = select(&split_up.weighing, options)?;
     let dt = whole.fit.first().map_or(1.0, |run| run.dt);
-    let Some(finding) = clock::found(&first.conclusion.decision.after.fit, dt) else { return Ok(first) };
+    let Some(finding) = clock::found(&selected.decision.after.fit, dt) else {
+        let mut concluded = judge(split_up, selected, options)?;
+        clock::settle(&mut concluded.whole, None);
+        return Ok(concluded);
+    };
     options.say("correcting the sampling period", 0.1);
     for prepared in [&mut whole, &mut seen] {
-        clock::correct(prepared, &finding);
+        clock::settle(prepared, Some(&finding));
     }
     Ok(Concluded { clock: Some(finding), ..pass(split(whole, Some(seen)), options)? })
 }
 
 /// Forward through the data once: fitted on training, selected on validation, judged on the test.
 fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
-    let Split { weighing, whole, test } = split;
-    let search = search::search(&weighing, options)?;
+    let selected = select(&split.weighing, options)?;
+    judge(split, selected, options)
+}
+
+/// What was selected, and the curve that outdoes it.
+struct Selected {
+    decision: Decision,
+    modelled: Option<Modelled>,
+}
+
+/// Fits hypotheses to the training and weighs them on the validation.
+fn select(weighing: &Weighing, options: &Options) -> Result<Selected, SimulateError> {
+    let search = search::search(weighing, options)?;
     options.say("weighing what was found", 0.9);
-    let decision = decide::decide(&weighing, &search)?;
+    let decision = decide::decide(weighing, &search)?;
     options.say("looking for effects that act in a part of time or state", 0.92);
-    let mut decision = region::region(&weighing, &search, decision)?;
-    let mut modelled = outdone::outdone(&weighing, &mut decision)?;
+    let mut decision = region::region(weighing, &search, decision)?;
+    let modelled = outdone::outdone(weighing, &mut decision)?;
+    Ok(Selected { decision, modelled })
+}
+
+/// Models what is unlisted and judges all on the test.
+fn judge(split: Split, selected: Selected, options: &Options) -> Result<Concluded, SimulateError> {
+    let Split { weighing, whole, test } = split;
+    let Selected { mut decision, mut modelled } = selected;
     if modelled.is_none() && decision.unlisted {
         options.say("modelling what the library does not hold", 0.93);
         let beside = decision.partial.as_ref().unwrap_or(&decision.before);

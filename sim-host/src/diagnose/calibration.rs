@@ -40,6 +40,14 @@ pub(super) struct Calibration {
     pub(super) failed: f64,
     /// Probability below which one of several names is not given: what is missing in its place is.
     pub(super) likely: f64,
+    /// Probability below which a name is never given.
+    pub(super) unlikely: f64,
+    /// Share of what the accepted model left that an effect in a region may leave at most.
+    pub(super) region: f64,
+    /// What speaks against a clock at another rate, as twice a logarithm: one laboratory in ten; and the rate that one is off by, as a
+    /// standard deviation.
+    pub(super) clock_odds: f64,
+    pub(super) clock_rate: f64,
     /// Log odds below which two models are not told apart.
     pub(super) tie: f64,
 }
@@ -63,5 +71,9 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     beside_more: 0.8,
     failed: 0.9,
     likely: 0.4,
+    unlikely: 0.1,
+    region: 0.5,
+    clock_odds: 4.6,
+    clock_rate: 2e-3,
     tie: 3.0,
 };

@@ -4,6 +4,7 @@
 //! accelerometer's gain each explains in part. So it is grown, weighed and swapped as effects are; where it is among what was
 //! accepted, the sampling period is corrected and the search goes on as though it had been stated so.
 
+use super::calibration::CALIBRATION;
 use crate::identify::fit::Fit;
 use crate::identify::model::Model;
 use crate::identify::prepare::Prepared;
@@ -16,16 +17,11 @@ pub(super) fn doubt(prepared: &mut Prepared) {
     prepared.model.library.push(&ENTRY);
 }
 
-/// Rate that a clock is off by, as a standard deviation, and odds against one that is off at all, as twice a logarithm: one
-/// laboratory in ten.
-const USUAL: f64 = 2e-3;
-const ODDS: f64 = 4.6;
-
 /// What speaks against a clock at another rate, as twice a logarithm; nothing of a model without one.
 pub(super) fn disbelief(fitted: &Model) -> f64 {
     let placed = fitted.effects.iter().find(|p| p.entry.id == ENTRY.id);
     let rate = placed.and_then(|p| p.values.first()).map(|v| v.value);
-    rate.map_or(0.0, |rate| ODDS + (rate / USUAL).powi(2))
+    rate.map_or(0.0, |rate| CALIBRATION.clock_odds + (rate / CALIBRATION.clock_rate).powi(2))
 }
 
 /// The finding where a clock of another rate is part of what was accepted.
@@ -36,9 +32,9 @@ pub(super) fn found(accepted: &Fit, dt: f64) -> Option<SetUpFinding> {
     Some(SetUpFinding::clock_rate(dt, dt * (1.0 + rate), std.map(|std| std * dt)))
 }
 
-/// Corrects the sampling period by a finding; it is doubted no more.
-pub(super) fn correct(prepared: &mut Prepared, finding: &SetUpFinding) {
-    let factor = finding.stated.map_or(1.0, |stated| finding.found / stated);
+/// Doubts the clock no more, and corrects the sampling period by what was found.
+pub(super) fn settle(prepared: &mut Prepared, finding: Option<&SetUpFinding>) {
+    let factor = finding.and_then(|f| Some(f.found / f.stated?)).unwrap_or(1.0);
     prepared.model.library.retain(|entry| entry.id != ENTRY.id);
     for run in prepared.fit.iter_mut().chain(&mut prepared.holdout) {
         run.dt *= factor;

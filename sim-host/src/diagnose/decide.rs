@@ -2,7 +2,7 @@
 //! explained. What falls short is said to be outside the library.
 
 use super::calibration::CALIBRATION;
-use super::finish::{best_of, needed, polished, refined};
+use super::finish::{best_of, needed, polished, refined, without};
 use super::judged::{Decision, Judged};
 use super::leftover::{follows, larger_noise, more_is_missing};
 use super::ranking::Ranking;
@@ -10,20 +10,17 @@ use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
 use super::standing::{outside, stands, strained};
-use crate::identify::fit::{Effort, Fit};
+use crate::identify::fit::Fit;
 use crate::plant::effects::{Stage, entry};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
 /// Models of each size that are weighed on the validation.
 const JUDGED: usize = 6;
-/// Probability below which a name is never given, and alternatives among which one may be given as the likeliest.
-const UNLIKELY: f64 = 0.1;
+/// Alternatives among which one may be given as the likeliest.
 const FEW: usize = 2;
 /// Probability below which a name is likelier wrong than right.
 const EVEN: f64 = 0.5;
-/// How far a model is fitted again without names that are not sure.
-const LESS: Effort = Effort { steps: 10, tolerance: 1e-5 };
 /// Probability of physics outside the library where what is left follows nothing.
 const IRREGULAR: f64 = 0.05;
 
@@ -144,7 +141,7 @@ fn scatter(decision: &mut Decision) {
     let beliefs = decision.after.added.iter().map(|id| belief(id, &decision.candidates));
     let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
     let one_of_many = least < EVEN && decision.ties.len() > FEW;
-    if !decision.unlisted && (least < UNLIKELY || one_of_many) {
+    if !decision.unlisted && (least < CALIBRATION.unlikely || one_of_many) {
         decision.take_back(1.0 - least);
         (decision.unlisted, decision.more_missing) = (true, false);
         decision.partial = Some(std::mem::replace(&mut decision.after, decision.before.clone()));
@@ -166,10 +163,7 @@ fn surer(weighing: &Weighing, after: &Judged, candidates: &[Judged]) -> Result<O
     if doubtful.is_empty() || doubtful.len() == after.added.len() {
         return Ok(None);
     }
-    let model = doubtful.iter().fold(after.fit.model.clone(), |model, id| model.without(id));
-    let mut fit = Fit::resume(model, after.fit.locals.clone(), weighing.fitted())?;
-    fit.improve(weighing.fitted(), LESS)?;
-    let less = Judged::of(fit, weighing)?;
+    let less = without(after, &doubtful, weighing)?;
     let known = candidates.iter().filter(|c| c.added == less.added).cloned();
     Ok(known.chain([less.clone()]).min_by(|a, b| a.total().total_cmp(&b.total())))
 }

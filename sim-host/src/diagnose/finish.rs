@@ -52,12 +52,15 @@ pub(super) fn needed(before: &Judged, after: Judged, weighing: &Weighing) -> Res
     if after.added.len() < 2 {
         return Ok(after);
     }
-    let without = |id: &&'static str| -> Result<Judged, SimulateError> {
-        let mut fit = Fit::resume(after.fit.model.without(id), after.fit.locals.clone(), weighing.fitted())?;
-        fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-5 })?;
-        Judged::of(fit, weighing)
-    };
-    let smaller = after.added.iter().map(without).collect::<Result<Vec<_>, _>>()?;
+    let smaller = after.added.iter().map(|id| without(&after, &[id], weighing)).collect::<Result<Vec<_>, _>>()?;
     let enough = smaller.into_iter().filter(|less| !stands(before, less, &after));
     Ok(enough.min_by(|a, b| a.total().total_cmp(&b.total())).unwrap_or(after))
+}
+
+/// A model fitted again without some of its effects.
+pub(super) fn without(judged: &Judged, ids: &[&str], weighing: &Weighing) -> Result<Judged, SimulateError> {
+    let model = ids.iter().fold(judged.fit.model.clone(), |model, id| model.without(id));
+    let mut fit = Fit::resume(model, judged.fit.locals.clone(), weighing.fitted())?;
+    fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-5 })?;
+    Judged::of(fit, weighing)
 }

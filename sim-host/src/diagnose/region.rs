@@ -5,6 +5,7 @@
 //! sums over neighbouring tenths say in one linear step which window, and which slope, takes most away; the best few are fitted
 //! to the end and weighed as every other hypothesis is, their ends and slopes being parameters with a price.
 
+use super::calibration::CALIBRATION;
 use super::decide::weigh;
 use super::judged::{Decision, Judged};
 use super::ranking::Ranking;
@@ -17,7 +18,7 @@ use crate::identify::evaluate::{Predicted, predict};
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::{Model, Placed, Value};
 use crate::plant::effects::Role;
-use crate::plant::effects::regional::{Along, Shape, regional};
+use crate::plant::effects::regional::{Along, Shape, code, regional};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -33,8 +34,8 @@ const FITTED: usize = 5;
 const PROMISING: f64 = 0.3;
 /// Width of a window's ends, as a share of the range.
 const EDGE: f64 = 0.01;
-/// Share of what the accepted model left that an effect in a region may leave at most.
-const BETTER: f64 = 0.5;
+/// Ranges beyond what was seen at which a window that has no end there ends: other runs move farther.
+const BEYOND: f64 = 10.0;
 /// How far the best are taken.
 const LOOK: Effort = Effort { steps: 8, tolerance: 1e-4 };
 const FULL: Effort = Effort { steps: 14, tolerance: 1e-5 };
@@ -86,7 +87,7 @@ fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<Judged>) -> R
     });
     let Some(best) = found.first() else { return Ok(decision) };
     let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
-    let better = ranking.cost(best) < ranking.cost(present) && left(best) < BETTER * left(present);
+    let better = ranking.cost(best) < ranking.cost(present) && left(best) < CALIBRATION.region * left(present);
     if !better || !stands(before, before, best) || outside(before, best).0 {
         return Ok(decision);
     }
@@ -197,23 +198,22 @@ fn open(value: f64, low: f64, high: f64) -> Value {
     Value { value, low, high, positive: false, free: true, prior: None }
 }
 
-/// An effect with the values found for it alone, in a window; the range's ends are out of reach for the window's.
+/// An effect with the values found for it alone, in a window. One that reaches an end of what was seen has no end there: it lies beyond,
+/// where nothing could fit it.
 fn window(placed: &Placed, along: Along, (from, to): (f64, f64), ends: &[f64]) -> Option<Placed> {
     let entry = regional(placed.entry, along, Shape::Window)?;
     let (low, high) = (ends[0], ends[PARTS]);
     let range = high - low;
-    let code = entry.parameters.iter().find(|p| p.key == "region")?.starts.first()?;
-    let from = if from <= low { low - 0.1 * range } else { from };
-    let to = if to >= high { high + 0.1 * range } else { to };
     let end = |value| open(value, low - 0.2 * range, high + 0.2 * range);
-    let further = [fixed(*code), fixed(EDGE * range), end(from), end(to)];
+    let from = if from <= low { fixed(low - BEYOND * range) } else { end(from) };
+    let to = if to >= high { fixed(high + BEYOND * range) } else { end(to) };
+    let further = [fixed(code(along, Shape::Window)), fixed(EDGE * range), from, to];
     Some(Placed { entry, values: placed.values.iter().copied().chain(further).collect() })
 }
 
 fn sloped(placed: &Placed, along: Along, change: f64, scale: f64) -> Option<Placed> {
     let entry = regional(placed.entry, along, Shape::Slope)?;
-    let code = entry.parameters.iter().find(|p| p.key == "region")?.starts.first()?;
-    let further = [fixed(*code), fixed(scale), open(change, -30.0, 100.0)];
+    let further = [fixed(code(along, Shape::Slope)), fixed(scale), open(change, -30.0, 100.0)];
     Some(Placed { entry, values: placed.values.iter().copied().chain(further).collect() })
 }
 

@@ -76,7 +76,7 @@ pub struct Model {
     pub scale: Option<Value>,
     /// The effects, in the order of the registry.
     pub effects: Vec<Placed>,
-    /// Effects of the user's own that it may be missing, beside the library's.
+    /// What it may be missing beside the library's effects: the user's own, and a clock at another rate.
     pub library: Vec<&'static Entry>,
 }
 
@@ -176,7 +176,7 @@ impl Model {
         self.ids().into_iter().filter(|id| !stated.contains(id)).collect()
     }
 
-    /// The effects that a model of this kind may be missing: the library's and the user's own.
+    /// The effects that a model of this kind may be missing.
     pub fn candidates(&self) -> Vec<&'static Entry> {
         let present = self.ids();
         let fits = |e: &&Entry| e.kinds.contains(&self.kind) && !present.contains(&e.id);

@@ -59,7 +59,7 @@ fn a_clock_at_another_rate_is_found_and_corrected() {
     let decision = decided(off.clone());
     let finding = clock::found(&decision.after.fit, off.fit[0].dt).expect("a clock");
     assert!((finding.found / finding.stated.unwrap() - 1.005).abs() < 5e-4, "{finding:?}");
-    clock::correct(&mut off, &finding);
+    clock::settle(&mut off, Some(&finding));
     let corrected = decided(off);
     assert!(corrected.after.added.is_empty() && !corrected.unlisted, "{:?}", corrected.after.added);
 }

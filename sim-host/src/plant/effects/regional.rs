@@ -71,8 +71,8 @@ const CODE: &str = "region";
 /// Key of the width of a window's ends, and of a slope's span.
 const SCALE: &str = "scale";
 
-/// The code of a form, as the parameter `region` holds it.
-fn code(along: Along, shape: Shape) -> f64 {
+/// The code of a form, as the parameter `region` holds it: the first of the further ones; the scale, and what is fitted, follow.
+pub fn code(along: Along, shape: Shape) -> f64 {
     f64::from(along as u8) + if shape == Shape::Slope { 10.0 } else { 0.0 }
 }
 
