@@ -1,6 +1,6 @@
 //! Measured channels beside what models make of them: the same figures for every command that compares the two.
 
-use shakedown::diagnose::locate::Location;
+use shakedown::diagnose::locate::{Location, StateShare};
 use shakedown::identify::data::{Measured, Run};
 use shakedown::identify::spectra;
 use shakedown::recording::check::Finding;
@@ -78,7 +78,9 @@ pub(crate) fn location(location: &Location) -> [Table; 3] {
         .frequency
         .iter()
         .map(|b| vec![format!("{:.2}", b.from_hz), format!("{:.2}", b.to_hz), format!("{:.1}", b.ratio)]);
-    let state = location.state.iter().map(|s| vec![s.variable.to_owned(), s.place.clone(), share(s.strength)]);
+    // Where an effect's window is all that is known of a quantity, no share was seen along it.
+    let seen = |s: &StateShare| if s.profile.is_empty() { "\u{2013}".into() } else { share(s.strength) };
+    let state = location.state.iter().map(|s| vec![s.variable.to_owned(), s.place.clone(), seen(s)]);
     [
         table(
             &["run", "from [s]", "to [s]", "share of excess [%]"],
@@ -89,7 +91,7 @@ pub(crate) fn location(location: &Location) -> [Table; 3] {
         table(
             &["quantity", "where", "share explained [%]"],
             state.collect(),
-            "Along which quantity, cross-validated, without the library",
+            "Along which quantity, cross-validated; the window of an effect first",
         ),
     ]
 }

@@ -85,12 +85,12 @@ pub fn locate(prepared: &Prepared, conclusion: &Conclusion) -> Result<Location, 
         frequency: bands(&prepared.fit, &predicted),
         state: state::shares(&prepared.fit, &predicted),
     };
-    Ok(within(location, conclusion, &prepared.fit))
+    Ok(within(location, conclusion, (&prepared.fit, &predicted)))
 }
 
 /// The location with the window of an effect that was found to act in one: where the residual is large beside that is where
 /// the loop carries it.
-fn within(mut location: Location, conclusion: &Conclusion, runs: &[Run]) -> Location {
+fn within(mut location: Location, conclusion: &Conclusion, (runs, predicted): (&[Run], &[Predicted])) -> Location {
     if conclusion.unlisted {
         return location;
     }
@@ -98,21 +98,31 @@ fn within(mut location: Location, conclusion: &Conclusion, runs: &[Run]) -> Loca
         let values: Vec<f64> = placed.values.iter().map(|v| v.value).collect();
         let Some((along, from, to)) = window(placed.entry, &values) else { continue };
         if along == Along::Time {
-            let share = 1.0 / runs.len().max(1) as f64;
-            let stretch = |run: &Run| {
-                let end = run.from + run.len() as f64 * run.dt;
-                let (from_s, to_s) = ((run.from + from).max(run.from), (run.from + to).min(end));
-                (to_s > from_s).then(|| Stretch { run: run.name.clone(), from_s, to_s, share })
-            };
-            location.time = runs.iter().filter_map(stretch).collect();
-        } else {
-            let place = format!("from {from:.4e} to {to:.4e}");
-            let found = StateShare { variable: along.name(), place, strength: 1.0, profile: Vec::new() };
-            location.state.retain(|share| share.variable != along.name());
-            location.state.insert(0, found);
+            location.time = windows(runs, predicted, from, to);
+            continue;
         }
+        let place = format!("from {from:.4e} to {to:.4e}");
+        // What is seen along the variable stands beside where the effect acts.
+        let seen = location.state.iter().position(|share| share.variable == along.name());
+        let seen = seen.map(|i| location.state.remove(i));
+        let none = StateShare { variable: along.name(), place: String::new(), strength: 0.0, profile: Vec::new() };
+        location.state.insert(0, StateShare { place, ..seen.unwrap_or(none) });
     }
     location
+}
+
+/// The same window of time in every run, with its share of all excess.
+fn windows(runs: &[Run], predicted: &[Predicted], from: f64, to: f64) -> Vec<Stretch> {
+    let blocks = blocks(runs, predicted);
+    let whole: f64 = blocks.iter().map(|b| b.share.max(0.0)).sum();
+    let of = |run: &Run| {
+        let end = run.from + run.len() as f64 * run.dt;
+        let (from_s, to_s) = ((run.from + from).max(run.from), (run.from + to).min(end));
+        let inside = |b: &&Stretch| b.run == run.name && (from_s..to_s).contains(&(0.5 * (b.from_s + b.to_s)));
+        let excess: f64 = blocks.iter().filter(inside).map(|b| b.share.max(0.0)).sum();
+        (to_s > from_s).then(|| Stretch { run: run.name.clone(), from_s, to_s, share: excess / whole.max(1e-12) })
+    };
+    runs.iter().filter_map(of).collect()
 }
 
 /// Locates what a model leaves of runs, whatever its physics; `predicted` holds one prediction a run.
@@ -126,8 +136,19 @@ pub fn leftover(runs: &[Run], predicted: &[Predicted]) -> Location {
 }
 
 fn stretches(runs: &[Run], predicted: &[Predicted]) -> Vec<Stretch> {
+    let all = blocks(runs, predicted);
+    let whole: f64 = all.iter().map(|b| b.share.max(0.0)).sum();
+    let joined = join(all, whole / runs.len().max(1) as f64 / 40.0);
+    let mut named: Vec<Stretch> =
+        joined.into_iter().map(|s| Stretch { share: (s.share / whole.max(1e-12)).clamp(0.0, 1.0), ..s }).collect();
+    named.sort_by(|a, b| b.share.total_cmp(&a.share));
+    named.truncate(STRETCHES);
+    named
+}
+
+/// Every half second of every run, with its excess where its share will stand.
+fn blocks(runs: &[Run], predicted: &[Predicted]) -> Vec<Stretch> {
     let mut all = Vec::new();
-    let mut whole = 0.0;
     for (run, predicted) in runs.iter().zip(predicted) {
         let block = ((0.5 / run.dt).round() as usize).max(1);
         let mut sums = vec![0.0; run.len().div_ceil(block)];
@@ -136,22 +157,14 @@ fn stretches(runs: &[Run], predicted: &[Predicted]) -> Vec<Stretch> {
                 sums[k / block] += if r.is_finite() { r * r - 1.0 } else { 0.0 };
             }
         }
-        for (i, &excess) in sums.iter().enumerate() {
-            whole += excess.max(0.0);
-            all.push(Stretch {
-                run: run.name.clone(),
-                from_s: run.from + (i * block) as f64 * run.dt,
-                to_s: run.from + ((i + 1) * block).min(run.len()) as f64 * run.dt,
-                share: excess,
-            });
-        }
+        all.extend(sums.into_iter().enumerate().map(|(i, excess)| Stretch {
+            run: run.name.clone(),
+            from_s: run.from + (i * block) as f64 * run.dt,
+            to_s: run.from + ((i + 1) * block).min(run.len()) as f64 * run.dt,
+            share: excess,
+        }));
     }
-    let joined = join(all, whole / runs.len().max(1) as f64 / 40.0);
-    let mut named: Vec<Stretch> =
-        joined.into_iter().map(|s| Stretch { share: (s.share / whole.max(1e-12)).clamp(0.0, 1.0), ..s }).collect();
-    named.sort_by(|a, b| b.share.total_cmp(&a.share));
-    named.truncate(STRETCHES);
-    named
+    all
 }
 
 /// Joins neighbouring stretches that all stand out.

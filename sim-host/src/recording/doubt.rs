@@ -134,7 +134,8 @@ impl SetUpFinding {
     /// In a sentence.
     pub fn sentence(&self) -> String {
         let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
-        let stated = self.stated.map_or_else(String::new, |s| format!(", stated {s:.4}{unit}"));
+        let shown = |x: f64| if x.abs() >= 1e-3 || x == 0.0 { format!("{x:.4}") } else { format!("{x:.3e}") };
+        let stated = self.stated.map_or_else(String::new, |s| format!(", stated {}{unit}", shown(s)));
         let error = self.std.filter(|s| *s > 0.0).map_or_else(String::new, |s| format!(" +/- {s:.1e}"));
         let place = match (&self.run, self.channel, &self.parameter) {
             (_, _, Some(parameter)) => format!(" ({parameter})"),
@@ -143,11 +144,7 @@ impl SetUpFinding {
             (None, Some(channel), None) => format!(" ({channel})"),
             (None, None, None) => String::new(),
         };
-        let found = if self.found.abs() >= 1e-3 || self.found == 0.0 {
-            format!("{:.4}", self.found)
-        } else {
-            format!("{:.3e}", self.found)
-        };
+        let found = shown(self.found);
         let end = if self.corrected { "" } else { "; not corrected" };
         format!("{}{place}: {found}{error}{unit}{stated}{end}", self.what.name())
     }

@@ -36,7 +36,8 @@ pub(super) fn section(examined: &Examined) -> Section {
             items.push(over_frequency(run, measured, &[("stated model leaves", model, Style::Line)]));
         }
     }
-    items.extend(location.state.iter().take(DRAWN).map(along));
+    let seen = location.state.iter().filter(|share| !share.profile.is_empty());
+    items.extend(seen.take(DRAWN).map(along));
     Section { heading: "Where it is".into(), items }
 }
 
@@ -105,7 +106,7 @@ fn along(share: &StateShare) -> Item {
 fn unit(variable: &str) -> &'static str {
     match variable {
         "displacement" | "reference" | "path" => "m",
-        "velocity" => "m/s",
+        "velocity" | "speed" => "m/s",
         "acceleration" => "m/s2",
         "command" => "unit of u",
         "pressure" => "unit of p",
