@@ -5,10 +5,10 @@ use super::residual::{judged_channels, residual};
 use super::verdict::Conclusion;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::Predicted;
-use crate::identify::judge::{Score, score};
+use crate::identify::judge::score;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
-use crate::recording::{self, Doubt, Experiment, SetUpFinding};
+use crate::recording::{Doubt, Experiment, SetUpFinding};
 
 /// Factor between stated and found that is worth a word.
 const WORTH: f64 = 1.035;
@@ -37,9 +37,9 @@ pub(super) fn report(
     let mut channels: Vec<Channel> = whole.fit.iter().flat_map(judged_channels).collect();
     channels.sort_unstable();
     channels.dedup();
+    let colour = fitted.colour.max(conclusion.after.hold.colour).max(1.0);
     for channel in channels.into_iter().filter(|c| *c != Channel::SupplyPressure) {
         let rows = rows(&looks, channel);
-        let colour = colour(&fitted, &conclusion.after.hold);
         let (Some(found), Some(noise)) = (power(rows.iter().map(|r| r.0)), noise_of(whole, channel)) else { continue };
         if let Some(stated) = stated(experiment, channel) {
             let value = noise * found.sqrt();
@@ -56,26 +56,13 @@ pub(super) fn report(
     Ok(())
 }
 
-fn colour(fitted: &Score, held: &Score) -> f64 {
-    fitted.colour.max(held.colour).max(1.0)
-}
-
 fn noise_of(whole: &Prepared, channel: Channel) -> Option<f64> {
     whole.fit.iter().find_map(|run| run.channel(channel)).map(|m| m.noise)
 }
 
 /// What the experiment states of a channel's noise, where it does.
 fn stated(experiment: &Experiment, channel: Channel) -> Option<f64> {
-    use recording::Channel as C;
-    let source = match channel {
-        Channel::Displacement => C::Displacement,
-        Channel::Acceleration => C::Acceleration,
-        Channel::Velocity => C::Velocity,
-        Channel::Command => C::Command,
-        Channel::PressureDifference => C::PressureDifference,
-        Channel::SupplyPressure => C::SupplyPressure,
-    };
-    experiment.runs.iter().find_map(|run| run.noise.get(source).copied())
+    experiment.runs.iter().find_map(|run| run.noise.get(channel.recorded()).copied())
 }
 
 /// Residual, in units of the noise, and size of the motion that would shake it, sample by sample.

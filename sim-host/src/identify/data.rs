@@ -2,6 +2,7 @@
 
 use crate::motion::filter::Cascade;
 use crate::plant::simulate::{Law, MeasuredMotion, Shaping};
+use crate::recording;
 
 /// A channel a simulation is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -35,6 +36,28 @@ impl Channel {
 }
 
 impl Channel {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Displacement,
+        Self::Acceleration,
+        Self::Velocity,
+        Self::Command,
+        Self::PressureDifference,
+        Self::SupplyPressure,
+    ];
+
+    /// The channel of a recording that it is compared with.
+    pub fn recorded(self) -> recording::Channel {
+        match self {
+            Self::Displacement => recording::Channel::Displacement,
+            Self::Acceleration => recording::Channel::Acceleration,
+            Self::Velocity => recording::Channel::Velocity,
+            Self::Command => recording::Channel::Command,
+            Self::PressureDifference => recording::Channel::PressureDifference,
+            Self::SupplyPressure => recording::Channel::SupplyPressure,
+        }
+    }
+
     /// Its unit.
     pub fn unit(self) -> &'static str {
         match self {

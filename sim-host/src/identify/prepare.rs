@@ -243,21 +243,14 @@ fn measured(
     floors: &recording::PerChannel<f64>,
 ) -> Result<Vec<Measured>, PrepareError> {
     use recording::Channel as C;
-    const COMPARED: [(C, Channel); 6] = [
-        (C::Displacement, Channel::Displacement),
-        (C::Acceleration, Channel::Acceleration),
-        (C::Velocity, Channel::Velocity),
-        (C::Command, Channel::Command),
-        (C::PressureDifference, Channel::PressureDifference),
-        (C::SupplyPressure, Channel::SupplyPressure),
-    ];
     let stated = |channel| run.noise.get(channel).is_some();
     let motion_known = stated(C::Displacement) || stated(C::Acceleration);
     let speed_alone = run.channel(C::Displacement).is_none() && run.channel(C::Acceleration).is_none();
     let balance = matches!(baseline, recording::Baseline::ForceBalance(_));
     let effort = !motion_known && law.simulates_reference() && run.channel(C::Command).is_some();
     let mut all = Vec::new();
-    for (source, channel) in COMPARED {
+    for channel in Channel::ALL {
+        let source = channel.recorded();
         let Some(values) = run.channel(source) else { continue };
         if !values.iter().any(|v| v.is_finite()) {
             return Err(PrepareError::EmptyChannel { run: run.name.clone(), channel: source.name() });

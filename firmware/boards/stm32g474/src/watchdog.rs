@@ -1,12 +1,10 @@
 //! The independent watchdog: a program that hangs is reset, and a reset opens the relay.
 //!
 //! Its clock is any between 29 and 34 kHz (data sheet, f_LSI over temperature and supply), 32 at most parts: what is 56 ms on most is 52
-//! to 62 ms. It is
-//! fed when the ticks go on and the link has been served since: one that hangs alone would leave a stop unheard.
-
-use core::sync::atomic::{AtomicBool, Ordering};
+//! to 62 ms. It is fed when the ticks go on and the link has been served since: one that hangs alone would leave a stop unheard.
 
 use shakedown_firmware::OpenRelay;
+use shakedown_firmware::signs_of_life::SignsOfLife;
 use stm32g4::stm32g474::IWDG;
 
 const UNLOCK: u16 = 0x5555;
@@ -23,8 +21,7 @@ const PATIENT: u16 = 1000;
 /// there is nothing to be said then that the absence of resets at commissioning does not say.
 const CROSSING: u32 = 100_000;
 
-/// The link has been served.
-static SERVED: AtomicBool = AtomicBool::new(true);
+static SIGNS: SignsOfLife = SignsOfLife::new();
 
 /// The watchdog, running.
 pub struct Watchdog(IWDG);
@@ -41,8 +38,7 @@ impl Watchdog {
     /// The ticks go on; if the link does too, the program is alive.
     #[inline]
     pub fn feed(&self) {
-        if SERVED.load(Ordering::Relaxed) {
-            SERVED.store(false, Ordering::Relaxed);
+        if SIGNS.ticked() {
             self.key(RELOAD);
         }
     }
@@ -71,7 +67,7 @@ impl Watchdog {
 
 /// The link has been served.
 pub fn served() {
-    SERVED.store(true, Ordering::Relaxed);
+    SIGNS.served();
 }
 
 /// Lets `work` take seconds. Only with the ticks stopped, so that nobody feeds the watchdog meanwhile.
