@@ -141,6 +141,8 @@ pub struct BeforeAfter {
 pub struct Standing {
     /// Mean of (residual / noise)^2.
     pub chi2: f64,
+    /// The same of each judged channel.
+    pub channel_chi2: BTreeMap<&'static str, f64>,
     /// RMS residual over RMS of the measurement about its mean, by channel.
     pub nrmse: BTreeMap<&'static str, f64>,
     /// 1 - nrmse^2, by channel.
@@ -166,7 +168,8 @@ impl Standing {
     fn of(score: &Score) -> Self {
         let nrmse: BTreeMap<_, _> = score.nrmse.iter().map(|&(c, value): &(Channel, f64)| (c.name(), value)).collect();
         let r2 = nrmse.iter().map(|(&name, value)| (name, 1.0 - value * value)).collect();
-        Self { chi2: score.chi2, nrmse, r2 }
+        let channel_chi2 = score.channels.iter().map(|&(channel, chi2, _)| (channel.name(), chi2)).collect();
+        Self { chi2: score.chi2, channel_chi2, nrmse, r2 }
     }
 }
 

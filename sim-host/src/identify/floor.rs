@@ -2,19 +2,19 @@
 //! [`crate::recording::noise`] finds, behind the same low-pass as the comparison.
 
 use crate::motion::filter::{Cascade, Edge};
-use crate::recording::noise::{self, Origin};
+use crate::recording::noise::{self, Floor, Origin};
 use crate::recording::signal::filled;
 use crate::recording::{self, PerChannel};
 
-/// The floor of each channel of a run that has one, SI; `all` are searched for repeats.
+/// The floor of each channel of a run that has one, SI; `all` are searched for repeats, and for rest where this run has none.
 pub(super) fn floors(run: &recording::Run, all: &[recording::Run], filter: Option<&Cascade>) -> PerChannel<f64> {
-    let raw = noise::floors(run, all);
+    let raw = rested(run, all);
     let mut floors = PerChannel::default();
     for (channel, floor) in raw.iter() {
         floors.set(channel, floor.std);
     }
     let Some(filter) = filter else { return floors };
-    let smooth = noise::floors(&smoothed(run, filter), &all.iter().map(|r| smoothed(r, filter)).collect::<Vec<_>>());
+    let smooth = rested(&smoothed(run, filter), &all.iter().map(|r| smoothed(r, filter)).collect::<Vec<_>>());
     for (channel, floor) in raw.iter() {
         // High differences of a low-passed signal hold nothing; then the share of a white noise that passes counts.
         let passed = match smooth.get(channel).map(|f| (f.origin, f.std)) {
@@ -22,6 +22,25 @@ pub(super) fn floors(run: &recording::Run, all: &[recording::Run], filter: Optio
             _ => floor.std * share(filter, run.dt),
         };
         floors.set(channel, passed.min(floor.std));
+    }
+    floors
+}
+
+/// The floors of a run; where it never rests, those of another run of the same sensors and the same controller that does. What high
+/// differences leave is less than a noise that swings slowly.
+fn rested(run: &recording::Run, all: &[recording::Run]) -> PerChannel<Floor> {
+    let mut floors = noise::floors(run, all);
+    let poor = |floor: &Floor| matches!(floor.origin, Origin::Differences | Origin::Step);
+    if !floors.iter().any(|(_, floor)| poor(floor)) {
+        return floors;
+    }
+    let alike = |other: &&recording::Run| other.name != run.name && other.dt == run.dt && other.law == run.law;
+    for others in all.iter().filter(alike).map(|other| noise::floors(other, all)) {
+        for (channel, other) in others.iter().filter(|(_, other)| matches!(other.origin, Origin::Rest(..))) {
+            if floors.get(channel).is_some_and(|own| poor(own) && own.std < other.std) {
+                floors.set(channel, other.clone());
+            }
+        }
     }
     floors
 }

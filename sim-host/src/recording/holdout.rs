@@ -3,10 +3,14 @@
 //! The rule: a run's own `use` always counts. Where some runs say and others do not, the silent ones take the other
 //! part: if any says `holdout`, they are fitted, else they are held out. Where none says and there are several, the
 //! last quarter of them, at least one, is held out; a single run is cut, its first two thirds fitted and its last
-//! third held out.
+//! third held out. Where the table has come to rest by then, the thirds are those of the way that the reference goes.
 
+use super::channel::Channel;
 use super::run::{Run, Use};
 use std::fmt;
+
+/// Least share of the reference's way that the last third must hold to judge by.
+const LEAST_WAY: f64 = 0.1;
 
 /// How it was decided which runs judge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,12 +64,29 @@ fn give(runs: Vec<(Run, Option<Use>)>, silent: impl Fn(usize) -> Use) -> Vec<Run
 }
 
 fn in_two(run: &Run) -> [Run; 2] {
-    let cut = run.len() * 2 / 3;
-    let name = |part: &str| format!("{} ({part})", run.name);
+    let third = run.len() * 2 / 3;
+    let (cut, of) = before_rest(run, third).map_or((third, ""), |cut| (cut, " of the motion"));
+    let name = |part: &str| format!("{} ({part}{of})", run.name);
     [
         Run { purpose: Use::Fit, name: name("first two thirds"), ..run.part(0, cut) },
         Run { purpose: Use::HoldOut, name: name("last third"), ..run.part(cut, run.len()) },
     ]
+}
+
+/// Where two thirds of the reference's way are done; none where enough of it is left after the sample given.
+fn before_rest(run: &Run, third: usize) -> Option<usize> {
+    let reference = run.channel(Channel::Reference)?;
+    let steps = reference.windows(2).map(|w| (w[1] - w[0]).abs()).map(|step| if step.is_finite() { step } else { 0.0 });
+    let way: Vec<f64> = steps
+        .scan(0.0, |sum, step| {
+            Some({
+                *sum += step;
+                *sum
+            })
+        })
+        .collect();
+    let (total, before) = (*way.last()?, *way.get(third)?);
+    (total > 0.0 && total - before < LEAST_WAY * total).then(|| way.partition_point(|w| *w < 2.0 / 3.0 * total) + 1)
 }
 
 #[cfg(test)]
@@ -113,5 +134,15 @@ mod tests {
         assert_eq!(rule, HeldBack::LastThird);
         assert_eq!((runs[0].len(), runs[1].len(), runs[1].time[0]), (60, 30, 60.0));
         assert!(!runs[0].cut && runs[1].cut);
+    }
+
+    /// A pulse at the start and a long rest: the rest judges nothing.
+    #[test]
+    fn a_run_that_ends_at_rest_is_cut_within_its_motion() {
+        let mut pulse = run(90);
+        pulse.channels.set(Channel::Reference, (0..90).map(|k| f64::from(k.min(30))).collect());
+        let (runs, _) = assign(vec![(pulse, None)]);
+        assert_eq!((runs[0].len(), runs[1].len()), (20, 70));
+        assert!(runs[1].name.ends_with("(last third of the motion)"), "{}", runs[1].name);
     }
 }

@@ -130,7 +130,7 @@ fn repeats(run: &Run, channel: Channel, samples: &[f64], others: &[Run]) -> Opti
 }
 
 /// Noise from fourth differences, by their median size so that jerks do not count; none for too few samples.
-fn differences(samples: &[f64]) -> Option<f64> {
+pub(super) fn differences(samples: &[f64]) -> Option<f64> {
     let sizes: Vec<f64> =
         samples.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
     let median = quantile(&sizes, 0.5);

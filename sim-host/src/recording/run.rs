@@ -60,6 +60,12 @@ impl Run {
         self.time.is_empty()
     }
 
+    /// True where the reference and the stated controller drive a simulation: the recorded displacement and command are then compared
+    /// and nothing else.
+    pub(crate) fn simulates_its_loop(&self) -> bool {
+        self.law != Law::Open && self.channel(Channel::Reference).is_some()
+    }
+
     /// A channel's samples in SI.
     pub fn channel(&self, channel: Channel) -> Option<&[f64]> {
         self.channels.get(channel).map(Vec::as_slice)

@@ -8,9 +8,13 @@ use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
 use crate::recording::check::clipped_stretches;
 use crate::recording::experiment::Experiment;
+use crate::recording::noise::differences;
 
 /// Largest share of a run's samples that may be cut off.
 const MOST: f64 = 0.4;
+
+/// Share of the range from which a noise is cut off where the motion is not.
+const WIDE: f64 = 0.25;
 
 /// Drops what is cut off.
 pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
@@ -35,7 +39,12 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
             for (from, to) in cut {
                 kept[from..=to].fill(f64::NAN);
             }
-            run.channels.set(channel, kept);
+            // Of a noise as wide as the range the samples that stay within are the smaller ones: what is left is no longer the motion.
+            if differences(&kept).is_some_and(|noise| noise > WIDE * range) {
+                run.channels.remove(channel);
+            } else {
+                run.channels.set(channel, kept);
+            }
             findings.push(SetUpFinding::new(Doubt::Clipped, range, unit).of_run(&run.name).of_channel(channel));
         }
     }

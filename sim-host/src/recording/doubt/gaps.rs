@@ -34,10 +34,13 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
 
 /// The pieces between long gaps that are worth keeping, and the gaps' lengths in samples.
 fn pieces(run: &Run) -> (Vec<Run>, Vec<usize>) {
-    let drives = [Channel::Reference, Channel::Command].into_iter().find_map(|channel| run.channel(channel));
+    let drive = [Channel::Reference, Channel::Command].into_iter().find_map(|channel| run.channel(channel));
+    // Where no reference drives a loop, the recorded displacement is the motion.
+    let motion = run.channel(Channel::Displacement).filter(|_| !run.simulates_its_loop());
+    let needed: Vec<&[f64]> = drive.into_iter().chain(motion).collect();
     let nothing = |k: usize| run.channels.iter().all(|(_, samples)| !samples[k].is_finite());
-    let missing: Vec<bool> =
-        (0..run.len()).map(|k| nothing(k) || drives.is_some_and(|samples| !samples[k].is_finite())).collect();
+    let lost = |k: usize| needed.iter().any(|samples| !samples[k].is_finite());
+    let missing: Vec<bool> = (0..run.len()).map(|k| nothing(k) || lost(k)).collect();
     let long = |&(_, length): &(usize, usize)| length as f64 * run.dt > BRIDGED;
     let gaps: Vec<(usize, usize)> = stretches(&missing).into_iter().filter(long).collect();
     let starts = std::iter::once(0).chain(gaps.iter().map(|(from, length)| from + length));

@@ -150,20 +150,24 @@ fn hum_of_the_displacement_is_taken_off() {
 #[test]
 fn a_long_gap_cuts_the_run() {
     let law = Law::ProportionalIntegral { kp: 2.0, ki: 0.5 };
-    let with_gap = |seconds: f64| {
+    let with_gap = |seconds: f64, alone: Option<Channel>| {
         let mut experiment = experiment(&law, Shaping::default(), 3);
         let run = &mut experiment.runs[0];
         let missing = 3000..3000 + (seconds / DT) as usize;
         let channels: Vec<Channel> = run.channels.iter().map(|(channel, _)| channel).collect();
-        for channel in channels {
+        for channel in channels.into_iter().filter(|c| alone.is_none_or(|alone| alone == *c)) {
             let mut samples = run.channel(channel).unwrap().to_vec();
             samples[missing.clone()].fill(f64::NAN);
             run.channels.set(channel, samples);
         }
         doubt(&experiment)
     };
-    assert_eq!(with_gap(0.1).experiment.runs.len(), 1);
-    let cut = with_gap(0.4);
+    assert_eq!(with_gap(0.1, None).experiment.runs.len(), 1);
+    // What the loop itself makes is compared where it was recorded.
+    let lost = with_gap(0.4, Some(Channel::Displacement));
+    assert_eq!(lost.experiment.runs.len(), 1);
+    assert!(!crate::recording::check::is_bad_data(&crate::recording::check::check(&lost.experiment)));
+    let cut = with_gap(0.4, None);
     assert_eq!(cut.experiment.runs.len(), 2);
     assert!(!cut.experiment.runs[0].cut && cut.experiment.runs[1].cut);
     assert!(cut.findings.iter().any(|f| f.what == Doubt::LostRows && (f.found - 0.4).abs() < 1e-9));

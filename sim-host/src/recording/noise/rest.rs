@@ -1,14 +1,19 @@
 //! Finding the longest stretch in which the table rests.
 
+use super::differences;
 use crate::recording::channel::Channel;
 use crate::recording::run::Run;
 use crate::recording::signal::{deviation, filled, quantile};
+use crate::recording::steps::quantisation_step;
 
 /// Length of the windows that are looked at, s.
 const WINDOW: f64 = 0.25;
 
 /// Shortest stretch that is used, s.
 const SHORTEST: f64 = 0.5;
+
+/// Factor by which coloured noise swings wider than its differences say.
+const SLOWER: f64 = 10.0;
 
 /// The longest stretch at rest, as first sample and the one after the last; none where the table always moves.
 ///
@@ -18,6 +23,9 @@ pub(super) fn rest(run: &Run) -> Option<(usize, usize)> {
     let count = run.len() / window;
     if count < 4 {
         return None;
+    }
+    if never_moves(run) {
+        return Some((0, run.len()));
     }
     let still: Vec<Vec<bool>> = [Channel::Reference, Channel::Displacement, Channel::Acceleration]
         .into_iter()
@@ -36,6 +44,17 @@ pub(super) fn rest(run: &Run) -> Option<(usize, usize)> {
     let (from, to) = (if from == 0 { 0 } else { from * window + window / 2 }, (from + length) * window);
     let to = if to < count * window { to - window / 2 } else { to };
     (to > from && (to - from) as f64 * run.dt >= SHORTEST).then_some((from, to))
+}
+
+/// True where the reference stands still from end to end and the displacement with it: what it does is of the size of its noise,
+/// which swings slower than a motion's differences say but not a hundred times.
+fn never_moves(run: &Run) -> bool {
+    let still = |reference: &[f64]| reference.iter().all(|x| *x == reference[0]);
+    let shakes = |displacement: &[f64]| {
+        let least = quantisation_step(displacement).map_or(0.0, |step| step / 12f64.sqrt());
+        differences(displacement).is_some_and(|noise| deviation(&filled(displacement)) < SLOWER * noise.max(least))
+    };
+    run.channel(Channel::Reference).is_some_and(still) && run.channel(Channel::Displacement).is_some_and(shakes)
 }
 
 /// The windows in which a channel stands still.

@@ -122,3 +122,23 @@ fn the_power_of_an_autoregression_sums_to_its_variance() {
     let variance = 1.3 / (0.7 * (1.3f64.powi(2) - 0.25));
     assert!((sum / variance - 1.0).abs() < 1e-3, "{sum} {variance}");
 }
+
+/// A piece of a run in which nothing moves is at rest from end to end, however coloured its noise is.
+#[test]
+fn a_run_that_never_moves_is_at_rest() {
+    let mut still = run(5, &white(5), true);
+    let mut swing = 0.0;
+    let coloured = normal(6, 10_000)
+        .iter()
+        .map(|e| {
+            swing = 0.9 * swing + e;
+            1e-5 * swing
+        })
+        .collect::<Vec<_>>();
+    let size = crate::recording::signal::deviation(&coloured);
+    still.channels.set(Channel::Reference, vec![0.0; 10_000]);
+    still.channels.set(Channel::Displacement, coloured);
+    let floors = floors(&still, &[]);
+    let floor = floors.get(Channel::Displacement).unwrap();
+    assert!((floor.std / size - 1.0).abs() < 0.05, "{floor:?} {size}");
+}
