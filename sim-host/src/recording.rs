@@ -4,6 +4,7 @@
 //! time grid. Nothing is guessed: what is not as stated is an error that names the file, the place and the remedy.
 
 pub mod binary;
+pub(crate) mod bridge;
 pub mod channel;
 pub mod check;
 pub mod clock;

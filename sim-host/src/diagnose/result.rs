@@ -103,6 +103,8 @@ pub struct Candidate {
     pub ids: Vec<&'static str>,
     /// Share of belief.
     pub probability: f64,
+    /// Mean of (residual / noise)^2 on the stretches that fitted it.
+    pub training_chi2: Option<f64>,
     /// chi2 on the stretches of the runs fitted that weighed it.
     pub validation_chi2: Option<f64>,
     /// chi2 on the runs held out, of which the stated model and the selected one alone are asked.
@@ -281,12 +283,19 @@ fn candidates(conclusion: &Conclusion) -> Vec<Candidate> {
     let candidate = |c: &Judged| Candidate {
         ids: c.added.clone(),
         probability: c.probability,
+        training_chi2: Some(c.fit.chi2()),
         validation_chi2: Some(c.hold.chi2),
         holdout_chi2: held_out(&c.added),
     };
     let mut all: Vec<Candidate> = decision.candidates.iter().map(candidate).collect();
     let probability = decision.unlisted_probability;
-    all.push(Candidate { ids: vec!["unlisted"], probability, validation_chi2: None, holdout_chi2: None });
+    all.push(Candidate {
+        ids: vec!["unlisted"],
+        probability,
+        training_chi2: None,
+        validation_chi2: None,
+        holdout_chi2: None,
+    });
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     all
 }

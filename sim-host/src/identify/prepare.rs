@@ -11,9 +11,10 @@ use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Role, entry, regional};
 use crate::plant::model::Kind;
 use crate::plant::simulate::{Law, MeasuredMotion};
+use crate::recording::bridge::bridged;
 use crate::recording::check::Skew;
 use crate::recording::{self, Experiment, Use};
-use input::{bridged, filled, shaping, with_pressure_feedback};
+use input::{filled, shaping, with_pressure_feedback};
 
 /// Why an experiment cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -49,30 +49,6 @@ fn integral_at_start(run: &recording::Run) -> Option<f64> {
     Some(held / n.max(1) as f64)
 }
 
-/// Missing samples of an input filled by the cubic through the slopes on either side; none where every sample is missing.
-pub(super) fn bridged(values: &[f64]) -> Option<Vec<f64>> {
-    let mut full = filled(values)?;
-    let known: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_finite()).collect();
-    let slope = |i: usize, j: usize, k: usize| {
-        let all = values[i].is_finite() && values[j].is_finite() && values[k].is_finite();
-        all.then(|| 1.5 * values[i] - 2.0 * values[j] + 0.5 * values[k])
-    };
-    for pair in known.windows(2).filter(|pair| pair[1] > pair[0] + 1) {
-        let (a, b) = (pair[0], pair[1]);
-        if a < 2 || b + 2 >= values.len() {
-            continue;
-        }
-        let (Some(leaves), Some(enters)) = (slope(a, a - 1, a - 2), slope(b, b + 1, b + 2)) else { continue };
-        let (length, rise) = ((b - a) as f64, values[b] - values[a]);
-        let (m0, m1) = (leaves * length, -enters * length);
-        for (i, value) in full.iter_mut().enumerate().take(b).skip(a + 1) {
-            let t = (i - a) as f64 / length;
-            *value = values[a] + t * (m0 + t * (3.0 * rise - 2.0 * m0 - m1 + t * (m0 + m1 - 2.0 * rise)));
-        }
-    }
-    Some(full)
-}
-
 /// Missing samples of an input filled by straight lines; none where every sample is missing.
 pub(super) fn filled(values: &[f64]) -> Option<Vec<f64>> {
     let known: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_finite()).collect();

@@ -23,6 +23,9 @@ pub(super) use agreement::{Bin, coherent_bins, delay_over};
 /// sensitivity may do, and less than what separates any two units.
 const SOUND_GAIN: std::ops::Range<f64> = 0.2..5.0;
 
+/// Logarithm of the gain that a unit put right may leave.
+const ACCURATE: f64 = 0.25;
+
 /// How well one sign and one delay must explain the phases before a sign is called turned.
 const IN_STEP: f64 = 0.85;
 
@@ -65,6 +68,18 @@ enum State {
     Unknown,
     Sound,
     Broken(String),
+    /// The two belong together, but for a factor that no sensitivity is wrong by.
+    Off(String),
+}
+
+impl State {
+    /// What is wrong, where something is.
+    fn fault(&self) -> Option<&str> {
+        match self {
+            Self::Broken(text) | Self::Off(text) => Some(text),
+            Self::Unknown | Self::Sound => None,
+        }
+    }
 }
 
 /// Something that could be put right in the experiment.
@@ -100,14 +115,15 @@ pub(crate) fn relation(first: &[f64], second: &[f64], dt: f64, order: u32) -> Op
 pub(super) fn check(run: &Run, sources: &PerChannel<ChannelSource>) -> Vec<Finding> {
     let signals = signals(run);
     let links = links(&signals, run);
-    let broken: Vec<&Link> = links.iter().filter(|l| matches!(l.state, State::Broken(_))).collect();
+    let broken: Vec<&Link> = links.iter().filter(|l| l.state.fault().is_some()).collect();
     let Some(first) = broken.first() else { return Vec::new() };
     let mends = |repair: Repair| -> Option<(Repair, f64)> {
         let mended = self::links(&repaired(&signals, &repair, sources), run);
         let holds = links.iter().zip(&mended).all(|(before, after)| match after.state {
-            State::Sound => true,
+            // A unit is a factor to a sensor's accuracy, not about one.
+            State::Sound => !repair.rescales() || !matches!(before.state, State::Off(_)) || after.distance < ACCURATE,
             State::Unknown => before.state == State::Unknown,
-            State::Broken(_) => false,
+            State::Broken(_) | State::Off(_) => false,
         });
         holds.then(|| (repair, mended.iter().map(|l| l.distance).sum()))
     };
@@ -121,6 +137,7 @@ pub(super) fn check(run: &Run, sources: &PerChannel<ChannelSource>) -> Vec<Findi
         Some((repair, _)) => vec![repair.finding(run, &evidence(&broken))],
         // The controller alone out of step is the replay's to explain.
         None if broken.iter().all(|l| l.about == About::Controller) => Vec::new(),
+        None if broken.iter().all(|l| matches!(l.state, State::Off(_))) => vec![off(run, first, &evidence(&broken))],
         None => vec![unexplained(run, first, &evidence(&broken))],
     }
 }
@@ -134,14 +151,7 @@ fn signals(run: &Run) -> Signals<'_> {
 }
 
 fn evidence(broken: &[&Link]) -> String {
-    let texts: Vec<&str> = broken
-        .iter()
-        .filter_map(|l| match &l.state {
-            State::Broken(text) => Some(text.as_str()),
-            _ => None,
-        })
-        .collect();
-    texts.join("; ")
+    broken.iter().filter_map(|link| link.state.fault()).collect::<Vec<_>>().join("; ")
 }
 
 /// Every link that the channels at hand allow, always in the same order.
@@ -153,7 +163,7 @@ fn links(signals: &Signals<'_>, run: &Run) -> Vec<Link> {
     // are said to be, however badly the table follows.
     let confirmed = replay.as_ref().is_some_and(Replay::reproduces);
     let followed = |state: State| match state {
-        State::Broken(_) if confirmed => State::Unknown,
+        State::Broken(_) | State::Off(_) if confirmed => State::Unknown,
         state => state,
     };
     for (from, to, order) in [(Displacement, Acceleration, 2), (Displacement, Velocity, 1), (Velocity, Acceleration, 1)]
@@ -209,7 +219,7 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
         ));
     }
     if !SOUND_GAIN.contains(&a.gain) {
-        return State::Broken(format!("{to} is {:.4} times the {derivative} of {from} ({band})", a.gain));
+        return State::Off(format!("{to} is {:.4} times the {derivative} of {from} ({band})", a.gain));
     }
     State::Sound
 }
@@ -336,6 +346,11 @@ fn repaired<'a>(signals: &Signals<'a>, repair: &Repair, sources: &PerChannel<Cha
 const LAST_KIND: u8 = 3;
 
 impl Repair {
+    /// True for a factor.
+    fn rescales(&self) -> bool {
+        matches!(self, Self::Unit { .. } | Self::Factor { .. })
+    }
+
     /// The likelier kinds have the lower numbers.
     fn kind(&self) -> u8 {
         match self {
@@ -376,6 +391,18 @@ impl Repair {
             ),
         }
     }
+}
+
+/// A factor that no unit explains: what a sensor, or physics, may do is left to the diagnosis.
+fn off(run: &Run, link: &Link, evidence: &str) -> Finding {
+    let channel = match link.about {
+        About::Pair(_, to) | About::Size(to) => to,
+        About::Controller => Channel::Command,
+    };
+    Finding::whole(run, channel, Fault::WrongUnit, Severity::Remark).saying(
+        format!("{evidence}; no unit explains it"),
+        format!("check the calibration of {channel}; it is diagnosed as it is"),
+    )
 }
 
 fn unexplained(run: &Run, link: &Link, evidence: &str) -> Finding {
