@@ -110,9 +110,10 @@ pub(super) fn split(prepared: Prepared, excerpt: Option<Prepared>) -> Split {
     let Prepared { model, fit, holdout, yardsticks } = prepared;
     let seen = excerpt.as_ref().map_or(&fit, |excerpt| &excerpt.fit);
     let ranks = ranks(&left);
-    let weighs = |rank: usize| rank % EVERY == EVERY - 2;
+    // The first stretch says where a run starts: it is always fitted.
+    let weighs = |i: usize, rank: usize| i > 0 && rank % EVERY == EVERY - 2;
     let dealt = |take: bool| -> Vec<Run> {
-        seen.iter().zip(&ranks).map(|(run, ranks)| kept(run, |i| weighs(ranks[i]) == take)).collect()
+        seen.iter().zip(&ranks).map(|(run, ranks)| kept(run, |i| weighs(i, ranks[i]) == take)).collect()
     };
     let (training, validation) = (dealt(false), dealt(true));
     let with = |fit: Vec<Run>| Prepared { model: model.clone(), fit, holdout: Vec::new(), yardsticks };

@@ -23,7 +23,15 @@ pub(super) fn shaping(run: &recording::Run, ticks: usize) -> Shaping {
     // A notch stands between the law and what was recorded of it.
     let recorded = if notch.is_none() { integral_at_start(run) } else { None };
     let integral = if run.cut { recorded.unwrap_or(summed) } else { 0.0 };
-    Shaping { kvf, notch, late_command: late_command * ticks, late_displacement: late_displacement * ticks, integral }
+    let reference_slope = if run.cut { slope_at_start(run) } else { 0.0 };
+    let (late_command, late_displacement) = (late_command * ticks, late_displacement * ticks);
+    Shaping { kvf, notch, late_command, late_displacement, integral, reference_slope }
+}
+
+/// How fast the reference moves where a part of a recording begins, m/s.
+fn slope_at_start(run: &recording::Run) -> f64 {
+    let first = run.channel(recording::Channel::Reference).and_then(|r| Some(r.get(1)? - r.first()?));
+    first.filter(|step| step.is_finite()).map_or(0.0, |step| step / run.dt)
 }
 
 /// Samples over which the integral's part of the command is averaged where a run begins.
@@ -37,7 +45,7 @@ fn integral_at_start(run: &recording::Run) -> Option<f64> {
     let of = |channel| run.channel(channel).and_then(filled);
     let (reference, displacement, command) = (of(C::Reference)?, of(C::Displacement)?, of(C::Command)?);
     let added = of(C::Disturbance).unwrap_or_default();
-    let (mut sum, mut held, mut before) = (0.0, 0.0, *reference.first()?);
+    let (mut sum, mut held, mut before) = (0.0, 0.0, reference.first()? - slope_at_start(run) * run.dt);
     let n = BEGINNING.min(command.len());
     for k in 0..n {
         let error = reference[k] - displacement[k];

@@ -86,6 +86,8 @@ pub struct Shaping {
     pub late_displacement: usize,
     /// What the integral of the error contributes to the command when the run begins, unit of u.
     pub integral: f64,
+    /// How fast the reference moves when the run begins, m/s.
+    pub reference_slope: f64,
 }
 
 /// A notch `(s^2 + 2 z d w s + w^2) / (s^2 + 2 z w s + w^2)`, made discrete by the bilinear rule with its centre kept.
@@ -187,7 +189,7 @@ impl<S: Scalar> Running<S> {
         let displacement = self.seen_late(displacement);
         let mut command = self.answer(input, displacement);
         if self.shaping.kvf != 0.0 {
-            let before = self.reference.replace(input).unwrap_or(input);
+            let before = self.reference.replace(input).unwrap_or(input - self.shaping.reference_slope * self.tick);
             command += S::from(self.shaping.kvf * (input - before) / self.tick);
         }
         if let Some(notch) = &mut self.notch {
