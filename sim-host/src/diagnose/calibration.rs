@@ -75,7 +75,7 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     simple: 0.03,
     most: 0.8,
     lead: 4.0,
-    beside_more: 0.8,
+    beside_more: 0.6,
     failed: 0.9,
     likely: 0.4,
     unlikely: 0.1,

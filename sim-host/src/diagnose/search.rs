@@ -66,7 +66,8 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
     } else {
         parents.extend(fit_from_near(prepared, &search.baseline)?);
     }
-    if parents.len() == 1 && search.baseline.chi2() > BENT {
+    // So are the stated values themselves.
+    if search.baseline.chi2() > BENT {
         parents.push(Fit::begin(prepared.model.clone(), runs)?);
     }
     for size in 0..MOST {

@@ -126,9 +126,12 @@ pub(super) fn split(prepared: Prepared, excerpt: Option<Prepared>) -> Split {
 
 /// The same experiment with every other stretch of the runs held out among those that may be fitted, in the order of what these
 /// predictions leave of them: for physics that they alone show, a stop that only the largest motion reaches. The others are what
-/// is held out now.
-pub(super) fn reopened(whole: &Prepared, held_out: &[Run], predicted: &[Predicted]) -> Split {
+/// is held out now. What the runs fitted say of the model's values is where the fits start.
+pub(super) fn reopened(whole: &Prepared, held_out: &[Run], before: &Fit, predicted: &[Predicted]) -> Split {
     let mut whole = whole.clone();
+    for (value, fitted) in whole.model.own.iter_mut().zip(&before.model.own) {
+        value.value = fitted.value;
+    }
     let ranks = ranks(&held_out.iter().zip(predicted).map(|(run, predicted)| left(run, predicted)).collect::<Vec<_>>());
     let dealt = |odd: usize| held_out.iter().zip(&ranks).map(move |(run, ranks)| kept(run, |i| ranks[i] % 2 == odd));
     whole.fit.extend(dealt(0));
