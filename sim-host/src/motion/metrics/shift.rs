@@ -90,8 +90,8 @@ impl Near {
         let dot = |a: &[f64], from: usize| a.iter().zip(&wide[from..]).map(|(a, y)| a * y).sum::<f64>();
         let products = (0..LAGS).map(|lag| dot(wanted, lag)).collect();
         let mut gram = vec![0.0; LAGS * LAGS];
-        for lag in 0..LAGS {
-            gram[lag] = dot(&wide[..range.len()], lag);
+        for (lag, product) in gram.iter_mut().take(LAGS).enumerate() {
+            *product = dot(&wide[..range.len()], lag);
         }
         // The next row is of the same products, one sample on.
         for i in 1..LAGS {
