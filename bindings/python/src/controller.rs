@@ -161,6 +161,27 @@ impl PyCommand {
 
 /// Bytes of a sample and of a command in a run: nine f32 and a u32 of flags; three f32 and a u32 of status.
 const SAMPLE: usize = 40;
+const COMMAND: usize = 16;
+
+/// One tick of a run.
+fn stepped(controller: &mut Controller, bytes: &[u8; SAMPLE]) -> [u8; COMMAND] {
+    let words = bytes.as_chunks::<4>().0;
+    let mut numbers = [0.0; 9];
+    for (number, word) in numbers.iter_mut().zip(words) {
+        *number = f32::from_le_bytes(*word);
+    }
+    let flags = words.last().map_or(0, |word| u32::from_le_bytes(*word));
+    let command = controller.step(&host::sample(&numbers, flags));
+    let numbers = [command.valve, command.reference, command.status.velocity_limit].map(f32::to_le_bytes);
+    let mut place = [0; COMMAND];
+    for (place, word) in place.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
+        *place = word;
+    }
+    if let Some(last) = place.as_chunks_mut::<4>().0.last_mut() {
+        *last = host::status(&command, controller.changes()).to_le_bytes();
+    }
+    place
+}
 
 /// The control core. With a guard it is off, and moves nothing before it is armed and started.
 #[pyclass(name = "Controller", module = "shakedown_table", subclass)]
@@ -212,25 +233,15 @@ impl PyController {
             return Err(refused(py, code::WRONG_VALUE, format!("a sample has {SAMPLE} bytes")));
         }
         let controller = &mut self.0;
-        let commands: Vec<u8> = py.detach(|| {
-            let mut commands = Vec::with_capacity(16 * samples.len());
-            for bytes in samples {
-                let words = bytes.as_chunks::<4>().0;
-                let mut numbers = [0.0; 9];
-                for (number, word) in numbers.iter_mut().zip(words) {
-                    *number = f32::from_le_bytes(*word);
+        PyBytes::new_with(py, COMMAND * samples.len(), |commands| {
+            let commands = commands.as_chunks_mut::<COMMAND>().0;
+            py.detach(|| {
+                for (bytes, place) in samples.iter().zip(commands) {
+                    *place = stepped(controller, bytes);
                 }
-                let flags = words.last().map_or(0, |word| u32::from_le_bytes(*word));
-                let command = controller.step(&host::sample(&numbers, flags));
-                let status = host::status(&command, controller.changes());
-                let numbers = [command.valve, command.reference, command.status.velocity_limit].map(f32::to_bits);
-                let [valve, reference, limit] = numbers;
-                let words = [valve, reference, limit, status].map(u32::to_le_bytes);
-                commands.extend_from_slice(words.as_flattened());
-            }
-            commands
-        });
-        Ok(PyBytes::new(py, &commands))
+            });
+            Ok(())
+        })
     }
 
     /// Where the test stands.

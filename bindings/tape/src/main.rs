@@ -1,5 +1,5 @@
-//! Writes the tape, or plays one: on this host `shakedown-tape write TAPE` and `shakedown-tape play TAPE ANSWERS`; built for
-//! thumbv7em, the image that plays the file `tape` into the file `answers` by semihosting.
+//! Writes the tape, or plays one: on this host `shakedown-tape write TAPE` and `shakedown-tape play TAPE ANSWERS`; `shakedown-tape cost`
+//! prints what a sample of a run costs. Built for thumbv7em, the image that plays the file `tape` into the file `answers` by semihosting.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -12,7 +12,8 @@ fn main() -> std::process::ExitCode {
     let outcome = match words[..] {
         ["write", tape] => std::fs::write(tape, shakedown_tape::write()).map_err(|e| format!("{tape}: {e}")),
         ["play", tape, answers] => play(tape, answers),
-        _ => Err("usage: shakedown-tape write TAPE | shakedown-tape play TAPE ANSWERS".into()),
+        ["cost"] => cost(),
+        _ => Err("usage: shakedown-tape write TAPE | shakedown-tape play TAPE ANSWERS | shakedown-tape cost".into()),
     };
     match outcome {
         Ok(()) => std::process::ExitCode::SUCCESS,
@@ -29,4 +30,25 @@ fn play(tape: &str, to: &str) -> Result<(), String> {
     let (answers, _) = shakedown_tape::play(&bytes).map_err(|e| format!("{tape}: {e}"))?;
     let bytes: Vec<u8> = answers.iter().flatten().flat_map(|word| word.to_le_bytes()).collect();
     std::fs::write(to, bytes).map_err(|e| format!("{to}: {e}"))
+}
+
+/// What a sample costs where a run of them is handed over at once, ns: the median over stretches too short to be interrupted often.
+#[cfg(not(target_os = "none"))]
+fn cost() -> Result<(), String> {
+    use shakedown_core::{Command, Controller, Sample, Settings};
+    use std::io::Write as _;
+    const STRETCH: usize = 2000;
+    let mut controller = Controller::new(&Settings::default()).map_err(|e| e.to_string())?;
+    let samples = vec![Sample { reference: 0.01, ..Sample::default() }; STRETCH];
+    let mut commands: Vec<Command> = Vec::with_capacity(STRETCH);
+    let mut costs: Vec<f64> = Vec::new();
+    for _ in 0..1500 {
+        commands.clear();
+        let begin = std::time::Instant::now();
+        commands.extend(samples.iter().map(|sample| controller.step(sample)));
+        costs.push(begin.elapsed().as_secs_f64() * 1e9 / STRETCH as f64);
+        std::hint::black_box(&commands);
+    }
+    costs.sort_by(f64::total_cmp);
+    writeln!(std::io::stdout(), "{:.1}", costs[costs.len() / 2]).map_err(|e| e.to_string())
 }

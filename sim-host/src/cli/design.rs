@@ -1,5 +1,7 @@
 //! `shakedown design`: gains for the tracking law from a model and its uncertainty, margins first.
 
+mod loops;
+
 use super::failure::within;
 use super::output::{Outputs, print, write_whole};
 use super::places::place;
@@ -75,7 +77,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     write(args.out.as_deref(), &settings, args.outputs.quiet())?;
     let inputs = [args.model.clone()];
     args.outputs.write_json(answer::json(&found, &demand, &unused), &inputs)?;
+    if !args.outputs.draws() {
+        return Ok(());
+    }
     let mut page = page(&found, args, section);
+    page.sections.push(loops::section(&found, &table, &demand.spread).map_err(|e| refuse(&e))?);
     args.outputs.write_report(&mut page, &inputs)
 }
 

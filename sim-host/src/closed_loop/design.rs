@@ -14,9 +14,10 @@ mod table;
 pub use corner::{Corner, Spread};
 pub use table::{Table, TableError};
 
-use super::margin::{Margins, margins_with};
+use super::margin::{Margins, Point, margins_with, open_loop_with};
 use super::{Clock, ClosedLoopError, pressure_by_settings};
 use crate::plant::sensors::SensorModel;
+use crate::plant::stepped::Stepped;
 use rayon::prelude::*;
 use shakedown_core::settings::TrackingSettings;
 use shakedown_core::{Controller, Settings};
@@ -109,11 +110,34 @@ pub fn settings(table: &Table, rate: f64, (bandwidth, disturbance): (f64, f64)) 
 
 /// The loop's margins at one corner; what is not linear near rest is taken out of plant and law alike.
 pub fn at_corner(table: &Table, settings: &Settings, corner: &Corner) -> Result<Option<Margins>, DesignError> {
+    looped(table, settings, corner, margins_with)
+}
+
+/// The open loop on the model and in every corner, with the same taken out; a loop that is not stable has no points.
+pub fn open_loops(
+    table: &Table,
+    settings: &Settings,
+    spread: &Spread,
+) -> Result<Vec<(Corner, Vec<Point>)>, DesignError> {
+    let corners: Vec<Corner> = std::iter::once(Corner::default()).chain(spread.corners()).collect();
+    let points = |corner: Corner| {
+        let found = looped(table, settings, &corner, open_loop_with)?;
+        Ok((corner, found.unwrap_or_default()))
+    };
+    corners.into_par_iter().map(points).collect()
+}
+
+fn looped<T>(
+    table: &Table,
+    settings: &Settings,
+    corner: &Corner,
+    seen: impl Fn(&mut Stepped, &mut Controller, SensorModel, Clock) -> T,
+) -> Result<T, DesignError> {
     let clock = Clock::new(f64::from(settings.rate), 2).map_err(ClosedLoopError::from)?;
     let mut law = Controller::new(&smooth(settings)).map_err(ClosedLoopError::from)?;
     let mut plant = table.linear(corner, clock.plant_step())?;
     let sensors = pressure_by_settings(&SensorModel::default(), settings);
-    Ok(margins_with(&mut plant, &mut law, sensors, clock))
+    Ok(seen(&mut plant, &mut law, sensors, clock))
 }
 
 fn smooth(settings: &Settings) -> Settings {

@@ -84,6 +84,32 @@ pub fn margins_with<P: Plant, L: Law>(
     sensors: SensorModel,
     clock: Clock,
 ) -> Option<Margins> {
+    open_loop_with(plant, law, sensors, clock).map(|points| read_off(&points))
+}
+
+/// The open loop at a frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Hz.
+    pub frequency: f64,
+    /// `L`, from the valve's command around to it, 1; an oscillation has -1.
+    pub open: Complex<f64>,
+}
+
+impl Point {
+    /// `S = 1 / (1 + L)`.
+    fn sensitivity(&self) -> Complex<f64> {
+        (self.open + 1.0).inv()
+    }
+}
+
+/// The open loop from 0.2 Hz to half the rate, every frequency 1.5 % above the one before; none where the loop is not stable.
+pub fn open_loop_with<P: Plant, L: Law>(
+    plant: &mut P,
+    law: &mut L,
+    sensors: SensorModel,
+    clock: Clock,
+) -> Option<Vec<Point>> {
     let n = (WATCHED * clock.rate()) as usize;
     let mut sensors = Sensors::new(sensors);
     let trace = run(plant, &mut Nudged { law, tick: 0 }, &mut sensors, &vec![0.0; n], clock);
@@ -93,7 +119,9 @@ pub fn margins_with<P: Plant, L: Law>(
     if !peak.is_finite() || end > SETTLED * peak {
         return None;
     }
-    Some(read_off(&answer, clock.rate()))
+    let rate = clock.rate();
+    let grid = std::iter::successors(Some(0.2), |f| Some(f * 1.015)).take_while(|f| *f < 0.499 * rate);
+    Some(grid.map(|frequency| Point { frequency, open: transform(&answer, rate, frequency).inv() - 1.0 }).collect())
 }
 
 /// `S` at a frequency (Hz) from its impulse response.
@@ -103,23 +131,21 @@ fn transform(answer: &[f64], rate: f64, frequency: f64) -> Complex<f64> {
     answer.iter().rev().fold(Complex::new(0.0, 0.0), |sum, &s| sum * turn + s)
 }
 
-fn read_off(answer: &[f64], rate: f64) -> Margins {
-    let grid = std::iter::successors(Some(0.2), |f| Some(f * 1.015)).take_while(|f| *f < 0.499 * rate);
+fn read_off(points: &[Point]) -> Margins {
     let mut found =
         Margins { gain_db: 60.0, phase_degrees: 180.0, crossover_hz: 0.0, peak_sensitivity: 0.0, left: 0.0 };
     let (mut before, mut inside) = (None::<Complex<f64>>, 0.0);
-    for frequency in grid {
-        let s = transform(answer, rate, frequency);
+    for point in points {
+        let s = point.sensitivity();
         found.peak_sensitivity = found.peak_sensitivity.max(s.norm());
-        if (BAND.0..=BAND.1).contains(&frequency) {
+        if (BAND.0..=BAND.1).contains(&point.frequency) {
             found.left += s.norm_sqr();
             inside += 1.0;
         }
-        let here = s.inv() - 1.0;
         if let Some(last) = before {
-            cross(&mut found, last, here, frequency);
+            cross(&mut found, last, point.open, point.frequency);
         }
-        before = Some(here);
+        before = Some(point.open);
     }
     found.left = (found.left / inside).sqrt();
     found

@@ -69,16 +69,29 @@ pub fn response_spectrum(
     if let Some(&period) = periods.iter().find(|t| !(**t > 0.0 && t.is_finite())) {
         return Err(SpectrumError::Period(period));
     }
+    let impulses = impulses(acceleration, dt);
     let peaks: Vec<[f64; 3]> =
-        periods.par_iter().map(|&period| Oscillator::new(period, damping, dt).peaks(acceleration)).collect();
+        periods.par_iter().map(|&period| Oscillator::new(period, damping, dt).peaks(acceleration, &impulses)).collect();
     let column = |i: usize| peaks.iter().map(|p| p[i]).collect();
     Ok(ResponseSpectrum { damping, periods: periods.to_vec(), s_d: column(0), s_v: column(1), s_a: column(2) })
+}
+
+/// Steps from sample to sample that are judged together.
+const BLOCK: usize = 8;
+
+/// Largest change of a ground velocity over each block, m/s: the integral of the acceleration's magnitude, straight between samples.
+fn impulses(acceleration: &[f64], dt: f64) -> Vec<f64> {
+    let step = |k: usize| 0.5 * dt * (acceleration[k].abs() + acceleration[k + 1].abs());
+    let steps = acceleration.len().saturating_sub(1);
+    (0..steps).step_by(BLOCK).map(|from| (from..steps.min(from + BLOCK)).map(step).sum()).collect()
 }
 
 /// `x'' + 2 z w x' + w^2 x = -a`, stepped exactly for an acceleration that is linear over a step.
 struct Oscillator {
     w: f64,
     damping: f64,
+    /// What is divided by at every sample, turned over once.
+    over: Reciprocals,
     /// Length of a sample, s.
     dt: f64,
     /// Length of a step, s.
@@ -89,6 +102,28 @@ struct Oscillator {
     short: Transition,
     /// After a sample.
     long: Transition,
+}
+
+/// Factors of the particular solution and of the free vibration that meets the start.
+#[derive(Debug, Clone, Copy)]
+struct Reciprocals {
+    /// `1 / dt`.
+    dt: f64,
+    /// `1 / w`.
+    w: f64,
+    /// `1 / w^2`.
+    w2: f64,
+    /// `2 z / w^3`.
+    ramp: f64,
+    /// `1 / (w sqrt(1 - z^2))`.
+    damped: f64,
+}
+
+impl Reciprocals {
+    fn new(w: f64, z: f64, dt: f64) -> Self {
+        let damped = 1.0 / (w * (1.0 - z * z).sqrt());
+        Self { dt: 1.0 / dt, w: 1.0 / w, w2: 1.0 / (w * w), ramp: 2.0 * z / (w * w * w), damped }
+    }
 }
 
 /// `(x, v)` from `(x, v, a, a_next)`.
@@ -107,7 +142,8 @@ impl Transition {
     }
 
     fn after(&self, (x, v): (f64, f64), a: f64, next: f64) -> (f64, f64) {
-        let of = |row: &[f64; 4]| row[0] * x + row[1] * v + row[2] * a + row[3] * next;
+        // Grouped so that what the ground adds does not wait for the state.
+        let of = |row: &[f64; 4]| (row[0] * x + row[1] * v) + (row[2] * a + row[3] * next);
         (of(&self.0[0]), of(&self.0[1]))
     }
 }
@@ -118,7 +154,7 @@ impl Oscillator {
         let steps = (20.0 * dt / period).ceil().clamp(4.0, 1e4) as usize;
         let h = dt / steps as f64;
         let (short, long) = (Transition::new(w, damping, h), Transition::new(w, damping, dt));
-        Self { w, damping, dt, h, steps, short, long }
+        Self { w, damping, over: Reciprocals::new(w, damping, dt), dt, h, steps, short, long }
     }
 
     /// Relative displacement, relative velocity and absolute acceleration, and the rates they change at.
@@ -132,12 +168,12 @@ impl Oscillator {
     /// What none of the quantities exceeds within a sample: the particular solution's largest and the free vibration's amplitude, or,
     /// for a soft oscillator, where its rates take it.
     fn bounds(&self, (x, v): (f64, f64), a: f64, next: f64) -> [f64; 3] {
-        let (w, z) = (self.w, self.damping);
-        let slope = (next - a) / self.dt;
-        let particular = |a: f64| -a / (w * w) + 2.0 * z * slope / (w * w * w);
-        let (begin, drift) = (particular(a), -slope / (w * w));
+        let (w, z, over) = (self.w, self.damping, &self.over);
+        let slope = (next - a) * over.dt;
+        let particular = |a: f64| over.ramp * slope - a * over.w2;
+        let (begin, drift) = (particular(a), -slope * over.w2);
         let c1 = x - begin;
-        let c2 = (v - drift + z * w * c1) / (w * (1.0 - z * z).sqrt());
+        let c2 = (v - drift + z * w * c1) * over.damped;
         let amplitude = (c1 * c1 + c2 * c2).sqrt();
         let farthest = begin.abs().max(particular(next).abs());
         // The particular solution's absolute acceleration is the ground's.
@@ -148,16 +184,34 @@ impl Oscillator {
         [displacement, velocity, absolute.min(2.0 * z * w * velocity + w * w * displacement)]
     }
 
+    /// Whether no quantity can exceed its peak within a block: the amplitude `sqrt(x^2 + (v / w)^2)` grows by no more than the ground's
+    /// impulse over `w`, whatever the damping takes.
+    fn calm(&self, (x, v): (f64, f64), impulse: f64, peaks: &[f64; 3]) -> bool {
+        let (w, z) = (self.w, self.damping);
+        let rate = v * self.over.w;
+        let amplitude = (x * x + rate * rate).sqrt() + impulse * self.over.w;
+        let absolute = w * w * amplitude * (1.0 + 4.0 * z * z).sqrt();
+        amplitude <= peaks[0] && w * amplitude <= peaks[1] && absolute <= peaks[2]
+    }
+
     /// Largest relative displacement, relative velocity and absolute acceleration.
-    fn peaks(&self, acceleration: &[f64]) -> [f64; 3] {
+    fn peaks(&self, acceleration: &[f64], impulses: &[f64]) -> [f64; 3] {
         let mut state = (0.0, 0.0);
         let mut peaks = [0.0f64; 3];
-        for pair in acceleration.windows(2) {
-            let bounds = self.bounds(state, pair[0], pair[1]);
-            if bounds.iter().zip(&peaks).all(|(bound, peak)| bound <= peak) {
-                state = self.long.after(state, pair[0], pair[1]);
-            } else {
-                state = self.sought(&mut peaks, state, (pair[0], pair[1]));
+        for (block, impulse) in impulses.iter().enumerate() {
+            let until = acceleration.len().min((block + 1) * BLOCK + 1);
+            let pairs = acceleration[block * BLOCK..until].windows(2);
+            if self.calm(state, *impulse, &peaks) {
+                state = pairs.fold(state, |state, pair| self.long.after(state, pair[0], pair[1]));
+                continue;
+            }
+            for pair in pairs {
+                let bounds = self.bounds(state, pair[0], pair[1]);
+                if bounds.iter().zip(&peaks).all(|(bound, peak)| bound <= peak) {
+                    state = self.long.after(state, pair[0], pair[1]);
+                } else {
+                    state = self.sought(&mut peaks, state, (pair[0], pair[1]));
+                }
             }
         }
         peaks

@@ -188,6 +188,35 @@ fn the_recording_says_what_the_device_did() {
     assert!((0..world.codes.len()).find_map(at).is_some(), "the recording is none of what the device did");
 }
 
+/// A record, fitted and written as a drive, played by the device: its telemetry says what the drive's file does.
+#[test]
+fn a_drive_that_was_written_is_what_the_device_plays() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let mut record = String::from("time [s],acceleration [m/s2]\n");
+    for k in 0..400 {
+        let t = f64::from(k) * 0.01;
+        record += &format!("{t:.2},{:.6}\n", 2.0 * (7.0 * t).sin() * (-((t - 2.0) / 0.6).powi(2)).exp());
+    }
+    std::fs::write(at("record.csv"), record).unwrap();
+    shakedown(&["modify", &at("record.csv"), "--method", "taut", "--out", &at("drive.csv")], "");
+    let text = std::fs::read_to_string(at("drive.csv")).unwrap();
+    let second = |line: &str| line.split_once(',').and_then(|(_, mm)| mm.parse::<f64>().ok());
+    let drive: Vec<f64> =
+        text.lines().filter(|line| !line.starts_with('#')).filter_map(second).map(|mm| mm * 1e-3).collect();
+    let out = at("run");
+    with_device(|port| {
+        shakedown(&["device", "--port", port.to_str().unwrap(), "run", &at("drive.csv"), "--out", &out, NO_PROOF], "");
+    });
+    let table = file::read(&Path::new(&out).join("recording.csv"), &["reference"]).unwrap();
+    let played = &table.columns[0];
+    assert!(drive.len() > 10_000 && played.len() >= drive.len(), "{} of {}", played.len(), drive.len());
+    let peak = drive.iter().fold(0.0_f64, |p, x| p.max(x.abs()));
+    let worst = drive.iter().zip(played).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    println!("drive and telemetry: {:.1e} of the peak apart at most, over {} samples", worst / peak, drive.len());
+    assert!(peak > 0.01 && worst <= 1e-6 * peak, "{worst} m of {peak} m");
+}
+
 /// A file with `record`, m, at 1 kHz.
 fn written(folder: &Path, record: &[f32]) -> PathBuf {
     let mut text = String::from("time [s],reference [m]\n");

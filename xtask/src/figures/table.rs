@@ -14,6 +14,9 @@ const DIAGNOSE: &str = "diagnosis and its proof";
 const CONTROL: &str = "control";
 const SAFETY: &str = "safety and robustness";
 const BUILD: &str = "build and report";
+const HOSTS: &str = "hosts of the core and the library";
+const LABORATORY: &str = "laboratory";
+const SHOWN: &str = "pages, live, input";
 
 const TABLE1: &str = "cargo run --release -- table1 --records ../shared/data/records";
 const BENCH: &str = "cargo bench -p shakedown --bench closed_loop";
@@ -27,6 +30,12 @@ const LAW_COST: &str = "cargo xtask law-cost";
 const FAULTS: &str =
     "cargo run --release -- faults --seed 2036 --runs 100000 --records ../shared/data/records --out faults";
 const REHEARSAL: &str = "cargo test --ignore-rust-version -p shakedown-replay --test rehearsal -- --nocapture";
+const WEB: &str = "cargo xtask page && cargo test --release -p shakedown-tests --test web -- --include-ignored --nocapture --test-threads 1";
+const LEARNING: &str = "cargo run --release -p shakedown --example learning";
+const REQUIRED: &str = "cargo run --release -p shakedown --example required_spectra";
+const INNER_LOOP: &str = "CASES=50 cargo test --release -p shakedown --test inner_loop -- --nocapture";
+const LIVE: &str =
+    "cargo test --release -p shakedown-tests --test live -- --include-ignored --nocapture --test-threads 1";
 const NONE: &str = "";
 
 pub(super) const FIGURES: &[Figure] = &[
@@ -177,5 +186,69 @@ pub(super) const FIGURES: &[Figure] = &[
         "requests and console messages of a report in Chromium",
         "none",
         "cargo test -p shakedown-tests --test report_page",
+    ),
+    figure(
+        HOSTS,
+        "one tape in Rust, thumbv7em, C, Python, wasm and FMU: digests",
+        "nine equal; a flipped bit found",
+        "cargo xtask hosts",
+    ),
+    figure(
+        HOSTS,
+        "Python: diagnosis of the given recordings against the command line's",
+        "equal",
+        "cargo xtask hosts python",
+    ),
+    figure(HOSTS, "wheel; page", "at most 15 MB; 6 MB", "cargo xtask hosts python && cargo xtask page"),
+    figure(
+        HOSTS,
+        "Python: a call of step over C; a run over Rust",
+        "at most 1 us; 1.1",
+        "cargo xtask hosts python && cargo xtask hosts cost",
+    ),
+    figure(HOSTS, "browser: Kobe by taut string, page and all; by convex; a single effect named", "0.5, 8, 60 s", WEB),
+    figure(HOSTS, "browser: results against the command line's; requests", "1e-9 relative; none", WEB),
+    figure(
+        LABORATORY,
+        "files of other software, against npTDMS, h5py, SciPy and ObsPy",
+        "within 1e-12",
+        "cargo build -p shakedown --example columns && python3 tests/readers/check.py",
+    ),
+    figure(
+        LABORATORY,
+        "a drive written, read back, played by the emulated device",
+        "within 1e-6 of its peak",
+        "cargo test -p shakedown-tests --test drives && cargo test --ignore-rust-version -p shakedown-replay --test device -- drive",
+    ),
+    figure(LABORATORY, "learning: limits; error after one run over plain learning's", "kept; at most 0.5", LEARNING),
+    figure(LABORATORY, "softened payload found; false alarms, far bound", "at least 95; at most 2 %", LEARNING),
+    figure(LABORATORY, "response spectra against closed forms", "within 0.1 %", REQUIRED),
+    figure(LABORATORY, "20 required spectra by 5 tables: neither met nor proven out of reach", "at most 5", REQUIRED),
+    figure(LABORATORY, "concealed inner loops: gains at the median; in 90 %", "within 3; 10 %", INNER_LOOP),
+    figure(
+        LABORATORY,
+        "synthetic motion of known margin: verdict, margin, the violated rule",
+        "right; named",
+        "cargo test --release -p shakedown --lib motion::qualify",
+    ),
+    figure(
+        SHOWN,
+        "every page at 1280 and 400 px, light and dark: overflow, overlap, empty figures",
+        "none",
+        "cargo test --release -p shakedown-tests --test pages -- --include-ignored",
+    ),
+    figure(
+        SHOWN,
+        "wrong inputs over all commands: status 2, file, place, remedy",
+        "each of 150 or more",
+        "cargo test -p shakedown-tests --test wrong_input",
+    ),
+    figure(SHOWN, "an hour of fuzzing the command line", "no panic", "cargo xtask fuzz command-line 3600"),
+    figure(SHOWN, "ten minutes of 1 kHz telemetry: drops; redraws; memory", "all counted; 10 a second; flat", LIVE),
+    figure(
+        SHOWN,
+        "tutorial's commands; its first chapters with the binary alone",
+        "each does what it shows",
+        "cargo test -p shakedown-tests --test tutorial && cargo xtask release host",
     ),
 ];

@@ -39,10 +39,13 @@ pub(super) fn play(folder: &Path, compiler: &str, optimised: &str) -> Result<(),
     read(command(&[&program.display().to_string(), "tape", "answers"]).current_dir(folder)).map(drop)
 }
 
+pub(super) fn build_cost(work: &Work) -> Result<(), Problem> {
+    execute(&mut command(&LIBRARY))?;
+    compile(work, "gcc", "-O3", "cost.c", "cost")
+}
+
 /// What a call of `step` costs from C, ns.
 pub(super) fn cost(work: &Work) -> Result<f64, Problem> {
-    execute(&mut command(&LIBRARY))?;
-    compile(work, "gcc", "-O3", "cost.c", "cost")?;
     let said = read(&mut command(&[&work.folder.join("cost").display().to_string()]))?;
     said.trim().parse().map_err(|_| Problem::Failed(format!("the cost in C is no number: {said}")))
 }

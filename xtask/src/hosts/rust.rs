@@ -12,6 +12,17 @@ pub(super) fn play(work: &Work, folder: &Path) -> Result<(), Problem> {
     read(command(&[&program, "play", "tape", "answers"]).current_dir(folder)).map(drop)
 }
 
+/// What plays a tape here, and tells what a sample costs.
+pub(super) fn build() -> Result<(), Problem> {
+    execute(&mut command(&["cargo", "build", "--locked", "--release", "--package", IMAGE]))
+}
+
+/// What a sample of a run costs in Rust, ns.
+pub(super) fn cost(work: &Work) -> Result<f64, Problem> {
+    let said = read(&mut command(&[&work.release(IMAGE).display().to_string(), "cost"]))?;
+    said.trim().parse().map_err(|_| Problem::Failed(format!("the cost in Rust is no number: {said}")))
+}
+
 /// The image that plays a tape by semihosting.
 pub(super) fn build_image(_: &Work) -> Result<(), Problem> {
     let none = format!("no compiler for {TARGET}: run `cargo xtask setup`");
