@@ -14,8 +14,8 @@ mod wiring;
 pub use crate::units::Scale;
 pub use arming::{Challenge, answer};
 pub use frame::{
-    Batch, Clock, DeviceHealth, HostRequest, Identity, MAX_BATCH, MAX_POINTS, Points, Record, RefusedBecause, Report,
-    StopCause,
+    Batch, Clock, DeviceHealth, HostRequest, Identity, MAX_BATCH, MAX_OPTIONS, MAX_POINTS, OptionByte, OptionPurpose,
+    Points, Record, RefusedBecause, Report, StopCause,
 };
 pub use wiring::{Setup, SetupError, Source, Wiring};
 
@@ -23,7 +23,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 /// The version of frames and settings; a device and a host of different versions refuse each other. Whatever changes their
 /// shape changes this: a test holds the shape of each version.
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 
 /// Longest frame on the wire, byte, the closing zero included.
 pub const MAX_FRAME: usize = 640;

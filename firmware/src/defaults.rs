@@ -11,7 +11,7 @@ use shakedown_core::{Modification, Settings};
 use crate::converters::SCANS;
 use crate::limits::Limits;
 
-/// The STM32F407 with the converters on the chip, which sum up 16 scans of 12 bits. At 5 kHz a tick has 33,600 cycles of 168 MHz: 5.6 for each of the 6,000
+/// A processor of 168 MHz with the converters on the chip, which sum up 16 scans of 12 bits. At 5 kHz a tick has 33,600 cycles of 168 MHz: 5.6 for each of the 6,000
 /// instructions that a tick takes at most (`tests/replay/tests/cost.rs`), where five wait states at every fetch of a line make 6
 /// for one that needs a line of its own.
 pub const LIMITS: Limits = Limits { full_scale: 4095 * SCANS as u16, highest_rate: 5000 };

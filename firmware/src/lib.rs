@@ -12,21 +12,31 @@
 //! the loop alone can make and which keeps the relay open while it exists.
 #![no_std]
 
+#[cfg(test)]
+extern crate std;
+
 pub mod control_loop;
 pub mod converters;
 pub mod defaults;
+#[cfg(feature = "board")]
+pub mod failure;
 mod input_scaling;
 pub mod limits;
+pub mod line;
 pub mod link_server;
 pub mod link_task;
 #[cfg(feature = "log")]
 mod logged;
+pub mod options;
 pub mod output;
+#[cfg(feature = "board")]
+pub mod parts;
 pub mod published;
 pub mod queues;
 pub mod signs_of_life;
 pub mod store;
 pub mod tick;
+pub mod watchdog;
 
 pub use control_loop::{Codes, ControlLoop, Events, Notifications, OpenRelay, Outcome};
 pub use link_server::LinkServer;

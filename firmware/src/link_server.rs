@@ -27,6 +27,8 @@ pub enum Action {
     Wait,
     /// Write [`LinkServer::setup`] to flash, then give the proof back to [`LinkServer::saved`].
     Save(OpenRelay),
+    /// Send the option bytes that the board reads.
+    TellOptions,
 }
 
 /// What the loop published last.
@@ -132,6 +134,7 @@ impl<'a> LinkServer<'a> {
             HostRequest::Reference(points) => self.reference(&points, state),
             HostRequest::Probe(code) if state == State::Off => self.order(LoopCommand::Probe(Some(code))),
             HostRequest::ReadVitals => Report::Vitals(self.vitals(seen)),
+            HostRequest::ReadOptions => return Action::TellOptions,
             HostRequest::Save | HostRequest::Probe(_) => Report::Refused(RefusedBecause::State(state)),
         };
         Action::Send(report)

@@ -4,6 +4,7 @@ use shakedown_core::link::{Assembler, HostRequest, LinkError, MAX_FRAME, Report,
 
 use crate::OpenRelay;
 use crate::link_server::{Action, LinkServer, LoopStatus};
+use crate::options::Options;
 use crate::published;
 use crate::queues::TestStatus;
 
@@ -26,6 +27,9 @@ pub trait LinkBoard {
 
     /// A cause of a trip that stands on the board's inputs now.
     fn standing_cause(&self) -> Option<StopCause>;
+
+    /// The option bytes that matter to this board, as they are in force.
+    fn options(&self) -> Options;
 
     /// The link has been served: a watchdog wants to know.
     fn served(&self);
@@ -100,6 +104,7 @@ impl<'q, B: LinkBoard> Link<'q, B> {
         match action {
             Action::Send(report) => self.answer = Some(report),
             Action::Save(proof) => self.answer = Some(self.save(proof)),
+            Action::TellOptions => self.answer = Some(Report::Options(self.board.options())),
             Action::Wait => {}
         }
     }

@@ -11,6 +11,9 @@ pub use in_memory::{InMemory, OutOfRange};
 
 use shakedown_core::link::{Setup, VERSION, checksum};
 
+use crate::defaults;
+use crate::limits::Limits;
+
 /// Longest slot content, byte.
 pub const SLOT: usize = 512;
 
@@ -51,6 +54,15 @@ pub fn load(slots: &impl Slots) -> Option<Found> {
     };
     // One at a time: the stack holds one.
     read(slots, later).or_else(|| read(slots, 1 - later))
+}
+
+/// The setup in flash, and whether there is one that a board of these `limits` takes; else the defaults.
+#[inline(never)]
+pub fn load_or_default(slots: &impl Slots, limits: Limits) -> (Setup, bool) {
+    match load(slots).filter(|found| limits.check(&found.setup).is_ok()) {
+        Some(found) => (found.setup, true),
+        None => (defaults::setup_of(limits), false),
+    }
 }
 
 /// The sequence of a slot that is whole, whatever it holds.

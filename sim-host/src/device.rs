@@ -7,6 +7,7 @@ mod drive;
 mod line;
 #[cfg(unix)]
 mod port;
+mod proof_test;
 mod recorder;
 mod recording;
 mod session;
@@ -16,6 +17,7 @@ pub use drive::{Drive, DriveError, Progress};
 pub use line::{Heard, Talker};
 #[cfg(unix)]
 pub use port::Port;
+pub use proof_test::{PROOF_TEST, ProofTest, proof_test_kept};
 pub use recorder::{Kept, Recorder, RecorderError};
 pub use recording::Sheet;
 pub use session::{Line, Session, SessionError};

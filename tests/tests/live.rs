@@ -171,7 +171,7 @@ fn the_device_of_a_killed_host_fades_out_and_holds_and_the_next_host_stops_it() 
     reference(&folder.path().join("reference.csv"), 20);
     let device = Device::start();
     let port = device.port.to_str().unwrap().to_owned();
-    let arguments = ["reference.csv", "--port", &port, "--out", "runs"];
+    let arguments = ["reference.csv", "--port", &port, "--out", "runs", "--without-proof-test"];
     let live = Live::start(folder.path(), &arguments);
     until("off", || live.status()["state"] == "off");
     live.armed_and_started();
@@ -222,6 +222,35 @@ fn records_that_a_line_loses_are_counted() {
     let share = count("missing") as f64 / sent;
     assert!(share > 0.02 && share < 0.6, "{share} of {sent}");
     live.end();
+}
+
+/// A page arms a device only while the day's proof test holds, and asks anew each time.
+#[test]
+fn arming_from_the_page_asks_for_the_proof_test() {
+    let folder = TempDir::new().unwrap();
+    reference(&folder.path().join("reference.csv"), 3);
+    let device = Device::start();
+    let port = device.port.to_str().unwrap().to_owned();
+    let live = Live::start(folder.path(), &["reference.csv", "--port", &port, "--out", "runs"]);
+    until("off", || live.status()["state"] == "off");
+    let arm = "{\"order\":\"arm\"}";
+    let kept = folder.path().join("proof-test.toml");
+    let tested = |ago: u64, passed: bool| {
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs();
+        std::fs::write(&kept, format!("date = \"\"\nseconds = {}\npassed = {passed}\n", now - ago)).unwrap();
+    };
+    assert_eq!(live.order(arm), 409, "never done");
+    tested(90_000, true);
+    assert_eq!(live.order(arm), 409, "of the day before");
+    tested(60, false);
+    assert_eq!(live.order(arm), 409, "not passed");
+    assert_eq!(live.status()["state"], "off");
+    tested(60, true);
+    live.armed_and_started();
+    assert_eq!(live.order("{\"order\":\"stop\"}"), 200);
+    until("off", || live.status()["state"] == "off");
+    live.end();
+    drop(device);
 }
 
 #[test]

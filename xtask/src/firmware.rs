@@ -1,10 +1,11 @@
 //! The firmware image: builds it, flashes it, runs it against the plant on an emulated processor.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use object::read::elf::ElfFile32;
 use object::{LittleEndian, Object as _, ObjectSection as _, SectionKind};
 
+use crate::boards::{self, Board};
 use crate::output::say;
 use crate::setup::{self, QEMU};
 use crate::shell::{Problem, command, no_words, run as execute, top, works};
@@ -12,62 +13,22 @@ use crate::toolchain::{self, TARGET, Toolchain};
 
 /// What the linker is told; the same as in `firmware/.cargo/config.toml`, which only a build from that folder reads.
 pub(crate) const LINKER: &str = "-C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
-/// The image, from the top of the workspace.
-const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-stm32f407";
-
 /// Where RAM begins on all of them.
 const RAM: u64 = 0x2000_0000;
-
-/// A board that an image is built for.
-pub(crate) struct Board {
-    /// Its name in files.
-    pub(crate) name: &'static str,
-    /// Its name for people.
-    pub(crate) title: &'static str,
-    /// The package that is built.
-    pub(crate) package: &'static str,
-    /// Its program that is the image.
-    pub(crate) image: &'static str,
-    /// The part, as `probe-rs` calls it.
-    pub(crate) chip: &'static str,
-    /// Where its flash begins.
-    pub(crate) flash: u32,
-}
-
-/// All of them; the first is the one that is flashed and replayed by default.
-pub(crate) const BOARDS: &[Board] = &[
-    Board {
-        name: "stm32f407",
-        title: "STM32F407 with its own converters",
-        package: "shakedown-stm32f407",
-        image: "shakedown-stm32f407",
-        chip: "STM32F407VGTx",
-        flash: 0x0800_0000,
-    },
-    Board {
-        name: "stm32f407-outboard",
-        title: "STM32F407 with converters of 16 bits outboard",
-        package: "shakedown-stm32f407",
-        image: "shakedown-stm32f407-outboard",
-        chip: "STM32F407VGTx",
-        flash: 0x0800_0000,
-    },
-    Board {
-        name: "stm32g474",
-        title: "NUCLEO-G474RE with its own converters",
-        package: "shakedown-stm32g474",
-        image: "shakedown-stm32g474",
-        chip: "STM32G474RETx",
-        flash: 0x0800_0000,
-    },
-];
 
 impl Board {
     /// The command that builds its image, without its flags.
     pub(crate) fn command(&self) -> Result<std::process::Command, Problem> {
-        found()?.cargo(&["build", "--locked", "--profile", "firmware", "--package", self.package, "--bin", self.image])
+        let (package, image) = (self.package.as_str(), self.image.as_str());
+        found()?.cargo(&["build", "--locked", "--profile", "firmware", "--package", package, "--bin", image])
+    }
+
+    /// Where it is built, in the target folder `folder`.
+    pub(crate) fn built(&self, folder: &Path) -> PathBuf {
+        folder.join(TARGET).join("firmware").join(&self.image)
     }
 }
+
 /// The C compiler for the target.
 pub(crate) const GCC: &str = "arm-none-eabi-gcc";
 
@@ -79,9 +40,9 @@ pub(crate) fn build(words: &[String]) -> Result<(), Problem> {
         Toolchain::Rustup => "compiler: rustup's, with its standard library for the target",
         Toolchain::Debian => "compiler: Debian's rustc-web, compiling core from rust-web-src",
     });
-    for board in BOARDS {
+    for board in boards::all()? {
         execute(board.command()?.env("RUSTFLAGS", LINKER).current_dir(top()))?;
-        let path = top().join(format!("target/{TARGET}/firmware/{}", board.image));
+        let path = board.built(&top().join("target"));
         let (flash, ram) = size(&path)?;
         say(&format!("{}: {}, {flash} bytes of flash, {ram} of RAM beside the stack", board.title, path.display()));
     }
@@ -107,7 +68,9 @@ pub(crate) fn flash(words: &[String]) -> Result<(), Problem> {
     if !works(&["probe-rs", "--version"]) {
         return Err(Problem::Failed("probe-rs is not here: `cargo install probe-rs-tools --locked`".into()));
     }
-    execute(&mut command(&["probe-rs", "run", "--chip", BOARDS[0].chip, IMAGE]))
+    let board = boards::default()?;
+    let image = board.built(&top().join("target")).display().to_string();
+    execute(&mut command(&["probe-rs", "run", "--chip", &board.chip, &image]))
 }
 
 /// Builds everything that the tests of the image in the loop run.

@@ -1,11 +1,12 @@
 //! The house rules a compiler does not know: lengths of files, the direction of dependencies, circles, stray
-//! paths, the width of the core's front door, the length of its tick, words that must not come back.
+//! paths, boards known outside their folders, the width of the core's front door, the length of its tick, words that must not come back.
 
 mod circles;
 mod direction;
 mod front_door;
 mod lengths;
 mod paths;
+mod ports;
 mod tick;
 mod words;
 
@@ -36,6 +37,7 @@ fn breaches(files: &[File]) -> Result<Vec<String>, Problem> {
         direction::modules(files),
         circles::check(files),
         paths::check(files),
+        ports::check(files),
         front_door::check(files),
         tick::check(files),
         words::check(files),
@@ -44,6 +46,7 @@ fn breaches(files: &[File]) -> Result<Vec<String>, Problem> {
 }
 
 /// A file of the tree: its path from the top, and its text.
+#[derive(Clone)]
 struct File {
     path: String,
     text: String,

@@ -1,6 +1,7 @@
 //! Every chore has one name: `cargo xtask help` lists them. One file a chore, one line in [`CHORES`].
 
 mod benchmarks;
+mod boards;
 mod deny;
 mod figures;
 mod firmware;

@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use crate::shell::{Problem, command, read, run as execute, top};
-use crate::{firmware, toolchain};
+use crate::{boards, firmware};
 use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -68,8 +68,8 @@ fn build(product: Product, from: &Path, name: &str) -> Result<String, Problem> {
         }
         Product::Firmware => {
             let flags = format!("{} {}", firmware::LINKER, remap(from, &folder));
-            let made = folder.join(toolchain::TARGET).join("firmware/shakedown-stm32f407");
-            (firmware::image_command("shakedown-stm32f407")?, flags, made)
+            let board = boards::default()?;
+            (board.command()?, flags, board.built(&folder))
         }
     };
     in_folder(&mut cargo, from).env("CARGO_TARGET_DIR", &folder).env("RUSTFLAGS", flags);

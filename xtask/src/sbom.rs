@@ -1,16 +1,17 @@
 //! The list of all that is built into the host tool and the firmware, as `CycloneDX` 1.5 JSON, from Cargo's own record.
 
+use crate::boards;
 use crate::output::say;
 use crate::shell::{Problem, metadata, top};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is shipped of this workspace.
-const SHIPPED: [&str; 4] = ["shakedown", "shakedown-core", "shakedown-stm32f407", "shakedown-stm32g474"];
+/// What is shipped of this workspace beside the boards' images.
+const SHIPPED: [&str; 2] = ["shakedown", "shakedown-core"];
 
 /// The chore: writes the list to a file, or prints it.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
-    let text = of(&SHIPPED)?;
+    let text = of(&[SHIPPED.map(String::from).to_vec(), boards::packages()?].concat())?;
     match words {
         [] => say(text.trim_end()),
         [path] => std::fs::write(path, text).map_err(|e| Problem::Failed(format!("{path}: {e}")))?,
@@ -20,7 +21,7 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
 }
 
 /// The list of what is built into the packages named, as text.
-pub(crate) fn of(shipped: &[&str]) -> Result<String, Problem> {
+pub(crate) fn of(shipped: &[String]) -> Result<String, Problem> {
     let list = list(&metadata(true)?, &checksums()?, shipped);
     serde_json::to_string_pretty(&list).map(|text| text + "\n").map_err(|e| Problem::Failed(e.to_string()))
 }
@@ -37,11 +38,11 @@ fn checksums() -> Result<BTreeMap<(String, String), String>, Problem> {
 }
 
 /// The list from `cargo metadata`: what the shipped packages need to run, tests and build-time chores left out.
-fn list(metadata: &Value, checksums: &BTreeMap<(String, String), String>, shipped: &[&str]) -> Value {
+fn list(metadata: &Value, checksums: &BTreeMap<(String, String), String>, shipped: &[String]) -> Value {
     let needs = needs(metadata);
     let mut reached: BTreeSet<&str> = BTreeSet::new();
     let mut open: Vec<&str> = packages(metadata)
-        .filter(|p| p["source"].is_null() && shipped.contains(&text(p, "name")))
+        .filter(|p| p["source"].is_null() && shipped.iter().any(|name| name == text(p, "name")))
         .map(|p| text(p, "id"))
         .collect();
     while let Some(id) = open.pop() {
@@ -116,7 +117,7 @@ mod tests {
 
     #[test]
     fn what_is_built_in_is_listed_with_its_licence_and_hash() {
-        let list = list(&metadata(true).unwrap(), &checksums().unwrap(), &SHIPPED);
+        let list = list(&metadata(true).unwrap(), &checksums().unwrap(), &SHIPPED.map(String::from));
         let parts = list["components"].as_array().unwrap();
         let named = |name: &str| parts.iter().find(|p| p["name"] == name);
         let libm = named("libm").expect("core's one dependency for functions");

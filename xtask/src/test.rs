@@ -3,7 +3,7 @@
 use crate::output::say;
 use crate::shell::{Problem, command, run as execute, top};
 use crate::toolchain::{self, Toolchain};
-use crate::{firmware, house, properties, setup};
+use crate::{boards, firmware, house, properties, setup};
 use std::time::Instant;
 
 /// One step: its name and what it does.
@@ -89,7 +89,8 @@ fn lints() -> Outcome {
     let linted = execute(command(&["cargo"]).args(words).args(host).args(deny));
     let linted = linted.and_then(|()| match toolchain::find() {
         Some(found @ Toolchain::Rustup) => {
-            let boards = ["--package", "shakedown-stm32f407", "--package", "shakedown-stm32g474"];
+            let packages = boards::packages()?;
+            let boards: Vec<&str> = packages.iter().flat_map(|name| ["--package", name]).collect();
             execute(found.cargo(&[&words[..], &boards].concat())?.args(deny))
         }
         _ => Ok(()),

@@ -1,6 +1,6 @@
 //! The frames themselves.
 
-use heapless::Vec;
+use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
 use super::{Challenge, Setup};
@@ -46,6 +46,8 @@ pub enum HostRequest {
     Probe(u16),
     /// Answered by [`Report::Vitals`].
     ReadVitals,
+    /// Answered by [`Report::Options`].
+    ReadOptions,
 }
 
 /// Points of a reference, one a tick.
@@ -84,6 +86,38 @@ pub struct Identity {
     pub clock: Clock,
     /// Highest control rate that the board keeps up with, Hz.
     pub highest_rate: u32,
+}
+
+/// Most option bytes that a board asks for.
+pub const MAX_OPTIONS: usize = 8;
+
+/// What an option byte decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OptionPurpose {
+    /// Below which supply the chip is held in reset.
+    BrownOut,
+    /// Whether the watchdog runs from the reset on, or from the program's start of it.
+    Watchdog,
+    /// Who may read the flash.
+    ReadProtection,
+    /// Whether the settings slots can be written.
+    WriteProtection,
+    /// How the flash is divided.
+    Banks,
+}
+
+/// One setting that a chip takes from its flash at power-on, as a board reads it back.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OptionByte {
+    /// What it decides.
+    pub purpose: OptionPurpose,
+    /// Its name in the vendor's programmer.
+    pub name: String<16>,
+    /// The value found, as the programmer takes it.
+    pub found: u32,
+    /// The value that the board asks for.
+    pub wanted: u32,
 }
 
 /// Why a device tripped, stopped by itself, or does not arm.
@@ -199,4 +233,6 @@ pub enum Report {
     },
     /// Telemetry.
     Telemetry(Batch),
+    /// To [`HostRequest::ReadOptions`]; empty where the device has none.
+    Options(Vec<OptionByte, MAX_OPTIONS>),
 }

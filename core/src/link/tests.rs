@@ -28,6 +28,9 @@ fn the_fullest_frames_fit() {
     let points = (0..MAX_POINTS).map(|_| 1.0).collect();
     wire(&Report::Telemetry(batch));
     wire(&HostRequest::Reference(Points { first: u32::MAX, points, last: true }));
+    let name = heapless::String::try_from("sixteen letters.").unwrap();
+    let byte = OptionByte { purpose: OptionPurpose::Banks, name, found: u32::MAX, wanted: u32::MAX };
+    wire(&Report::Options((0..MAX_OPTIONS).map(|_| byte.clone()).collect()));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use serde_reflection::{Samples, Tracer, TracerConfig};
-use shakedown_core::link::{Clock, HostRequest, RefusedBecause, Report, Source, StopCause, VERSION};
+use shakedown_core::link::{Clock, HostRequest, OptionPurpose, RefusedBecause, Report, Source, StopCause, VERSION};
 use shakedown_core::settings::{InnerLoop, ReferenceRates, VelocitySource};
 use shakedown_core::{Mode, Modification, State, Trip};
 
@@ -20,7 +20,7 @@ fn shape() -> String {
         ($($kind:ty),*) => { $(tracer.trace_type::<$kind>(&samples).unwrap();)* };
     }
     // A type's own enums come first: one hidden in a field is seen with its first variant alone.
-    trace!(State, Trip, StopCause, Clock, RefusedBecause, Source);
+    trace!(State, Trip, StopCause, Clock, OptionPurpose, RefusedBecause, Source);
     trace!(Mode, InnerLoop, Modification, ReferenceRates, VelocitySource, HostRequest, Report);
     let registry = tracer.registry().unwrap();
     registry.iter().fold(String::new(), |mut text, (name, format)| {

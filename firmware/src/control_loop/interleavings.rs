@@ -76,6 +76,7 @@ impl Device<'_> {
         let report = match action {
             Action::Wait => return,
             Action::Send(report) => report,
+            Action::TellOptions => Report::Options(heapless::Vec::new()),
             Action::Save(proof) => {
                 self.count.saves += 1;
                 assert!(!self.decide.relay(), "a save began with the relay closed");

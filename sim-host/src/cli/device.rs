@@ -1,5 +1,7 @@
 //! `shakedown device`: a connected device's setup, runs, telemetry and commissioning.
 
+mod asking;
+mod calibration;
 mod commission;
 mod page;
 mod proof;
@@ -10,7 +12,7 @@ use super::output::{Outputs, print};
 use super::{Failure, described};
 use clap::Subcommand;
 use serde_json::json;
-use shakedown::device::{Port, Session, SessionError};
+use shakedown::device::{PROOF_TEST, Port, Session, SessionError};
 use shakedown_core::link::{HostRequest, Report, Source};
 use std::path::{Path, PathBuf};
 
@@ -25,7 +27,8 @@ use std::path::{Path, PathBuf};
   shakedown device --port /dev/ttyACM0 run --seconds 60 --out run/
   shakedown diagnose run/experiment.toml
   shakedown device --port /dev/ttyACM0 commission --out commissioning.toml
-  shakedown device --port /dev/ttyACM0 commission --daily")]
+  shakedown device --port /dev/ttyACM0 commission --daily
+  shakedown device --port /dev/ttyACM0 commission --calibrate")]
 pub(crate) struct Args {
     /// The serial port [default: the one that table.toml of this folder states].
     #[arg(long, value_name = "PORT")]
@@ -88,7 +91,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Action::Listen(listen) => listen.run(&mut session),
         Action::Stop => session.order(&HostRequest::Stop).map_err(failed),
         Action::Trip => session.order(&HostRequest::Trip).map_err(failed),
-        Action::Commission(walk) if walk.daily => proof::walk(&mut session, Path::new(proof::FILE)),
+        Action::Commission(walk) if walk.calibrate => calibration::walk(&mut session, Path::new(calibration::FILE)),
+        Action::Commission(walk) if walk.daily => proof::walk(&mut session, Path::new(PROOF_TEST)),
         Action::Commission(walk) => walk.run(&mut session),
     }
 }

@@ -57,6 +57,9 @@ pub(crate) struct Args {
     /// The twin's table, a model as `identify` and `diagnose --model` write it [default: the paper's table].
     #[arg(long, value_name = "TABLE.toml", conflicts_with_all = ["port", "recording"])]
     table: Option<PathBuf>,
+    /// A device's page does not ask for the day's proof test (`device commission --daily`); a rehearsal's never does.
+    #[arg(long, requires = "port")]
+    without_proof_test: bool,
     /// Folder for the recordings, one folder a test; a device's tests need one.
     #[arg(long, value_name = "DIR", conflicts_with = "recording")]
     out: Option<PathBuf>,
@@ -94,6 +97,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         reference: reference(args, f64::from(setup.control.rate))?,
         attended: None,
         folder: args.out.clone(),
+        proof: None,
     };
     let name = args.table.as_ref().map_or_else(|| "the paper's table".to_owned(), |path| path.display().to_string());
     let twin = twin(&setup, setup_of, args)?;
@@ -130,7 +134,7 @@ fn device(_: &Args) -> Result<(), Failure> {
 
 #[cfg(unix)]
 fn device(args: &Args) -> Result<(), Failure> {
-    use shakedown::device::{Port, Session};
+    use shakedown::device::{PROOF_TEST, Port, ProofTest, Session};
     use shakedown_core::link::Source;
     let path = args.port.clone().unwrap_or_default();
     let attended = match args.time {
@@ -170,7 +174,12 @@ fn device(args: &Args) -> Result<(), Failure> {
         None => Vec::new(),
     };
     let port = Port::open(&path, args.baud).map_err(|e| refuse(&e))?;
-    let storage = Storage { reference, attended, folder: args.out.clone() };
+    let asks = !args.without_proof_test && setup.wiring.source != Source::Rehearsal;
+    let proof = asks.then(|| ProofTest::new(PROOF_TEST));
+    if let Some(overdue) = proof.as_ref().filter(|_| has_test).and_then(ProofTest::overdue) {
+        tell(&format!("note: {overdue}: the page will not arm before `device commission --daily`"));
+    }
+    let storage = Storage { reference, attended, folder: args.out.clone(), proof };
     let name = path.display().to_string();
     serve(args, Attendant::new(port, "device", name, setup, storage), &inputs(args))
 }

@@ -11,7 +11,7 @@ use std::process::Command;
 /// Runs a firmware image on an emulated processor, in the loop with the plant (needs `shakedown-replay`).
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  shakedown replay --elf target/thumbv7em-none-eabihf/firmware/shakedown-stm32f407 --report replay.html
+  shakedown replay --elf shakedown.elf --report replay.html
   shakedown replay --elf image.elf --mode guard --json -
 
 The emulator is a separate program: cargo install --path tests/replay --ignore-rust-version")]

@@ -7,7 +7,7 @@ use shakedown_core::State;
 use shakedown_core::link::{DeviceHealth, HostRequest, Report, Setup, Source};
 
 use super::bench::{Answer, BenchError, Facts, Phase};
-use crate::device::{Drive, DriveError, Kept, Line, Progress, Recorder, SessionError, Talker, Telemetry};
+use crate::device::{Drive, DriveError, Kept, Line, Progress, ProofTest, Recorder, SessionError, Talker, Telemetry};
 
 mod arming;
 mod as_bench;
@@ -33,6 +33,8 @@ pub struct Storage {
     pub attended: Option<u64>,
     /// Folder for the recordings, one folder a test; none where nothing is kept.
     pub folder: Option<PathBuf>,
+    /// The proof test that arming asks for; none where it asks for none.
+    pub proof: Option<ProofTest>,
 }
 
 /// A device at the other end of a line.
@@ -197,6 +199,9 @@ impl<L: Line> Attendant<L> {
         }
         if !self.facts.has_test {
             return Err("there is nothing to play; start `shakedown live` with a reference".into());
+        }
+        if let Some(overdue) = self.storage.proof.as_ref().and_then(ProofTest::overdue) {
+            return Err(format!("{overdue}; end this and walk through it with `device commission --daily`"));
         }
         match self.state() {
             Some(State::Off | State::Tripped) => Ok(()),

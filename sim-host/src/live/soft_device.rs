@@ -255,6 +255,8 @@ impl Served<'_> {
         match action {
             Action::Send(report) => self.answer = Some(report),
             Action::Save(proof) => self.answer = Some(self.desk.saved(proof, true)),
+            // It has no chip.
+            Action::TellOptions => self.answer = Some(Report::Options(heapless::Vec::new())),
             Action::Wait => {}
         }
     }

@@ -5,13 +5,14 @@ use cortex_m_rt::entry;
 use defmt_rtt as _;
 use shakedown_core::link::Clock;
 use shakedown_firmware::converters::Converters as _;
+use shakedown_firmware::parts::{Pair as _, Pins as _};
 use stm32f4xx_hal::{
     pac::{self, Interrupt},
     prelude::*,
 };
 
-use shakedown_stm32f407::{
-    clock, entropy, on_chip, on_chip::OnChip, pair::Pair as _, pins, pins::Pins, ticker::Ticker, watchdog::Watchdog,
+use board::{
+    clock, entropy, on_chip, on_chip::OnChip, pins, pins::Pins, ticker::Ticker, watchdog::Registers, watchdog::Watchdog,
 };
 
 use crate::console::{Fatal, Report};
@@ -71,7 +72,7 @@ fn run() -> ! {
         "option bytes (RM0090, 3.9.10); bits 3 and 2 are 0 for brown-out level 3, bit 5 for a hardware watchdog",
         unsafe { OPTIONS.read_volatile() },
     );
-    starve(&report, Watchdog::start(device.IWDG))
+    starve(&report, Watchdog::start(Registers(device.IWDG)))
 }
 
 /// Cycles from the write that opens the relay to the pin's reading low.
@@ -164,7 +165,7 @@ fn fail(report: &Report, device: pac::Peripherals) -> ! {
     let (mut rcc, _) = clock::start(device.RCC);
     let port_b = device.GPIOB.split(&mut rcc);
     let mut pins = Pins::new(port_b.pb0.into_push_pull_output(), port_b.pb1.into_pull_up_input(), device.PWR, &mut rcc);
-    let _running = Watchdog::start(device.IWDG);
+    let _running = Watchdog::start(Registers(device.IWDG));
     pins.set_relay(true);
     cortex_m::asm::delay(1000);
     panic!()

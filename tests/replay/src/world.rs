@@ -104,6 +104,11 @@ pub trait World: Send + 'static {
         32_000
     }
 
+    /// The chip's option bytes, as its register of them says: a factory's, unless this says another.
+    fn option_bytes(&self) -> u32 {
+        0x0FFF_AAED
+    }
+
     /// How long the core stands where a tick puts its code out, ns; none where it does not.
     fn stands(&self) -> Option<u64> {
         None

@@ -12,7 +12,7 @@ use std::fs::File;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -56,6 +56,10 @@ impl World for Wired {
             self.bench.played = Some(0);
         }
         *tick.inputs = self.bench.codes();
+        for (input, shown) in tick.inputs[1..].iter_mut().zip(&SHOWN) {
+            let code = shown.load(Ordering::Relaxed);
+            *input = if code == 0 { *input } else { code };
+        }
         self.codes.push(Codes { inputs: *tick.inputs, output: 0, relay: false });
         let mut bytes = [0; 1024];
         if let Ok(read) = self.master.read(&mut bytes) {
@@ -78,6 +82,9 @@ impl World for Wired {
         !self.over.load(Ordering::Relaxed)
     }
 }
+
+/// Codes of LVDT and accelerometer in place of the bench's, where they are not 0.
+static SHOWN: [AtomicU16; 2] = [AtomicU16::new(0), AtomicU16::new(0)];
 
 /// One device at a time: the host's patience is by the clock on the wall, so the board must keep up with it.
 static ALONE: Mutex<()> = Mutex::new(());
@@ -354,7 +361,8 @@ fn the_steps_with_oil_measure_what_the_table_does() {
         let words = ["device", "--port", port.to_str().unwrap(), "commission"];
         let files = ["--out", notes.to_str().unwrap(), "--record", record.to_str().unwrap()];
         // Dry, then held, pushed, tilted, and the record at a tenth.
-        let typed = format!("{}{}", "0\nyes\n\n\n\n\n\n\n\n\n0\n5\nyes\n", "yes\nyes\n\n\nyes\nstop\n");
+        let (dry, no_proof) = ("0\nyes\n\n\n\n\n\n\n\n\n0\n5\nyes\n", "yes\n");
+        let typed = format!("{dry}{no_proof}{}", "yes\nyes\n\n\nyes\nstop\n");
         shakedown(&[&words[..], &files].concat(), &typed);
     });
     let notes: toml::Table = std::fs::read_to_string(&notes).unwrap().parse().unwrap();
@@ -403,6 +411,63 @@ fn a_proof_test_that_fails_is_said_and_a_run_asks_for_one() {
     assert!(!world.codes.iter().rev().nth(1).unwrap().relay, "it was left armed");
 }
 
+/// Name of an option byte, and whether it is as the board asks.
+fn option(byte: &toml::Value) -> (&str, bool) {
+    (byte["name"].as_str().unwrap(), byte["as_wanted"].as_bool().unwrap())
+}
+
+/// Reads what the tool says until it holds `end`.
+fn until(out: &mut impl std::io::Read, end: &str) -> String {
+    let (mut said, mut byte) = (String::new(), [0]);
+    while !said.contains(end) {
+        assert_eq!(out.read(&mut byte).unwrap(), 1, "it ended after: {said}");
+        said.push(char::from(byte[0]));
+    }
+    said
+}
+
+/// The codes come from the image, the readings from who holds the reference; what is kept says when, by what, and the setup it makes.
+#[test]
+fn a_calibration_is_kept_with_its_date_and_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    with_bench(Bench::new(setup(Mode::Controller), Vec::new()), |port, _| {
+        let port = port.to_str().unwrap();
+        let mut child = begun_in(folder.path(), &["device", "--port", port, "commission", "--calibrate"]);
+        let (mut ask, mut out) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+        until(&mut out, "certificate?");
+        writeln!(ask, "gauge blocks, 2026-118").unwrap();
+        for (reading, codes) in [("-50.0", 22_000), ("0", 32_800), ("50.1", 43_600)] {
+            until(&mut out, "[mm]?");
+            SHOWN[0].store(codes, Ordering::Relaxed);
+            writeln!(ask, "{reading}").unwrap();
+        }
+        let said = until(&mut out, "[m/s2]?");
+        assert!(said.contains("wiring.displacement = { zero = "), "{said}");
+        // The accelerometer lies still, which is no calibration; the LVDT's is kept.
+        writeln!(ask, "9.81\n0\n-9.81").unwrap();
+        let ended = child.wait_with_output().unwrap();
+        SHOWN[0].store(0, Ordering::Relaxed);
+        assert_eq!(ended.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&ended.stderr).contains("the code hardly changed"), "{ended:?}");
+
+        // The setup in force is another, and the accelerometer was never calibrated: said before the first step.
+        let child = begun_in(folder.path(), &["device", "--port", port, "commission"]);
+        let said = String::from_utf8(child.wait_with_output().unwrap().stdout).unwrap();
+        assert!(said.contains("displacement: the setup in force has another scale than calibration.toml"), "{said}");
+        assert!(said.contains("acceleration was never calibrated here"), "{said}");
+    });
+    let kept: toml::Table = std::fs::read_to_string(folder.path().join("calibration.toml")).unwrap().parse().unwrap();
+    let lvdt = &kept["displacement"];
+    let number = |key: &str| lvdt[key].as_float().unwrap();
+    // 10,800 codes on 50 mm, and a tenth of a millimetre more on the one side: 0.03 mm off a line, whose slope is the sum of products over
+    // that of squares, 1,081,080 by 5010.0067 in mm.
+    assert!((number("per_code") - 5010.006_667e-3 / 1_081_080.0).abs() < 1e-14, "{kept}");
+    assert!((number("nonlinearity") - 0.1e-3 / 3.0).abs() < 2e-6, "{kept}");
+    assert_eq!(lvdt["reference"].as_str(), Some("gauge blocks, 2026-118"));
+    assert!(lvdt["date"].as_str().unwrap().starts_with("20") && lvdt["seconds"].as_integer().unwrap() > 1_700_000_000);
+    assert!(!kept.contains_key("acceleration"));
+}
+
 #[test]
 fn a_setup_comes_back_as_it_was_written_and_commissioning_records_what_it_measured() {
     let folder = tempfile::tempdir().unwrap();
@@ -425,4 +490,8 @@ fn a_setup_comes_back_as_it_was_written_and_commissioning_records_what_it_measur
     assert_eq!(notes["step-3"]["displacement_code"].as_float(), Some(32768.0));
     assert_eq!(notes["step-7b"]["output_code"].as_integer(), Some(49152));
     assert_eq!(notes["step-7b"]["typed"].as_str(), Some("5.002"));
+    // A chip from the factory lacks two of the option bytes that the board asks for.
+    let options: Vec<(&str, bool)> = notes["option-byte"].as_array().unwrap().iter().map(option).collect();
+    let kept = [("RDP", true), ("nWRP10", true), ("nWRP11", true)];
+    assert_eq!(options, [&[("BOR_LEV", false), ("WDG_SW", false)][..], &kept].concat());
 }

@@ -5,11 +5,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::image::Flash;
-use crate::firmware::{BOARDS, Board, LINKER};
+use crate::boards::{self, Board};
+use crate::firmware::LINKER;
 use crate::output::say;
 use crate::reproduce::{remap, sha256};
+use crate::sbom;
 use crate::shell::{Problem, run as execute, top};
-use crate::{sbom, toolchain};
 
 /// Where the files are put, from the top of the workspace.
 const FOLDER: &str = "target/release-files/firmware";
@@ -25,7 +26,7 @@ pub(super) fn run() -> Result<(), Problem> {
     }
     std::fs::create_dir_all(&folder).map_err(failed)?;
     let (mut sums, mut lines) = (String::new(), String::new());
-    for board in BOARDS {
+    for board in &boards::all()? {
         let elf = built(board)?;
         for path in files(board, &elf, &folder)? {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -34,7 +35,7 @@ pub(super) fn run() -> Result<(), Problem> {
         lines += &flashing(board);
     }
     let list = folder.join(format!("shakedown-{}-firmware.cdx.json", env!("CARGO_PKG_VERSION")));
-    write(&list, sbom::of(&["shakedown-stm32f407", "shakedown-stm32g474"])?.as_bytes())?;
+    write(&list, sbom::of(&boards::packages()?)?.as_bytes())?;
     write(&folder.join("SHA256SUMS"), sums.as_bytes())?;
     write(&folder.join("FLASHING.txt"), lines.as_bytes())?;
     say(&format!("{sums}\nin {FOLDER}, with {}\n\n{lines}", list.file_name().unwrap_or_default().display()));
@@ -52,7 +53,7 @@ fn built(board: &Board) -> Result<PathBuf, Problem> {
     let mut cargo = board.command()?;
     cargo.env("CARGO_TARGET_DIR", &folder).env("RUSTFLAGS", format!("{LINKER} {}", remap(&top(), &folder)));
     execute(&mut cargo)?;
-    Ok(folder.join(toolchain::TARGET).join("firmware").join(board.image))
+    Ok(board.built(&folder))
 }
 
 /// Writes the three files of an image; where they are.
@@ -72,8 +73,8 @@ fn files(board: &Board, elf: &Path, folder: &Path) -> Result<[PathBuf; 3], Probl
 
 /// The lines that flash an image, one for each tool.
 fn flashing(board: &Board) -> String {
-    let (name, chip, at) = (name(board), board.chip, board.flash);
-    let title = board.title;
+    let (name, chip, at) = (name(board), &board.chip, board.flash);
+    let title = &board.title;
     format!(
         "{title}, one of these:\n  probe-rs download --chip {chip} {name}.elf && probe-rs reset --chip {chip}\n  \
          dfu-util -a 0 -s {at:#010x}:leave -D {name}.bin\n  STM32_Programmer_CLI -c port=SWD -w {name}.hex -v -rst\n  \

@@ -1,6 +1,7 @@
 //! The two settings slots: sectors 10 and 11.
 
 use shakedown_firmware::OpenRelay;
+use shakedown_firmware::parts;
 use shakedown_firmware::store::{SLOT, Slots};
 use stm32f4xx_hal::flash::{Error, FlashExt, LockedFlash};
 use stm32f4xx_hal::pac;
@@ -14,12 +15,10 @@ const OFFSET: [usize; 2] = [0x000C_0000, 0x000E_0000];
 const WAIT: u32 = 10_000;
 
 /// The flash.
-pub(crate) struct Flash(pub(crate) LockedFlash);
+pub struct Flash(pub(crate) LockedFlash);
 
-impl Flash {
-    /// Lets `work` write. The ticks stop meanwhile, for a second or two, in which the output stays as it is: only with the relay
-    /// open.
-    pub(crate) fn write<T>(&mut self, open: &OpenRelay, work: impl FnOnce(&mut Self) -> T) -> T {
+impl parts::Flash for Flash {
+    fn write<T>(&mut self, open: &OpenRelay, work: impl FnOnce(&mut Self) -> T) -> T {
         ticker::without_ticks(open, || watchdog::patiently(open, || work(self)))
     }
 }

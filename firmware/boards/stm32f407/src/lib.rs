@@ -11,14 +11,14 @@
 #![cfg(target_os = "none")]
 #![allow(unsafe_code, reason = "register access")]
 
+pub mod chip;
 pub mod clock;
-pub mod control;
 pub mod entropy;
 pub mod failure;
-mod flash;
+pub mod flash;
 pub mod line;
-pub mod link;
 pub mod on_chip;
+pub mod options;
 pub mod outboard;
 pub mod pair;
 pub mod pins;

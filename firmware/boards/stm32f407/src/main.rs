@@ -7,7 +7,7 @@
 mod app {
     use shakedown_firmware::queues::Queues;
 
-    use shakedown_stm32f407::{control::Control, line, link::Link, on_chip::OnChip, start};
+    use shakedown_stm32f407::{chip::Control, chip::Link, line, on_chip::OnChip, start};
 
     #[shared]
     struct Shared {

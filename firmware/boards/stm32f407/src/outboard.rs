@@ -24,6 +24,7 @@ use shakedown_firmware::converters::{
 };
 use shakedown_firmware::limits::Limits;
 use shakedown_firmware::output::ZeroFlow;
+use shakedown_firmware::parts;
 use stm32f4xx_hal::{
     gpio::{Input, Output, PA0, PA2, Pin, Speed},
     pac::{GPIOB, Interrupt, NVIC, SPI1, SPI2, TIM2},
@@ -137,7 +138,9 @@ impl Pair for Outboard {
         whole.pulse_reset();
         Some(whole)
     }
+}
 
+impl parts::Pair for Outboard {
     #[inline]
     fn late() -> bool {
         NVIC::is_pending(Interrupt::TIM2)

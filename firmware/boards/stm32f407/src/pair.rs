@@ -1,8 +1,7 @@
 //! The converters that the board is built with: its own, or a pair on its SPI.
 
-use shakedown_firmware::converters::Converters;
 use shakedown_firmware::limits::Limits;
-use shakedown_firmware::output::ZeroFlow;
+use shakedown_firmware::parts;
 use stm32f4xx_hal::{
     gpio::{gpioa, gpiob},
     pac::{ADC_COMMON, ADC1, DAC, DMA2, SPI1, SPI2, TIM1},
@@ -36,22 +35,13 @@ pub struct Parts {
 }
 
 /// Converters of this board.
-pub trait Pair: Converters + Sized + 'static {
+pub trait Pair: parts::Pair + Sized + 'static {
     /// What the board with these converters keeps up with.
     const LIMITS: Limits;
     /// From the timer's update to the tick, counts of the timer: the time of a conversion that nothing else tells the end of; none
     /// where the converter's own interrupt does.
     const CONVERSION: Option<u32>;
 
-    /// Sets them up. The output stays as it is before [`Self::go_live`]; none where they do not answer.
+    /// Sets them up. The output stays as it is before [`parts::Pair::go_live`]; none where they do not answer.
     fn set_up(parts: Parts, rcc: &mut Rcc) -> Option<Self>;
-
-    /// Whether the next tick has come already; asked at the end of a tick.
-    fn late() -> bool;
-
-    /// Lets the last code written out, if it is not out yet.
-    fn go_live(&mut self);
-
-    /// Puts on the output what stops the oil, whoever owns it: for the end of a program that has failed.
-    fn put_last(zero_flow: ZeroFlow);
 }

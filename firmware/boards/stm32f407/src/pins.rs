@@ -7,6 +7,7 @@ use stm32f4xx_hal::{
 };
 
 use shakedown_core::link::StopCause;
+use shakedown_firmware::parts;
 
 /// Relay, emergency stop and supply monitor.
 pub struct Pins {
@@ -26,10 +27,11 @@ impl Pins {
         power.cr().modify(|_, w| unsafe { w.pls().bits(5) }.pvde().set_bit());
         Self { relay, stop, power }
     }
+}
 
-    /// Closes or opens the relay.
+impl parts::Pins for Pins {
     #[inline]
-    pub fn set_relay(&mut self, closed: bool) {
+    fn set_relay(&mut self, closed: bool) {
         if closed {
             self.relay.set_high();
         } else {
@@ -37,29 +39,26 @@ impl Pins {
         }
     }
 
-    /// Whether the emergency-stop circuit is open.
     #[inline]
-    pub fn emergency_stop(&self) -> bool {
+    fn emergency_stop(&self) -> bool {
         self.stop.is_high()
     }
 
-    /// Whether the supply is below 2.84 V.
     #[inline]
-    pub fn supply_low(&self) -> bool {
+    fn supply_low(&self) -> bool {
         self.power.csr().read().pvdo().bit_is_set()
     }
-}
 
-/// A cause of a trip that stands on the inputs now.
-pub fn standing_cause() -> Option<StopCause> {
-    // SAFETY: both registers are read only.
-    let (stop, power) = unsafe { (stm32f4xx_hal::pac::GPIOB::steal(), PWR::steal()) };
-    if stop.idr().read().bits() & 1 << 1 != 0 {
-        Some(StopCause::EmergencyStop)
-    } else if power.csr().read().pvdo().bit_is_set() {
-        Some(StopCause::SupplyLow)
-    } else {
-        None
+    fn standing_cause() -> Option<StopCause> {
+        // SAFETY: both registers are read only.
+        let (stop, power) = unsafe { (stm32f4xx_hal::pac::GPIOB::steal(), PWR::steal()) };
+        if stop.idr().read().bits() & 1 << 1 != 0 {
+            Some(StopCause::EmergencyStop)
+        } else if power.csr().read().pvdo().bit_is_set() {
+            Some(StopCause::SupplyLow)
+        } else {
+            None
+        }
     }
 }
 

@@ -3,15 +3,15 @@
 use cortex_m::{Peripherals, singleton};
 use defmt_rtt as _;
 use shakedown_core::link::Setup;
-use shakedown_firmware::limits::Limits;
+use shakedown_firmware::parts::{Linked, Ticked};
 use shakedown_firmware::queues::{LoopEnd, Queues};
-use shakedown_firmware::{ControlLoop, LinkServer, defaults, store};
+use shakedown_firmware::{ControlLoop, LinkServer, store};
 use stm32f4xx_hal::{flash::LockedFlash, pac, prelude::*};
 
-use crate::control::{Control, Stm32f407};
-use crate::link::{Hardware, Link};
+use crate::chip::{Control, Line, Link};
 use crate::pair::{Pair, Parts};
-use crate::{clock, entropy, failure, flash::Flash, line::Line, pins::Pins, ticker::Ticker, watchdog::Watchdog};
+use crate::watchdog::{Registers, Watchdog};
+use crate::{clock, entropy, failure, flash::Flash, line, pins::Pins, ticker::Ticker};
 
 /// Sets everything up, the watchdog first: a start that hangs is a program that hangs. The first tick follows one period later.
 pub fn start<P: Pair>(
@@ -19,11 +19,11 @@ pub fn start<P: Pair>(
     mut core: Peripherals,
     queues: &'static mut Queues,
 ) -> (Control<P>, &'static mut Link) {
-    let watchdog = Watchdog::start(device.IWDG);
+    let watchdog = Watchdog::start(Registers(device.IWDG));
     let (mut rcc, clock) = clock::start(device.RCC);
     let restarted = clock::restarted(&rcc);
     let flash = Flash(LockedFlash::new(device.FLASH));
-    let (setup, stored) = stored_or_default(&flash, P::LIMITS);
+    let (setup, stored) = store::load_or_default(&flash, P::LIMITS);
     let port_a = device.GPIOA.split(&mut rcc);
     let port_b = device.GPIOB.split(&mut rcc);
     let port_d = device.GPIOD.split(&mut rcc);
@@ -44,28 +44,19 @@ pub fn start<P: Pair>(
         pb15: port_b.pb15,
     };
     let Some(converters) = P::set_up(parts, &mut rcc) else { failure::park() };
-    let line = Line::new(device.USART3, device.DMA1, &mut rcc);
+    let Some(line) = line::start(device.USART3, device.DMA1, &mut rcc) else { failure::park() };
     let ticker = Ticker::new(device.TIM2, setup.control.rate as u32, P::CONVERSION, &mut rcc);
     let (loop_end, server_end) = queues.split();
     let decide = place_loop(&setup, loop_end);
-    failure::prepare(decide.zero_flow(), P::put_last);
+    shakedown_firmware::failure::prepare(decide.zero_flow(), P::put_last);
     let Ok(()) = decide.begin(&setup, restarted) else { failure::park() };
     let entropy = entropy::gather(&device.RNG, &mut core.DCB, &mut core.DWT, &mut rcc);
     let server = LinkServer::new(setup, stored, clock, P::LIMITS, entropy, server_end);
     let link = place_link(server, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
-    let control = Control::new(decide, Stm32f407 { converters, pins, ticker, watchdog });
+    let control = Control::new(decide, Ticked { converters, pins, ticker, watchdog });
     control.board().ticker.start();
     (control, link)
-}
-
-/// The setup in flash, and whether there is one that this board takes.
-#[inline(never)]
-fn stored_or_default(flash: &Flash, limits: Limits) -> (Setup, bool) {
-    match store::load(flash).filter(|found| limits.check(&found.setup).is_ok()) {
-        Some(found) => (found.setup, true),
-        None => (defaults::setup_of(limits), false),
-    }
 }
 
 /// Puts the loop where it stays. Every large thing is made by a function of its own: what one of them needs of the stack
@@ -78,5 +69,5 @@ fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut ControlLo
 /// Puts the link where it stays.
 #[inline(never)]
 fn place_link(server: LinkServer<'static>, line: Line, flash: Flash) -> &'static mut Link {
-    singleton!(: Link = Link::new(server, Hardware { line, flash })).unwrap_or_else(|| failure::park())
+    singleton!(: Link = Link::new(server, Linked { line, flash })).unwrap_or_else(|| failure::park())
 }

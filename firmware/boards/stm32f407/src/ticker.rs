@@ -1,6 +1,7 @@
 //! The tick: TIM2's update is the converter's trigger, so that no program decides when a sample is taken.
 
 use shakedown_firmware::OpenRelay;
+use shakedown_firmware::parts::{self, Ticker as _};
 use stm32f4xx_hal::{
     pac::TIM2,
     rcc::{Enable, Rcc, Reset},
@@ -39,12 +40,6 @@ impl Ticker {
         ticker
     }
 
-    /// `rate` updates a second from the next one on; the nearest that 84 MHz divides to.
-    pub fn set_rate(&self, rate: u32) {
-        let period = (TIMER_HZ + rate / 2) / rate.max(1);
-        self.0.arr().write(|w| w.set(period.max(1) - 1));
-    }
-
     /// Lets it run. Where the tick comes by a compare, the first is the one after the first update, which starts the first conversion.
     pub fn start(&self) {
         self.0.cr1().modify(|_, w| w.cen().enabled());
@@ -54,6 +49,14 @@ impl Ticker {
             self.0.sr().write(|w| unsafe { w.bits(0) });
             self.0.dier().write(|w| w.cc1ie().enabled());
         }
+    }
+}
+
+impl parts::Ticker for Ticker {
+    /// `rate` updates a second from the next one on; the nearest that 84 MHz divides to.
+    fn set_rate(&self, rate: u32) {
+        let period = (TIMER_HZ + rate / 2) / rate.max(1);
+        self.0.arr().write(|w| w.set(period.max(1) - 1));
     }
 }
 

@@ -9,6 +9,7 @@ use core::cell::UnsafeCell;
 use shakedown_firmware::converters::{Converters, INPUTS, twelve_bits};
 use shakedown_firmware::limits::Limits;
 use shakedown_firmware::output::ZeroFlow;
+use shakedown_firmware::parts;
 use shakedown_firmware::{Codes, defaults};
 use stm32g4::stm32g474::{ADC1, ADC12_COMMON, DAC1, DMA1, DMAMUX, Interrupt};
 
@@ -74,7 +75,7 @@ pub struct OnChip {
 
 impl OnChip {
     /// Sets both up; none where the converter does not become ready. The first sample comes with TIM2's first update; the output stays
-    /// high-impedance until [`Self::go_live`].
+    /// high-impedance until [`parts::Pair::go_live`].
     pub fn new(adc: ADC1, common: &ADC12_COMMON, dac: DAC1, dma: DMA1, requests: DMAMUX) -> Option<Self> {
         common.ccr().write(|w| unsafe { w.bits(QUARTER) });
         // Out of deep power-down, the regulator on.
@@ -138,20 +139,19 @@ impl OnChip {
         self.dma.ifcr().write(|w| unsafe { w.bits(FLAGS) });
         flags & ERROR != 0
     }
+}
 
-    /// Whether the next tick has come already; asked at the end of a tick.
+impl parts::Pair for OnChip {
     #[inline]
-    pub fn late() -> bool {
+    fn late() -> bool {
         cortex_m::peripheral::NVIC::is_pending(Interrupt::DMA1_CH1)
     }
 
-    /// Lets the last code written out, if it is not out yet.
-    pub fn go_live(&mut self) {
+    fn go_live(&mut self) {
         self.dac.cr().write(|w| unsafe { w.bits(DAC_ON) });
     }
 
-    /// Puts on the output what stops the oil, whoever owns it: for the end of a program that has failed.
-    pub fn put_last(zero_flow: ZeroFlow) {
+    fn put_last(zero_flow: ZeroFlow) {
         let [_, displacement, _, _] = sampled().each();
         let code = twelve_bits(zero_flow.code(displacement));
         // SAFETY: one write to a data register, and nothing runs after it.

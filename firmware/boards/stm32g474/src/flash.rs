@@ -1,6 +1,7 @@
 //! The two settings slots: the last two pages of 2 KiB, in the second bank, which is erased while the program runs from the first.
 
 use shakedown_firmware::OpenRelay;
+use shakedown_firmware::parts;
 use shakedown_firmware::store::{SLOT, Slots};
 use stm32g4::stm32g474::FLASH;
 
@@ -28,7 +29,7 @@ const MARK: usize = 4;
 
 /// Why the flash refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Error {
+pub enum Error {
     /// There is no such slot, or no such place in it.
     Place,
     /// The option bytes make one bank of two, whose pages are others.
@@ -40,7 +41,7 @@ pub(crate) enum Error {
 }
 
 /// The flash.
-pub(crate) struct Flash {
+pub struct Flash {
     registers: FLASH,
     /// What shares its double word with the mark.
     waiting: [u8; WORD - MARK],
@@ -50,11 +51,6 @@ impl Flash {
     /// The flash, locked.
     pub(crate) const fn new(registers: FLASH) -> Self {
         Self { registers, waiting: [0xFF; WORD - MARK] }
-    }
-
-    /// Lets `work` write. The ticks stop meanwhile, for some 50 ms, in which the output stays as it is: only with the relay open.
-    pub(crate) fn write<T>(&mut self, open: &OpenRelay, work: impl FnOnce(&mut Self) -> T) -> T {
-        ticker::without_ticks(open, || watchdog::patiently(open, || work(self)))
     }
 
     fn settled(&self) -> Result<(), Error> {
@@ -96,6 +92,12 @@ impl Flash {
             self.settled()?;
         }
         Ok(())
+    }
+}
+
+impl parts::Flash for Flash {
+    fn write<T>(&mut self, open: &OpenRelay, work: impl FnOnce(&mut Self) -> T) -> T {
+        ticker::without_ticks(open, || watchdog::patiently(open, || work(self)))
     }
 }
 

@@ -15,14 +15,14 @@
 #![cfg(target_os = "none")]
 #![allow(unsafe_code, reason = "register access")]
 
+pub mod chip;
 pub mod clock;
-pub mod control;
 pub mod converters;
 pub mod entropy;
 pub mod failure;
-mod flash;
+pub mod flash;
 pub mod line;
-pub mod link;
+pub mod options;
 pub mod pins;
 pub mod start;
 pub mod ticker;

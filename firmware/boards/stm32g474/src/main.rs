@@ -7,7 +7,7 @@
 mod app {
     use shakedown_firmware::queues::Queues;
 
-    use shakedown_stm32g474::{control::Control, line, link::Link, start};
+    use shakedown_stm32g474::{chip::Control, chip::Link, line, start};
 
     #[shared]
     struct Shared {

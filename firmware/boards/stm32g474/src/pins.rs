@@ -1,6 +1,7 @@
 //! Relay and emergency stop, and the supply's own monitor.
 
 use shakedown_core::link::StopCause;
+use shakedown_firmware::parts;
 use stm32g4::stm32g474::{GPIOA, GPIOB, GPIOC, PWR};
 
 /// PB0 in the port's set/reset register.
@@ -40,42 +41,40 @@ impl Pins {
         power.cr2().modify(|r, w| unsafe { w.bits(r.bits() & !0xF | MONITOR) });
         Self { port, power }
     }
+}
 
-    /// Closes or opens the relay.
+impl parts::Pins for Pins {
     #[inline]
-    pub fn set_relay(&mut self, closed: bool) {
+    fn set_relay(&mut self, closed: bool) {
         self.port.bsrr().write(|w| unsafe { w.bits(if closed { CLOSE } else { OPEN }) });
     }
 
-    /// Whether the emergency-stop circuit is open.
     #[inline]
-    pub fn emergency_stop(&self) -> bool {
+    fn emergency_stop(&self) -> bool {
         self.port.idr().read().bits() & STOP != 0
     }
 
-    /// Whether the supply is below 2.8 V.
     #[inline]
-    pub fn supply_low(&self) -> bool {
+    fn supply_low(&self) -> bool {
         self.power.sr2().read().bits() & BELOW != 0
+    }
+
+    fn standing_cause() -> Option<StopCause> {
+        // SAFETY: both registers are read only.
+        let (port, power) = unsafe { (GPIOB::steal(), PWR::steal()) };
+        if port.idr().read().bits() & STOP != 0 {
+            Some(StopCause::EmergencyStop)
+        } else if power.sr2().read().bits() & BELOW != 0 {
+            Some(StopCause::SupplyLow)
+        } else {
+            None
+        }
     }
 }
 
 /// `bits` with the two of each of these pins replaced.
 fn two_bits(bits: u32, pins: core::ops::RangeInclusive<u32>, value: u32) -> u32 {
     pins.fold(bits, |bits, pin| bits & !(0b11 << (2 * pin)) | value << (2 * pin))
-}
-
-/// A cause of a trip that stands on the inputs now.
-pub fn standing_cause() -> Option<StopCause> {
-    // SAFETY: both registers are read only.
-    let (port, power) = unsafe { (GPIOB::steal(), PWR::steal()) };
-    if port.idr().read().bits() & STOP != 0 {
-        Some(StopCause::EmergencyStop)
-    } else if power.sr2().read().bits() & BELOW != 0 {
-        Some(StopCause::SupplyLow)
-    } else {
-        None
-    }
 }
 
 /// Opens the relay, whoever owns it: for the end of a program that has failed.

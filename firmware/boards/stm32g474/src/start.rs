@@ -3,16 +3,15 @@
 use cortex_m::{Peripherals, singleton};
 use defmt_rtt as _;
 use shakedown_core::link::Setup;
+use shakedown_firmware::parts::{Linked, Pair as _, Ticked};
 use shakedown_firmware::queues::{LoopEnd, Queues};
-use shakedown_firmware::{ControlLoop, LinkServer, defaults, store};
+use shakedown_firmware::{ControlLoop, LinkServer, store};
 use stm32g4::stm32g474 as pac;
 
-use crate::control::{Control, Stm32g474};
-use crate::link::{Hardware, Link};
-use crate::{
-    clock, converters::LIMITS, converters::OnChip, entropy, failure, flash::Flash, line::Line, pins::Pins,
-    ticker::Ticker, watchdog::Watchdog,
-};
+use crate::chip::{Control, Line, Link};
+use crate::converters::{LIMITS, OnChip};
+use crate::watchdog::{Registers, Watchdog};
+use crate::{clock, entropy, failure, flash::Flash, line, pins::Pins, ticker::Ticker};
 
 /// Sets everything up, the watchdog first: a start that hangs is a program that hangs. The first tick follows one period later.
 pub fn start(
@@ -20,38 +19,29 @@ pub fn start(
     mut core: Peripherals,
     queues: &'static mut Queues,
 ) -> (Control, &'static mut Link) {
-    let watchdog = Watchdog::start(device.IWDG);
+    let watchdog = Watchdog::start(Registers(device.IWDG));
     let restarted = clock::restarted(&device.RCC);
     let Some(clock) = clock::start(&device.RCC, &device.FLASH, &device.PWR) else { failure::park() };
     let flash = Flash::new(device.FLASH);
-    let (setup, stored) = stored_or_default(&flash);
+    let (setup, stored) = store::load_or_default(&flash, LIMITS);
     let pins = Pins::new(&device.GPIOA, device.GPIOB, &device.GPIOC, device.PWR);
     // SAFETY: the line touches two channels of the controller, the converters a third.
     let channels = unsafe { pac::DMA1::steal() };
-    let line = Line::new(device.USART3, channels, &device.DMAMUX);
+    let Some(line) = line::start(device.USART3, channels, &device.DMAMUX) else { failure::park() };
     let converters = OnChip::new(device.ADC1, &device.ADC12_COMMON, device.DAC1, device.DMA1, device.DMAMUX);
     let Some(converters) = converters else { failure::park() };
     let ticker = Ticker::new(device.TIM2, setup.control.rate as u32);
     let (loop_end, server_end) = queues.split();
     let decide = place_loop(&setup, loop_end);
-    failure::prepare(decide.zero_flow());
+    shakedown_firmware::failure::prepare(decide.zero_flow(), OnChip::put_last);
     let Ok(()) = decide.begin(&setup, restarted) else { failure::park() };
     let entropy = entropy::gather(&device.RNG, &mut core.DCB, &mut core.DWT);
     let server = LinkServer::new(setup, stored, clock, LIMITS, entropy, server_end);
     let link = place_link(server, line, flash);
     defmt::info!("started: settings from flash {}, after a failure {}", stored, restarted);
-    let control = Control::new(decide, Stm32g474 { converters, pins, ticker, watchdog });
+    let control = Control::new(decide, Ticked { converters, pins, ticker, watchdog });
     control.board().ticker.start();
     (control, link)
-}
-
-/// The setup in flash, and whether there is one that this board takes.
-#[inline(never)]
-fn stored_or_default(flash: &Flash) -> (Setup, bool) {
-    match store::load(flash).filter(|found| LIMITS.check(&found.setup).is_ok()) {
-        Some(found) => (found.setup, true),
-        None => (defaults::setup_of(LIMITS), false),
-    }
 }
 
 /// Puts the loop where it stays. Every large thing is made by a function of its own: what one of them needs of the stack
@@ -64,5 +54,5 @@ fn place_loop(setup: &Setup, queues: LoopEnd<'static>) -> &'static mut ControlLo
 /// Puts the link where it stays.
 #[inline(never)]
 fn place_link(server: LinkServer<'static>, line: Line, flash: Flash) -> &'static mut Link {
-    singleton!(: Link = Link::new(server, Hardware { line, flash })).unwrap_or_else(|| failure::park())
+    singleton!(: Link = Link::new(server, Linked { line, flash })).unwrap_or_else(|| failure::park())
 }

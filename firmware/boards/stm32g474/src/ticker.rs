@@ -1,6 +1,7 @@
 //! The tick: TIM2's update is the converter's trigger, so that no program decides when a sample is taken.
 
 use shakedown_firmware::OpenRelay;
+use shakedown_firmware::parts::{self, Ticker as _};
 use stm32g4::stm32g474::TIM2;
 
 use crate::clock::TIMER_HZ;
@@ -24,16 +25,18 @@ impl Ticker {
         ticker
     }
 
-    /// `rate` updates a second from the next one on; the nearest that 170 MHz divides to.
-    pub fn set_rate(&self, rate: u32) {
-        let period = (TIMER_HZ + rate / 2) / rate.max(1);
-        // SAFETY: the register takes any 32 bits.
-        self.0.arr().write(|w| unsafe { w.bits(period.max(1) - 1) });
-    }
-
     /// Lets it run.
     pub fn start(&self) {
         self.0.cr1().modify(|r, w| unsafe { w.bits(r.bits() | COUNTS) });
+    }
+}
+
+impl parts::Ticker for Ticker {
+    /// `rate` updates a second from the next one on; the nearest that 170 MHz divides to.
+    fn set_rate(&self, rate: u32) {
+        let period = (TIMER_HZ + rate / 2) / rate.max(1);
+        // SAFETY: the register takes any 32 bits.
+        self.0.arr().write(|w| unsafe { w.bits(period.max(1) - 1) });
     }
 }
 

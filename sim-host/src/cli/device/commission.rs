@@ -1,17 +1,18 @@
 //! The first steps of `docs/commissioning.md`, one after the other, with what each measured in a file.
 
 mod oil;
+mod options;
 
-use super::failed;
+use super::asking::{INPUTS, clear, means, prompted};
+use super::calibration::say_overdue;
+use super::{failed, proof};
 use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
-use shakedown::device::{Port, Session};
+use shakedown::device::{PROOF_TEST, Port, Session};
 use shakedown_core::link::HostRequest;
 use std::fmt::Write as _;
-use std::io::BufRead as _;
-use std::path::PathBuf;
-use std::time::Duration;
+use std::path::{Path, PathBuf};
 
 /// `device commission`.
 #[derive(Debug, clap::Args)]
@@ -22,6 +23,9 @@ pub(super) struct Commission {
     /// Walks through the proof test alone, before the first test of a day; its result is kept in proof-test.toml.
     #[arg(long, conflicts_with_all = ["out", "record"])]
     pub(super) daily: bool,
+    /// Calibrates LVDT and accelerometer against a reference of yours; kept with its date in calibration.toml.
+    #[arg(long, conflicts_with_all = ["out", "record", "daily"])]
+    pub(super) calibrate: bool,
     /// The record of steps 12 and 14, columns `time` (s) and `reference` (m); without it they are left out.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -63,8 +67,10 @@ impl Commission {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
         print("Hydraulics off. Enter goes on; `stop` ends, and keeps what was measured so far.\n");
         let mut text = String::from("# What the first steps of the commissioning guide measured.\n");
-        let ended =
-            Self::dry(session, &mut text).and_then(|all| if all { self.oil(session, &mut text) } else { Ok(()) });
+        say_overdue(session)?;
+        let ended = options::compare(session, &mut text)
+            .and_then(|()| Self::dry(session, &mut text))
+            .and_then(|all| if all { self.oil(session, &mut text) } else { Ok(()) });
         // What was measured before something failed is kept too.
         write_whole(&self.out, text.as_bytes())?;
         print(&format!("\nWrote {}.\n", self.out.display()));
@@ -103,6 +109,9 @@ impl Commission {
     /// The steps with the pressure low, each begun by a `yes`.
     fn oil(&self, session: &mut Session<Port>, text: &mut String) -> Result<(), Failure> {
         clear(session)?;
+        if !proof::agreed(Path::new(PROOF_TEST))? {
+            return Ok(());
+        }
         let setup = session.setup().map_err(failed)?;
         let record = match &self.record {
             Some(file) => Some(crate::cli::reference::resampled(file, "reference", f64::from(setup.control.rate))?),
@@ -117,36 +126,10 @@ const fn up(full_scale: u16, quarters: u32) -> u16 {
     ((full_scale as u32 + 1).next_power_of_two() / 4 * quarters) as u16
 }
 
-/// Asks for a step; what was typed, or none at the end or at `stop`.
-pub(super) fn prompted(number: &str, instruction: &str) -> Result<Option<String>, Failure> {
-    print(&format!("{number}. {instruction} "));
-    let mut typed = String::new();
-    let read = std::io::stdin().lock().read_line(&mut typed).map_err(|e| Failure::Work(e.to_string()))?;
-    let typed = typed.trim().to_owned();
-    Ok((read > 0 && typed != "stop").then_some(typed))
-}
-
-/// Leaves a trip behind, and what was on the output.
-pub(super) fn clear(session: &mut Session<Port>) -> Result<(), Failure> {
-    match session.order(&HostRequest::ClearTrip) {
-        // There was none.
-        Ok(()) | Err(shakedown::device::SessionError::Refused(_)) => Ok(()),
-        Err(error) => Err(failed(error)),
-    }
-}
-
-/// Mean codes of all inputs.
+/// Mean codes of all inputs, noted.
 fn inputs(session: &mut Session<Port>, text: &mut String) -> Result<(), Failure> {
-    session.listen(Duration::from_millis(200)).map_err(failed)?;
-    let heard = session.listen(Duration::from_millis(500)).map_err(failed)?;
-    let rows = heard.rows();
-    if rows.is_empty() {
-        return Err(Failure::Work("no telemetry came: is `telemetry_every` 0 in the setup?".into()));
-    }
-    let names = ["reference", "displacement", "acceleration", "external"];
-    for (place, name) in names.iter().enumerate() {
-        let sum: f64 = rows.iter().filter_map(|row| row.record.inputs.get(place)).map(|&code| f64::from(code)).sum();
-        let _ = writeln!(text, "{name}_code = {:.2}", sum / rows.len() as f64);
+    for (name, mean) in INPUTS.iter().zip(means(session)?) {
+        let _ = writeln!(text, "{name}_code = {mean:.2}");
     }
     Ok(())
 }

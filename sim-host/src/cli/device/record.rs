@@ -1,11 +1,12 @@
 //! A test run, and its telemetry saved.
 
+use super::calibration::say_overdue;
 use super::{failed, page, proof, setup};
 use crate::cli::output::{Outputs, print};
 use crate::cli::reference::resampled;
 use crate::cli::{Failure, progress};
 use serde_json::{Value, json};
-use shakedown::device::{Drive, Kept, Port, Recorder, RecorderError, Session};
+use shakedown::device::{Drive, Kept, PROOF_TEST, Port, Recorder, RecorderError, Session};
 use shakedown::files::Unfinished;
 use shakedown_core::link::{Setup, Source};
 use std::ops::ControlFlow;
@@ -66,7 +67,8 @@ impl Run {
         };
         let Planned { mut drive, what, total } = self.planned(&setup)?;
         if !self.without_proof_test && setup.wiring.source != Source::Rehearsal {
-            proof::asked(Path::new(proof::FILE))?;
+            proof::asked(Path::new(PROOF_TEST))?;
+            say_overdue(session)?;
         }
         let mut recorder = Recorder::begin(&self.out, &setup, Kept::Run).map_err(unkept)?;
         let bar = progress::bar(total, what);

@@ -13,6 +13,7 @@ use rigless::machine::{self, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::generated::flash::Register;
 use rigless::soc::{Bus, Error};
 use rigless::time::VirtualNanos;
 
@@ -101,6 +102,14 @@ impl Board {
         let named = |name| CARRIED.contains(&name) || more.contains(&name);
         let carried = whole.bus().slots().iter().map(|slot| named(slot.peripheral().name)).collect();
         Ok(Self { part: Part { whole, carried, line } })
+    }
+
+    /// The option bytes, which a reset takes from the flash anew.
+    pub(super) fn set_options(&mut self, bytes: u32) {
+        let bus = self.part.bus_mut();
+        if let Some(place) = bus.slots().iter().position(|slot| slot.peripheral().name == "FLASH") {
+            bus.slot_mut(place).registers_mut().set(Register::Optcr, bytes.into());
+        }
     }
 }
 

@@ -131,7 +131,7 @@ impl<W: World> Lockstep<W> {
     }
 
     /// A reset, which may be over and the timer started again before the next stop.
-    fn note_resets(&mut self, session: &Session<Board>) -> bool {
+    fn note_resets(&mut self, session: &mut Session<Board>) -> bool {
         let resets = session.resets().len();
         let new = resets != self.resets;
         if new {
@@ -139,6 +139,7 @@ impl<W: World> Lockstep<W> {
             self.timer = Timer::default();
             self.scans = None;
             self.relay = false;
+            session.board_mut().set_options(self.world.option_bytes());
         }
         new
     }
@@ -238,6 +239,7 @@ impl<W: World> Driver<Board> for Lockstep<W> {
                         session.watch(Watch::Writes { address, length: 4 });
                     }
                     session.board_mut().part.whole.rcc.calibrate_lsi(self.world.watchdog_clock());
+                    session.board_mut().set_options(self.world.option_bytes());
                     self.circuit(session, stop.at);
                 }
                 self.silicon.stopped(session, host, stop.at.0);

@@ -7,7 +7,7 @@
 mod app {
     use shakedown_firmware::queues::Queues;
 
-    use shakedown_stm32f407::{control::Control, line, link::Link, outboard::Outboard, start};
+    use shakedown_stm32f407::{chip::Control, chip::Link, line, outboard::Outboard, start};
 
     #[shared]
     struct Shared {

@@ -1,6 +1,7 @@
 //! The steps with the pressure low: what the table does by itself, which way it moves, how it stops.
 
-use super::{failed, inputs, prompted};
+use super::super::asking::prompted;
+use super::{failed, inputs};
 use crate::cli::Failure;
 use crate::cli::output::print;
 use shakedown::device::{Drive, Port, Row, Session, SessionError};
