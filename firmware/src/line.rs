@@ -42,6 +42,7 @@ pub trait Serial {
     fn ready(&self) -> bool;
 
     /// Sends what `write` puts into the frame buffer, if it is free.
+    #[inline]
     fn send(&mut self, write: impl FnOnce(&mut [u8; MAX_FRAME]) -> usize);
 
     /// Has the server look at its queues.
@@ -50,6 +51,9 @@ pub trait Serial {
 
 /// Registers of the line and its DMA.
 pub trait Port {
+    /// The ring that the DMA fills from its beginning.
+    fn ring(&self) -> &'static Ring;
+
     /// Bytes from where the DMA writes next to the ring's end, 0 counting as a whole ring.
     fn until_end(&self) -> usize;
 
@@ -70,7 +74,6 @@ pub trait Port {
 #[derive(Debug)]
 pub struct Line<P> {
     port: P,
-    ring: &'static Ring,
     frame: &'static mut [u8; MAX_FRAME],
     taken: usize,
     /// How far the DMA had come when last asked: asking costs as much as several bytes.
@@ -78,17 +81,19 @@ pub struct Line<P> {
 }
 
 impl<P: Port> Line<P> {
-    /// The line of `port`, which fills `ring` from its beginning and sends from `frame`.
-    pub const fn new(port: P, ring: &'static Ring, frame: &'static mut [u8; MAX_FRAME]) -> Self {
-        Self { port, ring, frame, taken: 0, written: 0 }
+    /// The line of `port`, which sends from `frame`.
+    pub const fn new(port: P, frame: &'static mut [u8; MAX_FRAME]) -> Self {
+        Self { port, frame, taken: 0, written: 0 }
     }
 }
 
 impl<P: Port> Serial for Line<P> {
+    #[inline]
     fn acknowledge(&mut self) {
         self.port.acknowledge();
     }
 
+    #[inline]
     fn take(&mut self) -> Option<u8> {
         if self.written == self.taken {
             self.written = (RING - self.port.until_end() % (RING + 1)) % RING;
@@ -98,11 +103,14 @@ impl<P: Port> Serial for Line<P> {
         if self.written == self.taken {
             return None;
         }
-        let byte = self.ring.0.get(self.taken)?.load(Ordering::Relaxed);
-        self.taken = (self.taken + 1) % RING;
+        // A place within the ring, which the compiler sees.
+        let place = self.taken % RING;
+        let byte = self.port.ring().0.get(place)?.load(Ordering::Relaxed);
+        self.taken = (place + 1) % RING;
         Some(byte)
     }
 
+    #[inline]
     fn ready(&self) -> bool {
         self.port.ready()
     }
@@ -149,6 +157,10 @@ mod tests {
     }
 
     impl Port for &Wire {
+        fn ring(&self) -> &'static Ring {
+            self.ring
+        }
+
         fn until_end(&self) -> usize {
             RING - self.came.get() % RING
         }
@@ -173,7 +185,7 @@ mod tests {
     }
 
     fn line(wire: &Wire) -> Line<&Wire> {
-        Line::new(wire, wire.ring, std::boxed::Box::leak(std::boxed::Box::new([0; MAX_FRAME])))
+        Line::new(wire, std::boxed::Box::leak(std::boxed::Box::new([0; MAX_FRAME])))
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub(crate) fn start(usart: USART3, dma: DMA1, rcc: &mut Rcc) -> Option<Line> {
     port.listen();
     port.usart.cr1().write(|w| w.ue().enabled().te().enabled().re().enabled().idleie().enabled());
     let frame = singleton!(: [u8; MAX_FRAME] = [0; MAX_FRAME])?;
-    Some(Line::new(port, &RECEIVED, frame))
+    Some(Line::new(port, frame))
 }
 
 impl Port {
@@ -56,6 +56,10 @@ impl Port {
 }
 
 impl line::Port for Port {
+    fn ring(&self) -> &'static Ring {
+        &RECEIVED
+    }
+
     fn until_end(&self) -> usize {
         usize::from(self.dma.st(1).ndtr().read().ndt().bits())
     }

@@ -43,7 +43,7 @@ pub(crate) fn start(usart: USART3, dma: DMA1, requests: &DMAMUX) -> Option<Line>
     port.listen();
     port.usart.cr1().write(|w| unsafe { w.bits(LISTENING) });
     let frame = singleton!(: [u8; MAX_FRAME] = [0; MAX_FRAME])?;
-    Some(Line::new(port, &RECEIVED, frame))
+    Some(Line::new(port, frame))
 }
 
 impl Port {
@@ -58,6 +58,10 @@ impl Port {
 }
 
 impl line::Port for Port {
+    fn ring(&self) -> &'static Ring {
+        &RECEIVED
+    }
+
     fn until_end(&self) -> usize {
         self.dma.ch2().ndtr().read().bits() as usize
     }

@@ -335,12 +335,8 @@ fn each_fault_is_called_by_its_name() {
                 Fault::MissingInput,
             ),
             (
-                changed(
-                    &run,
-                    Displacement,
-                    |k, x| if (middle..middle + second(0.2)).contains(&k) { f64::NAN } else { x },
-                ),
-                "displacement",
+                changed(&run, Reference, |k, x| if (middle..middle + second(0.2)).contains(&k) { f64::NAN } else { x }),
+                "reference",
                 Fault::MissingStretch,
             ),
         ];
