@@ -42,7 +42,6 @@ pub trait Serial {
     fn ready(&self) -> bool;
 
     /// Sends what `write` puts into the frame buffer, if it is free.
-    #[inline]
     fn send(&mut self, write: impl FnOnce(&mut [u8; MAX_FRAME]) -> usize);
 
     /// Has the server look at its queues.
@@ -115,6 +114,7 @@ impl<P: Port> Serial for Line<P> {
         self.port.ready()
     }
 
+    #[inline]
     fn send(&mut self, write: impl FnOnce(&mut [u8; MAX_FRAME]) -> usize) {
         if !self.port.ready() {
             return;
@@ -194,7 +194,7 @@ mod tests {
         let mut line = line(&wire);
         let mut next = 0_u32;
         for round in 0..200_usize {
-            let bytes: Vec<u8> = (0..1 + round % 40).map(|k| (next as usize + k) as u8).collect();
+            let bytes: Vec<u8> = (0..=round % 40).map(|k| (next as usize + k) as u8).collect();
             wire.receive(&bytes);
             let taken: Vec<u8> = core::iter::from_fn(|| line.take()).collect();
             assert_eq!(taken, bytes, "round {round}");

@@ -13,7 +13,7 @@ mod wasm;
 mod wheel;
 
 use crate::output::say;
-use crate::shell::{Problem, command, metadata, read, run as execute, top};
+use crate::shell::{Problem, command, metadata, read, top};
 use std::path::{Path, PathBuf};
 use tape::{Tape, difference, digest};
 

@@ -26,7 +26,8 @@ fn names(files: &[File]) -> BTreeSet<String> {
 
 fn may_name(path: &str) -> bool {
     let file = path.rsplit('/').next().unwrap_or(path);
-    let read = file.ends_with(".md") || ["docs/", "examples/"].iter().any(|folder| path.starts_with(folder));
+    let read = std::path::Path::new(file).extension().is_some_and(|extension| extension == "md")
+        || ["docs/", "examples/"].iter().any(|folder| path.starts_with(folder));
     let manifest = file == "Cargo.toml" || file == "Cargo.lock";
     path.starts_with(FOLDER) || path.starts_with("tests/replay/") || manifest || read
 }

@@ -135,7 +135,7 @@ fn a_run_that_never_moves_is_at_rest() {
             1e-5 * swing
         })
         .collect::<Vec<_>>();
-    let size = crate::recording::signal::deviation(&coloured);
+    let size = deviation(&coloured);
     still.channels.set(Channel::Reference, vec![0.0; 10_000]);
     still.channels.set(Channel::Displacement, coloured);
     let floors = floors(&still, &[]);
