@@ -206,8 +206,7 @@ fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Conclu
         return Ok(first);
     }
     options.say("the runs fitted do not show it: opening half of those held out", 0.9);
-    let Conclusion { judging, before, .. } = &first.conclusion;
-    let second = pass(reopened(&first.whole, judging, &before.fit, &before.hold.predicted), options)?;
+    let second = pass(reopened(&first.whole, &first.conclusion.judging), options)?;
     let names = !second.conclusion.unlisted && !second.conclusion.consistent();
     let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
     if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {

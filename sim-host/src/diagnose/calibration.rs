@@ -16,17 +16,12 @@ pub(super) struct Calibration {
     pub(super) parameter_price: f64,
     /// Standard deviation of a stated value that may be fitted, as a share of it.
     pub(super) stated_share: f64,
-    /// Degrees of freedom of the law of that error: how seldom a value is off by a factor.
-    pub(super) stated_freedom: f64,
     /// Share of the stated model's excess that must be explained for a name to stand alone.
     pub(super) explained: f64,
     /// Share of what the present model leaves that one more effect must take away: strangers take less.
     pub(super) worth: f64,
     /// Share of the stated model's excess that one more effect must take away: simple forms leave about as much of a real one.
     pub(super) noticeable: f64,
-    /// Share of the stated model's excess that an effect may explain alone to be told from another that explains it: one that is
-    /// nothing like it may stand beside it for less than what is noticeable, where it explains nearly all that is left.
-    pub(super) distinct: f64,
     /// Share of what is still left that an effect must have taken away: what explains less is a stranger to the mismatch.
     pub(super) credible: f64,
     /// Excess of chi2 that is never called physics: noise is not known better.
@@ -64,18 +59,16 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     form_least: 2e-4,
     parameter_price: 4.0,
     stated_share: 0.2,
-    stated_freedom: 4.0,
     explained: 0.9,
     worth: 0.65,
     noticeable: 0.018,
-    distinct: 0.3,
     credible: 0.15,
     negligible: 0.06,
     modest: 2.5,
     simple: 0.03,
     most: 0.8,
     lead: 4.0,
-    beside_more: 0.6,
+    beside_more: 0.8,
     failed: 0.9,
     likely: 0.4,
     unlikely: 0.1,

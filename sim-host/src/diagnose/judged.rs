@@ -9,9 +9,6 @@ use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
-/// Ratio to a stated value below which it is as good as another sign.
-const LEAST_RATIO: f64 = 0.05;
-
 /// A model and how it predicts what it was not fitted to.
 #[derive(Debug, Clone)]
 pub struct Judged {
@@ -23,7 +20,7 @@ pub struct Judged {
     pub added: Vec<&'static str>,
     /// Its share of belief among the candidates.
     pub probability: f64,
-    /// How far the stated values had to go: twice the logarithm of what speaks against it.
+    /// How far the stated values had to go: the sum of squares of what they are away, in what stated values are wrong by.
     pub disbelief: f64,
 }
 
@@ -85,28 +82,16 @@ impl Decision {
     }
 }
 
-/// How far the stated values had to go: twice the logarithm of what speaks against it. A stated value is often off by a share and now
-/// and then by a factor: the law of its error has Student's tails. Masses and dashpots may be stated in any way: residuals depend
-/// on them almost linearly.
+/// How far the stated values had to go: a sum of squares in standard deviations of what stated values are wrong by. Masses and
+/// dashpots may be stated in any way: residuals depend on them almost linearly.
 pub(super) fn disbelief(stated: &Model, fitted: &Model) -> f64 {
     let clock = super::clock::disbelief(fitted);
     if stated.kind != Kind::Servo {
         return clock;
     }
     let known = stated.own.iter().zip(&fitted.own).filter(|(stated, _)| stated.free && stated.value != 0.0);
-    known.map(|(stated, fitted)| tail(away(fitted.value / stated.value))).sum::<f64>() + clock
-}
-
-/// A ratio to the stated value as a number of standard deviations of its logarithm, on beyond a ratio that no logarithm has.
-fn away(ratio: f64) -> f64 {
-    let least = ratio.max(LEAST_RATIO);
-    (least.ln().abs() + (least - ratio)) / CALIBRATION.stated_share
-}
-
-/// Twice the logarithm of Student's density, from its peak down.
-fn tail(deviations: f64) -> f64 {
-    let freedom = CALIBRATION.stated_freedom;
-    (freedom + 1.0) * (deviations * deviations / freedom).ln_1p()
+    known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / CALIBRATION.stated_share).powi(2)).sum::<f64>()
+        + clock
 }
 
 /// Parameters that were fitted.

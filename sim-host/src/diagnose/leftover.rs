@@ -32,29 +32,12 @@ impl Decision {
     }
 }
 
-/// True where named effects leave more than noise, an excess of chi2 that is `negligible`, and the simplicity of their equations; or
-/// where they leave the larger part of what one channel lacks.
+/// True where named effects leave more than noise, an excess of chi2 that is `negligible`, and the simplicity of their equations.
 pub(super) fn more_is_missing(before: &Judged, after: &Judged, negligible: f64) -> bool {
     let left = (after.hold.chi2 - 1.0).max(0.0);
     let excess = (before.hold.chi2 - 1.0).max(1e-9);
-    !after.added.is_empty() && ((left > negligible && left > CALIBRATION.simple * excess) || untouched(before, after))
+    !after.added.is_empty() && left > negligible && left > CALIBRATION.simple * excess
 }
-
-/// Whether a channel that lacked much lacks most of it still.
-fn untouched(before: &Judged, after: &Judged) -> bool {
-    let excess = |judged: &Judged, channel| {
-        judged.hold.channels.iter().find(|(c, ..)| *c == channel).map_or(0.0, |(_, chi2, _)| chi2 - 1.0)
-    };
-    let mut channels = before.hold.channels.iter().map(|(channel, ..)| *channel);
-    channels.any(|channel| {
-        let left = excess(after, channel);
-        left > MUCH && left > LARGER_PART * excess(before, channel)
-    })
-}
-
-/// Excess of a channel's chi2 that no wrong figure of its noise makes, and the larger part of one.
-const MUCH: f64 = 1.0;
-const LARGER_PART: f64 = 0.5;
 
 /// What of a model's residuals follows the motion, on all runs at hand.
 pub(super) fn follows(weighing: &Weighing, judged: &Judged) -> Result<Structure, SimulateError> {

@@ -8,7 +8,6 @@ use super::rejected::{Rejected, rejected};
 use super::remainder::Remainder;
 use super::term::report::Term;
 use super::verdict::{Conclusion, Refusal};
-use crate::identify::data::Channel;
 use crate::identify::judge::Score;
 use crate::identify::prepare::Prepared;
 use crate::identify::quantity::{Quantity, quantities};
@@ -103,7 +102,7 @@ pub struct Candidate {
     pub ids: Vec<&'static str>,
     /// Share of belief.
     pub probability: f64,
-    /// Mean of (residual / noise)^2 on the stretches that fitted it.
+    /// chi2 on the stretches that fitted it.
     pub training_chi2: Option<f64>,
     /// chi2 on the stretches of the runs fitted that weighed it.
     pub validation_chi2: Option<f64>,
@@ -168,7 +167,7 @@ impl BeforeAfter {
 
 impl Standing {
     fn of(score: &Score) -> Self {
-        let nrmse: BTreeMap<_, _> = score.nrmse.iter().map(|&(c, value): &(Channel, f64)| (c.name(), value)).collect();
+        let nrmse: BTreeMap<_, _> = score.nrmse.iter().map(|&(channel, value)| (channel.name(), value)).collect();
         let r2 = nrmse.iter().map(|(&name, value)| (name, 1.0 - value * value)).collect();
         let channel_chi2 = score.channels.iter().map(|&(channel, chi2, _)| (channel.name(), chi2)).collect();
         Self { chi2: score.chi2, channel_chi2, nrmse, r2 }

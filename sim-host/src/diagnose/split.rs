@@ -6,12 +6,10 @@
 //! method for dependent data", Biometrika 81 (1994) 351-358.
 
 use crate::identify::data::Run;
-use crate::identify::evaluate::{Predicted, predict};
 use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, score, score_from};
 use crate::identify::model::{Model, Yardsticks};
 use crate::identify::prepare::Prepared;
-use crate::identify::stated::fit_stated;
 use crate::plant::simulate::SimulateError;
 
 /// Length of a stretch, s: a loop forgets where it was within a few tenths of a second.
@@ -102,20 +100,12 @@ impl Test {
 }
 
 /// Cuts an experiment up; hypotheses are fitted to and weighed on the excerpt of it where there is one.
-///
-/// What shows in a few moments alone must show to both kinds of stretches: they are dealt in the order of what the stated model,
-/// refitted, leaves of them. No hypothesis has a part in that order.
 pub(super) fn split(prepared: Prepared, excerpt: Option<Prepared>) -> Split {
-    let left = stretches_left(excerpt.as_ref().unwrap_or(&prepared));
     let Prepared { model, fit, holdout, yardsticks } = prepared;
+    let weighs = |i: usize| i % EVERY == EVERY - 2;
     let seen = excerpt.as_ref().map_or(&fit, |excerpt| &excerpt.fit);
-    let ranks = ranks(&left);
-    // The first stretch says where a run starts: it is always fitted.
-    let weighs = |i: usize, rank: usize| i > 0 && rank % EVERY == EVERY - 2;
-    let dealt = |take: bool| -> Vec<Run> {
-        seen.iter().zip(&ranks).map(|(run, ranks)| kept(run, |i| weighs(i, ranks[i]) == take)).collect()
-    };
-    let (training, validation) = (dealt(false), dealt(true));
+    let training = seen.iter().map(|run| kept(run, |i| !weighs(i))).collect();
+    let validation = seen.iter().map(|run| kept(run, weighs)).collect();
     let with = |fit: Vec<Run>| Prepared { model: model.clone(), fit, holdout: Vec::new(), yardsticks };
     Split {
         weighing: Weighing { training: Training(with(training)), validation: Validation(validation) },
@@ -124,67 +114,19 @@ pub(super) fn split(prepared: Prepared, excerpt: Option<Prepared>) -> Split {
     }
 }
 
-/// The same experiment with every other stretch of the runs held out among those that may be fitted, in the order of what these
-/// predictions leave of them: for physics that they alone show, a stop that only the largest motion reaches. The others are what
-/// is held out now. What the runs fitted say of the model's values is where the fits start.
-pub(super) fn reopened(whole: &Prepared, held_out: &[Run], before: &Fit, predicted: &[Predicted]) -> Split {
+/// The same experiment with every other stretch of the runs held out among those that may be fitted: for physics that they
+/// alone show, a stop that only the largest motion reaches. The stretches between are what is held out now.
+pub(super) fn reopened(whole: &Prepared, held_out: &[Run]) -> Split {
     let mut whole = whole.clone();
-    for (value, fitted) in whole.model.own.iter_mut().zip(&before.model.own) {
-        value.value = fitted.value;
-    }
-    let ranks = ranks(&held_out.iter().zip(predicted).map(|(run, predicted)| left(run, predicted)).collect::<Vec<_>>());
-    let dealt = |odd: usize| held_out.iter().zip(&ranks).map(move |(run, ranks)| kept(run, |i| ranks[i] % 2 == odd));
-    whole.fit.extend(dealt(0));
-    whole.holdout = dealt(1).collect();
+    whole.fit.extend(held_out.iter().map(|run| kept(run, |i| i % 2 == 0)));
+    whole.holdout = held_out.iter().map(|run| kept(run, |i| i % 2 == 1)).collect();
     whole.yardsticks = Yardsticks::of(&whole.fit, whole.yardsticks.force);
     split(whole, None)
 }
 
-/// What the stated model, refitted, leaves of each stretch of each run; nothing where it cannot be simulated.
-fn stretches_left(prepared: &Prepared) -> Vec<Vec<f64>> {
-    let fitted = fit_stated(prepared).and_then(|fit| {
-        let predicted = prepared.fit.iter().zip(&fit.locals).map(|(run, local)| predict(&fit.model, run, local));
-        predicted.collect::<Result<Vec<_>, _>>()
-    });
-    match fitted {
-        Ok(predicted) => prepared.fit.iter().zip(&predicted).map(|(run, predicted)| left(run, predicted)).collect(),
-        Err(_) => prepared.fit.iter().map(|run| vec![0.0; run.len().div_ceil(length(run))]).collect(),
-    }
-}
-
-/// Sum of (residual / noise)^2 over the judged channels, by stretch.
-fn left(run: &Run, predicted: &Predicted) -> Vec<f64> {
-    let mut sums = vec![0.0; run.len().div_ceil(length(run))];
-    for (measured, series) in run.measured.iter().zip(&predicted.channels).filter(|(measured, _)| measured.judged) {
-        for (k, (y, model)) in measured.values.iter().zip(series).enumerate() {
-            let square = ((y - model) / measured.noise).powi(2);
-            sums[k / length(run)] += if square.is_finite() { square } else { 0.0 };
-        }
-    }
-    sums
-}
-
-/// The place of each stretch among all, the one of which most is left first; equals in their order.
-fn ranks(left: &[Vec<f64>]) -> Vec<Vec<usize>> {
-    let all =
-        left.iter().enumerate().flat_map(|(run, sums)| sums.iter().enumerate().map(move |(i, sum)| (*sum, run, i)));
-    let mut all: Vec<(f64, usize, usize)> = all.collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut ranks: Vec<Vec<usize>> = left.iter().map(|sums| vec![0; sums.len()]).collect();
-    for (rank, (_, run, i)) in all.into_iter().enumerate() {
-        ranks[run][i] = rank;
-    }
-    ranks
-}
-
-/// Samples of a stretch.
-fn length(run: &Run) -> usize {
-    ((STRETCH / run.dt) as usize).min(run.len() / STRETCHES).max(1)
-}
-
 /// A run of which only these stretches were measured.
 fn kept(run: &Run, stretch: impl Fn(usize) -> bool) -> Run {
-    let length = length(run);
+    let length = ((STRETCH / run.dt) as usize).min(run.len() / STRETCHES).max(1);
     let mut run = run.clone();
     for measured in &mut run.measured {
         for (k, value) in measured.values.iter_mut().enumerate() {
