@@ -42,9 +42,14 @@ pub(crate) fn line() -> String {
     std::iter::once("shakedown".to_owned()).chain(std::env::args().skip(1).map(quoted)).collect::<Vec<_>>().join(" ")
 }
 
+/// Seconds since 1970.
+pub(super) fn seconds() -> u64 {
+    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0, |since| since.as_secs())
+}
+
 /// The time now, UTC, as `2026-11-24T00:38:23Z`.
 pub(crate) fn utc() -> String {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let now = seconds();
     let (days, second) = (now / 86_400, now % 86_400);
     // Days to a date in the Gregorian calendar (Howard Hinnant's algorithm), from 0000-03-01.
     let shifted = days + 719_468;

@@ -31,11 +31,12 @@ pub(super) fn floors(run: &recording::Run, all: &[recording::Run], filter: Optio
 fn rested(run: &recording::Run, all: &[recording::Run]) -> PerChannel<Floor> {
     let mut floors = noise::floors(run, all);
     let poor = |floor: &Floor| matches!(floor.origin, Origin::Differences | Origin::Step);
-    if !floors.iter().any(|(_, floor)| poor(floor)) {
-        return floors;
-    }
     let alike = |other: &&recording::Run| other.name != run.name && other.dt == run.dt && other.law == run.law;
-    for others in all.iter().filter(alike).map(|other| noise::floors(other, all)) {
+    for other in all.iter().filter(alike) {
+        if !floors.iter().any(|(_, floor)| poor(floor)) {
+            break;
+        }
+        let others = noise::floors(other, all);
         for (channel, other) in others.iter().filter(|(_, other)| matches!(other.origin, Origin::Rest(..))) {
             if floors.get(channel).is_some_and(|own| poor(own) && own.std < other.std) {
                 floors.set(channel, other.clone());

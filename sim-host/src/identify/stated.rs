@@ -1,6 +1,5 @@
 //! The stated model fitted: from several starts, and within reach of what was stated.
 
-use super::evaluate::Local;
 use super::fit::{Effort, Fit};
 use super::model::{Model, Prior};
 use super::prepare::Prepared;
@@ -41,7 +40,7 @@ const WIDEST: f64 = 1e3;
 /// from a velocity limit at the largest speed seen, for a limit that is never reached has no slope to follow.
 pub fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
     let runs = &prepared.fit;
-    let mut fit = Fit::resume(prepared.model.clone(), started(prepared)?, runs)?;
+    let mut fit = Fit::begin(prepared.model.clone(), runs)?;
     fit.improve(runs, Effort::FULL)?;
     if fit.chi2() < POOR {
         return Ok(fit);
@@ -55,22 +54,6 @@ pub fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
     }
     Ok(fit)
 }
-
-/// Where each run starts, by the stated values as they are: a start in motion that is far off would lead those values away.
-fn started(prepared: &Prepared) -> Result<Vec<Local>, SimulateError> {
-    let runs = &prepared.fit;
-    let mut model = prepared.model.clone();
-    let moving = runs.iter().any(|run| run.moving_start);
-    model.values_mut().for_each(|value| value.free = false);
-    let mut fit = Fit::begin(model, runs)?;
-    if moving {
-        fit.improve(runs, STARTED)?;
-    }
-    Ok(fit.locals)
-}
-
-/// How far the starts are taken.
-const STARTED: Effort = Effort { steps: 6, tolerance: 1e-3 };
 
 /// A model fitted with no stated value further than a quarter from what was stated, and held there from now on; none where
 /// `free` went no further. A fit far from what was stated bends the model to hide what is missing.

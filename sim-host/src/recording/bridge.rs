@@ -21,7 +21,7 @@ fn bridge(values: &[f64], a: usize, b: usize, full: &mut [f64]) {
         let all = values[i].is_finite() && values[j].is_finite() && values[k].is_finite();
         all.then(|| 1.5 * values[i] - 2.0 * values[j] + 0.5 * values[k])
     };
-    if a < 2 || b + 2 >= values.len() {
+    if a + 1 < SIDE || b + SIDE > values.len() {
         return;
     }
     let (Some(leaves), Some(enters)) = (slope(a, a - 1, a - 2), slope(b, b + 1, b + 2)) else { return };
@@ -37,23 +37,24 @@ fn bridge(values: &[f64], a: usize, b: usize, full: &mut [f64]) {
 const TRIED: usize = 12;
 const BESIDE: f64 = 3.0;
 
+/// Samples on either side that say its slope.
+const SIDE: usize = 3;
+
 /// By how much a bridge over a gap may be off: the root mean square of what bridges of its length err by over known samples within a
 /// few seconds of it, in the unit of the values; none where too few are known.
 pub(crate) fn bridging_error(values: &[f64], (from, length): (usize, usize), dt: f64) -> Option<f64> {
     let reach = (BESIDE / dt) as usize;
-    let (low, high) = (from.saturating_sub(reach).max(2), (from + length + reach).min(values.len()));
+    let (low, high) = (from.saturating_sub(reach).max(SIDE), (from + length + reach).min(values.len()));
     let stride = ((high - low) / TRIED).max(1);
     let (mut squares, mut count) = (0.0, 0usize);
     for start in (low..high).step_by(stride) {
-        let end = start + length;
-        if end + 3 >= values.len() || !values[start - 2..end + 3].iter().all(|x| x.is_finite()) {
-            continue;
+        let Some(known) = values.get(start - SIDE..start + length + SIDE) else { continue };
+        if known.iter().all(|x| x.is_finite()) {
+            let mut full = known.to_vec();
+            bridge(known, SIDE - 1, SIDE + length, &mut full);
+            squares += full.iter().zip(known).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            count += length;
         }
-        let mut full = values[start - 2..end + 3].to_vec();
-        let known = full.clone();
-        bridge(&known, 1 + 1, length + 2, &mut full);
-        squares += full.iter().zip(&known).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-        count += length;
     }
     (count > 0).then(|| (squares / count as f64).sqrt())
 }

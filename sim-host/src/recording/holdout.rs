@@ -76,16 +76,13 @@ fn in_two(run: &Run) -> [Run; 2] {
 /// Where two thirds of the reference's way are done; none where enough of it is left after the sample given.
 fn before_rest(run: &Run, third: usize) -> Option<usize> {
     let reference = run.channel(Channel::Reference)?;
-    let steps = reference.windows(2).map(|w| (w[1] - w[0]).abs()).map(|step| if step.is_finite() { step } else { 0.0 });
-    let way: Vec<f64> = steps
-        .scan(0.0, |sum, step| {
-            Some({
-                *sum += step;
-                *sum
-            })
-        })
-        .collect();
-    let (total, before) = (*way.last()?, *way.get(third)?);
+    let (mut way, mut sum) = (Vec::with_capacity(reference.len()), 0.0);
+    for pair in reference.windows(2) {
+        let step = (pair[1] - pair[0]).abs();
+        sum += if step.is_finite() { step } else { 0.0 };
+        way.push(sum);
+    }
+    let (total, before) = (sum, *way.get(third)?);
     (total > 0.0 && total - before < LEAST_WAY * total).then(|| way.partition_point(|w| *w < 2.0 / 3.0 * total) + 1)
 }
 

@@ -3,13 +3,12 @@
 use super::asking::{means, prompted};
 use super::failed;
 use crate::cli::Failure;
-use crate::cli::asked::utc;
+use crate::cli::asked::{seconds, utc};
 use crate::cli::output::{print, write_whole};
 use serde::{Deserialize, Serialize};
 use shakedown::device::{Port, Session};
 use shakedown_core::link::{Scale, Wiring};
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Where it is kept, in the folder that the tool is called from: one folder a table.
 pub(super) const FILE: &str = "calibration.toml";
@@ -116,7 +115,7 @@ pub(super) fn walk(session: &mut Session<Port>, file: &Path) -> Result<(), Failu
         let text = toml::to_string(&calibration).map_err(|e| Failure::Work(e.to_string()))?;
         write_whole(file, text.as_bytes())?;
     }
-    let open = due(std::fs::read_to_string(file).ok().as_deref(), now(), &wiring);
+    let open = due(std::fs::read_to_string(file).ok().as_deref(), seconds(), &wiring);
     print(&open.iter().fold(format!("{} has what was calibrated.\n", file.display()), |text, line| text + line + "\n"));
     Ok(())
 }
@@ -155,18 +154,14 @@ fn fitted(sensor: &Sensor, points: Vec<(f64, f64)>, full_scale: u16, reference: 
     }
     let zero = code - slope * reading;
     let nonlinearity = points.iter().map(|p| ((p.1 - zero) / slope - p.0).abs()).fold(0.0, f64::max);
-    let (date, seconds) = (utc(), now());
+    let (date, seconds) = (utc(), seconds());
     Ok(Kept { zero, per_code: 1.0 / slope, nonlinearity, date, seconds, reference: reference.into(), points })
-}
-
-fn now() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }
 
 /// Says what of the calibration is overdue.
 pub(super) fn say_overdue(session: &mut Session<Port>) -> Result<(), Failure> {
     let wiring = session.setup().map_err(failed)?.wiring;
-    for line in due(std::fs::read_to_string(FILE).ok().as_deref(), now(), &wiring) {
+    for line in due(std::fs::read_to_string(FILE).ok().as_deref(), seconds(), &wiring) {
         print(&format!("note: {line}\n"));
     }
     Ok(())

@@ -62,13 +62,23 @@ enum About {
     Size(Channel),
 }
 
+impl About {
+    /// The channel to look at first.
+    fn channel(self) -> Channel {
+        match self {
+            Self::Pair(_, to) | Self::Size(to) => to,
+            Self::Controller => Channel::Command,
+        }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 enum State {
     /// Too little motion or too much noise to say.
     Unknown,
     Sound,
     Broken(String),
-    /// The two belong together, but for a factor that no sensitivity is wrong by.
+    /// The two belong together but for a gain outside [`SOUND_GAIN`].
     Off(String),
 }
 
@@ -395,10 +405,7 @@ impl Repair {
 
 /// A factor that no unit explains: what a sensor, or physics, may do is left to the diagnosis.
 fn off(run: &Run, link: &Link, evidence: &str) -> Finding {
-    let channel = match link.about {
-        About::Pair(_, to) | About::Size(to) => to,
-        About::Controller => Channel::Command,
-    };
+    let channel = link.about.channel();
     Finding::whole(run, channel, Fault::WrongUnit, Severity::Remark).saying(
         format!("{evidence}; no unit explains it"),
         format!("check the calibration of {channel}; it is diagnosed as it is"),
@@ -406,11 +413,7 @@ fn off(run: &Run, link: &Link, evidence: &str) -> Finding {
 }
 
 fn unexplained(run: &Run, link: &Link, evidence: &str) -> Finding {
-    let channel = match link.about {
-        About::Pair(_, to) => to,
-        About::Size(channel) => channel,
-        About::Controller => Channel::Command,
-    };
+    let channel = link.about.channel();
     Finding::whole(run, channel, Fault::Unrelated, Severity::BadData).saying(
         format!("{evidence}; no single sign, unit or swap explains it"),
         format!("check the column, the unit and the calibration of {channel}"),

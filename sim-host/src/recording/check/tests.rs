@@ -339,6 +339,13 @@ fn each_fault_is_called_by_its_name() {
                 "reference",
                 Fault::MissingStretch,
             ),
+            (
+                changed(&with_law(Law::Open), Displacement, |k, x| {
+                    if (middle..middle + second(0.2)).contains(&k) { f64::NAN } else { x }
+                }),
+                "displacement",
+                Fault::MissingStretch,
+            ),
         ];
         for (place, (faulty, channel, fault)) in cases.into_iter().enumerate() {
             let found = bad(&faulty);

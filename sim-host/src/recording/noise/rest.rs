@@ -46,8 +46,8 @@ pub(super) fn rest(run: &Run) -> Option<(usize, usize)> {
     (to > from && (to - from) as f64 * run.dt >= SHORTEST).then_some((from, to))
 }
 
-/// True where the reference stands still from end to end and the displacement with it: what it does is of the size of its noise,
-/// which swings slower than a motion's differences say but not a hundred times.
+/// True where the reference stands still from end to end and the displacement with it: its deviation is at most [`SLOWER`] times what its
+/// differences, or its converter's step, say of the noise.
 fn never_moves(run: &Run) -> bool {
     let still = |reference: &[f64]| reference.iter().all(|x| *x == reference[0]);
     let shakes = |displacement: &[f64]| {

@@ -27,8 +27,7 @@ const fn why(purpose: OptionPurpose) -> &'static str {
             "a probe can neither check nor test the program; the programmer erases the flash when it takes this back: flash the image \
              and save the setup anew"
         }
-        OptionPurpose::WriteProtection => "the setup cannot be saved",
-        OptionPurpose::Banks => "the setup cannot be saved",
+        OptionPurpose::WriteProtection | OptionPurpose::Banks => "the setup cannot be saved",
     }
 }
 
