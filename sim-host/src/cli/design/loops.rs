@@ -13,8 +13,14 @@ pub(super) fn section(found: &Design, table: &Table, spread: &Spread) -> Result<
     let loops = open_loops(table, &found.settings, spread)?;
     let gain = |point: &Point| 20.0 * point.open.norm().log10();
     let items = vec![
-        over_frequency("Gain of the open loop", "gain [dB]", &loops, &|points| points.iter().map(gain).collect(), 0.0),
-        over_frequency("Phase of the open loop", "phase [degrees]", &loops, &unwrapped, -180.0),
+        over_frequency(
+            "Gain of the open loop",
+            "gain [dB]",
+            &loops,
+            &|points| points.iter().map(gain).collect(),
+            ("0 dB", 0.0),
+        ),
+        over_frequency("Phase of the open loop", "phase [degrees]", &loops, &unwrapped, ("-180 degrees", -180.0)),
         nyquist(&loops),
     ];
     Ok(Section { heading: "The open loop, from the valve's command around to it".into(), items })
@@ -40,7 +46,7 @@ fn over_frequency(
     label: &str,
     loops: &[(Corner, Vec<Point>)],
     part: &dyn Fn(&[Point]) -> Vec<f64>,
-    critical: f64,
+    (named, critical): (&str, f64),
 ) -> Item {
     let parts: Vec<Vec<f64>> = loops.iter().map(|(_, points)| part(points)).collect();
     let x: Vec<f64> = loops.first().map_or_else(Vec::new, |(_, points)| points.iter().map(|p| p.frequency).collect());
@@ -57,7 +63,7 @@ fn over_frequency(
             series("least of the corners", end(f64::min), Style::Faint),
             series("most of the corners", end(f64::max), Style::Faint),
             series("on the model", parts.first().cloned().unwrap_or_default(), Style::Line),
-            series(&format!("{critical}"), vec![critical; x.len()], Style::Dashed),
+            series(named, vec![critical; x.len()], Style::Dashed),
         ],
         group: Some("loop".into()),
         ..Plot::default()
@@ -81,6 +87,8 @@ fn nyquist(loops: &[(Corner, Vec<Point>)]) -> Item {
         Series { name: name.into(), x, y, style }
     };
     let (im, re) = (0..=240).map(|k| (TAU * f64::from(k) / 240.0).sin_cos()).unzip();
+    // A cross, for a single point is lost on the circle.
+    let (cross_x, cross_y) = (vec![-1.04, -0.96, 0.0, -1.0, -1.0], vec![0.0, 0.0, f64::NAN, -0.15, 0.15]);
     let (model, corners) = loops.split_at(loops.len().min(1));
     Item::Plot(Plot {
         title: "Nyquist diagram".into(),
@@ -90,7 +98,7 @@ fn nyquist(loops: &[(Corner, Vec<Point>)]) -> Item {
             plane("every corner", corners, Style::Faint),
             plane("on the model", model, Style::Line),
             Series { name: "gain 1".into(), x: re, y: im, style: Style::Dashed },
-            Series { name: "-1, an oscillation".into(), x: vec![-1.0], y: vec![0.0], style: Style::Points },
+            Series { name: "critical point, -1".into(), x: cross_x, y: cross_y, style: Style::Line },
         ],
         ..Plot::default()
     })
