@@ -22,6 +22,9 @@ pub(super) struct Calibration {
     pub(super) worth: f64,
     /// Share of the stated model's excess that one more effect must take away: simple forms leave about as much of a real one.
     pub(super) noticeable: f64,
+    /// Share of the stated model's excess that an effect may explain alone to be told from another that explains it: one that is
+    /// nothing like it may stand beside it for less than what is noticeable, where it explains nearly all that is left.
+    pub(super) distinct: f64,
     /// Share of what is still left that an effect must have taken away: what explains less is a stranger to the mismatch.
     pub(super) credible: f64,
     /// Excess of chi2 that is never called physics: noise is not known better.
@@ -62,13 +65,14 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     explained: 0.9,
     worth: 0.65,
     noticeable: 0.018,
+    distinct: 0.3,
     credible: 0.15,
     negligible: 0.06,
     modest: 2.5,
     simple: 0.03,
     most: 0.8,
     lead: 4.0,
-    beside_more: 0.8,
+    beside_more: 0.6,
     failed: 0.9,
     likely: 0.4,
     unlikely: 0.1,

@@ -9,7 +9,7 @@ use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
-use super::standing::{outside, stands, strained};
+use super::standing::{Alone, outside, stands, strained};
 use crate::identify::fit::Fit;
 use crate::plant::effects::{Stage, entry};
 use crate::plant::simulate::SimulateError;
@@ -38,14 +38,15 @@ pub fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, Simulate
         }
         sizes.push(size);
     }
-    let after = polished(choose(&before, &sizes), weighing)?;
+    let alone = Alone::of(search, &weighing.model().ids());
+    let after = polished(choose(&before, &sizes, &alone), weighing)?;
     if after.added.is_empty() {
         return weigh(weighing, before, after, sizes);
     }
     let rivals = rivals(weighing, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
     let (after, rivals) = best_of(&before, after, rivals);
     sizes.push(rivals);
-    let less = needed(&before, after.clone(), weighing)?;
+    let less = needed(&before, after.clone(), weighing, &alone)?;
     let after = if less.added.len() < after.added.len() { best_of_its_size(&before, less, &sizes) } else { after };
     weigh(weighing, before, after, sizes)
 }
@@ -57,7 +58,7 @@ fn best_of_its_size(before: &Judged, less: Judged, sizes: &[Vec<Judged>]) -> Jud
 }
 
 /// The largest model that stands, each against the one before it.
-fn choose(before: &Judged, sizes: &[Vec<Judged>]) -> Judged {
+fn choose(before: &Judged, sizes: &[Vec<Judged>], alone: &Alone) -> Judged {
     let mut after = before.clone();
     // What already leaves less than the noise has nothing to explain, however surely a line stands within it.
     let believed = before.disbelief < CHANCE;
@@ -67,7 +68,7 @@ fn choose(before: &Judged, sizes: &[Vec<Judged>]) -> Judged {
     let mut skipped = false;
     for size in sizes {
         let Some(best) = size.first() else { break };
-        if stands(before, &after, best) {
+        if stands(before, &after, best, alone.tell_apart(&after.added, &best.added)) {
             after = best.clone();
             skipped = false;
         } else if skipped {

@@ -5,7 +5,7 @@ use super::judged::Judged;
 use super::ranking::Ranking;
 use super::search::CHANCE;
 use super::split::Weighing;
-use super::standing::{SURE, sound, stands, strained};
+use super::standing::{Alone, SURE, sound, stands, strained};
 use crate::identify::fit::{Effort, Fit};
 use crate::plant::simulate::SimulateError;
 
@@ -48,12 +48,18 @@ pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) ->
 
 /// The accepted model less what it does without: a companion may have led an effect to where it belongs and stands no more
 /// against that effect alone.
-pub(super) fn needed(before: &Judged, after: Judged, weighing: &Weighing) -> Result<Judged, SimulateError> {
+pub(super) fn needed(
+    before: &Judged,
+    after: Judged,
+    weighing: &Weighing,
+    alone: &Alone,
+) -> Result<Judged, SimulateError> {
     if after.added.len() < 2 {
         return Ok(after);
     }
     let smaller = after.added.iter().map(|id| without(&after, &[id], weighing)).collect::<Result<Vec<_>, _>>()?;
-    let enough = smaller.into_iter().filter(|less| !stands(before, less, &after));
+    let enough =
+        smaller.into_iter().filter(|less| !stands(before, less, &after, alone.tell_apart(&less.added, &after.added)));
     Ok(enough.min_by(|a, b| a.total().total_cmp(&b.total())).unwrap_or(after))
 }
 

@@ -20,6 +20,9 @@ pub(super) struct Ranking {
     /// What is compared, in the order of [`looks`]: the least that any model leaves, what counts as nothing, and its say.
     floors: Vec<f64>,
     forms: Vec<f64>,
+    /// By how much neighbouring residuals that are alike overstate their number, by the model that leaves the least: what makes a
+    /// misfit's residuals alike is no noise.
+    colour: f64,
 }
 
 /// One comparison: mean square, residuals behind it, and its share of the say.
@@ -35,12 +38,14 @@ impl Ranking {
     pub(super) fn new<'a>(before: &Judged, models: impl IntoIterator<Item = &'a Judged>) -> Self {
         let forms = looks(before).map(|(chi2, ..)| CALIBRATION.form_least * (chi2 - 1.0).max(0.0)).collect();
         let mut floors: Vec<f64> = looks(before).map(|(chi2, ..)| chi2.min(1.0)).collect();
+        let mut colour = before.hold.colour;
         for judged in models {
+            colour = colour.min(judged.hold.colour);
             for (floor, (chi2, ..)) in floors.iter_mut().zip(looks(judged)) {
                 *floor = floor.min(chi2);
             }
         }
-        Self { floors, forms }
+        Self { floors, forms, colour: colour.max(1.0) }
     }
 
     /// Twice the logarithm of what speaks against it.
@@ -59,7 +64,7 @@ impl Ranking {
         let misfit: f64 = each
             .map(|(((chi2, rows, say), floor), form)| {
                 // Excess that the noise of so many samples makes as likely as not.
-                let chance = freedom * judged.hold.colour.max(1.0) * floor / rows.max(1.0);
+                let chance = freedom * self.colour * floor / rows.max(1.0);
                 say * freedom * ((chi2 - floor).max(0.0) / (chance + form).max(f64::MIN_POSITIVE)).ln_1p()
             })
             .sum();

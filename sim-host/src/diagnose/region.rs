@@ -88,7 +88,7 @@ fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<Judged>) -> R
     let Some(best) = found.first() else { return Ok(decision) };
     let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
     let better = ranking.cost(best) < ranking.cost(present) && left(best) < CALIBRATION.region * left(present);
-    if !better || !stands(before, before, best) || outside(before, best).0 {
+    if !better || !stands(before, before, best, false) || outside(before, best).0 {
         return Ok(decision);
     }
     let (best, others) = (best.clone(), found.iter().skip(1).cloned());

@@ -38,8 +38,10 @@ const DOUBLES: usize = 8;
 pub(super) const CHANCE: f64 = 30.0;
 /// chi2 above which a refitted model may be bent.
 const BENT: f64 = 4.0;
-/// What is left of the baseline's excess when growing stops.
+/// What is left of the baseline's excess when growing stops, and the excess of chi2 beyond which it goes on all the same: another
+/// effect may hide beneath a gross one.
 const SETTLED: f64 = 0.008;
+pub(super) const HIDDEN: f64 = 0.3;
 
 /// Share of the squares that a form with its details fitted must leave at most to be worth them.
 const DETAILED: f64 = 0.8;
@@ -64,7 +66,8 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
     } else {
         parents.extend(fit_from_near(prepared, &search.baseline)?);
     }
-    if parents.len() == 1 && search.baseline.chi2() > BENT {
+    // So are the stated values themselves.
+    if search.baseline.chi2() > BENT {
         parents.push(Fit::begin(prepared.model.clone(), runs)?);
     }
     for size in 0..MOST {
@@ -82,7 +85,9 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
         let (Some(best), Some(parent)) = (grown.first(), parents.last()) else { break };
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
-        if gain < CHANCE || ((explains(best) || left < SETTLED) && held_back.reaches(best)?) {
+        if gain < CHANCE
+            || ((explains(best) || (left < SETTLED && best.chi2() < 1.0 + HIDDEN)) && held_back.reaches(best)?)
+        {
             break;
         }
         parents = grown.iter().take(BEAM).cloned().collect();

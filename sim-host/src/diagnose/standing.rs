@@ -2,7 +2,8 @@
 
 use super::calibration::CALIBRATION;
 use super::judged::{Judged, parameters};
-use super::search::CHANCE;
+use super::search::{CHANCE, HIDDEN, Search};
+use crate::identify::fit::Fit;
 use crate::identify::judge::gains;
 
 /// Gain of squares on the runs held back that chance does not give a model fitted elsewhere.
@@ -16,8 +17,27 @@ const SHOWN: f64 = 1.0;
 /// Least gain of chi2 for a further effect: less than this is not told from noise that is not quite white.
 const LEAST_GAIN: f64 = 0.015;
 
-/// Whether a larger model stands against the present one.
-pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool {
+/// How much of what the stated model leaves each effect explains alone.
+pub(super) struct Alone(Vec<(&'static str, f64)>);
+
+impl Alone {
+    pub(super) fn of(search: &Search, stated: &[&'static str]) -> Self {
+        let excess = search.baseline.squares - search.baseline.rows as f64;
+        let explained = |fit: &Fit| (search.baseline.squares - fit.squares) / excess.max(1e-9);
+        let singles = search.grown.first().into_iter().flatten();
+        let known = singles.filter_map(|fit| Some((*fit.model.ids_beside(stated).first()?, explained(fit))));
+        Self(known.collect())
+    }
+
+    /// True where nothing that the larger set adds to the smaller explains much alone.
+    pub(super) fn tell_apart(&self, smaller: &[&'static str], larger: &[&'static str]) -> bool {
+        let share = |id: &str| self.0.iter().find(|(known, _)| *known == id).map_or(0.0, |(_, share)| *share);
+        larger.iter().filter(|id| !smaller.contains(id)).all(|id| share(id) < CALIBRATION.distinct)
+    }
+}
+
+/// Whether a larger model stands against the present one; `distinct` where what it adds is nothing like what is there.
+pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinct: bool) -> bool {
     let added = parameters(larger) - parameters(present);
     let gained = present.fit.squares - larger.fit.squares;
     let held_gain = present.hold.chi2 - larger.hold.chi2;
@@ -40,8 +60,15 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged) -> bool
         && better - worse > SURE * colour
         && worse < LOST * better
         && (present.added.is_empty() || held_gain > (CALIBRATION.worth * left).max(LEAST_GAIN))
-        && held_gain > CALIBRATION.noticeable * excess
+        && (held_gain > CALIBRATION.noticeable * excess
+            || (distinct && held_gain > HIDDEN && completes(present, larger)))
         && held_gain > CALIBRATION.credible * (larger.hold.chi2 - 1.0)
+}
+
+/// True where a larger model explains nearly all that the present one leaves, on both kinds of runs.
+fn completes(present: &Judged, larger: &Judged) -> bool {
+    let done = |before: f64, after: f64| after - 1.0 < (1.0 - CALIBRATION.explained) * (before - 1.0);
+    done(present.hold.chi2, larger.hold.chi2) && done(present.fit.chi2(), larger.fit.chi2())
 }
 
 /// True where the runs held back cannot say: they lack nothing without an effect that explains nearly all that the runs
@@ -80,3 +107,6 @@ pub(super) fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
 pub(super) fn sound(before: &Judged, judged: &Judged) -> bool {
     !strained(judged) && !outside(before, judged).0
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,35 @@
+use super::super::decide::tests::judged;
+use super::*;
+use crate::identify::fit::tests::{TRUTH, model, recorded};
+
+/// A judged model of which so much is left on both kinds of stretches.
+fn leaving(chi2: f64, template: &Judged) -> Judged {
+    let mut judged = template.clone();
+    judged.fit.squares = chi2 * judged.fit.rows as f64;
+    let share = chi2 * judged.hold.rows as f64 / judged.hold.blocks.len() as f64;
+    judged.hold.blocks.iter_mut().for_each(|block| *block = share);
+    (judged.hold.chi2, judged.hold.colour) = (chi2, 1.0);
+    judged
+}
+
+/// Beside an effect that explains 998 of 1000, one that explains the rest is told from another form of the first only where it
+/// is nothing like it, and only where it explains nearly all of the rest.
+#[test]
+fn what_differs_stands_beside_a_gross_effect_where_it_completes_it() {
+    let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let before = leaving(1000.0, &template);
+    let present = Judged { added: vec!["command_delay"], ..leaving(3.0, &template) };
+    let whole = Judged { added: vec!["command_delay", "null_bias"], ..leaving(1.05, &template) };
+    let half = Judged { added: whole.added.clone(), ..leaving(1.5, &template) };
+    assert!(stands(&before, &present, &whole, true));
+    assert!(!stands(&before, &present, &whole, false), "as little as a simple form leaves");
+    assert!(!stands(&before, &present, &half, true), "a quarter of the rest is left");
+}
+
+#[test]
+fn an_effect_that_alone_explains_much_is_not_told_apart() {
+    let alone = Alone(vec![("command_delay", 0.98), ("valve_lag", 0.9), ("null_bias", 0.01)]);
+    assert!(alone.tell_apart(&["command_delay"], &["command_delay", "null_bias"]));
+    assert!(!alone.tell_apart(&["command_delay"], &["command_delay", "valve_lag"]));
+}
