@@ -1,7 +1,7 @@
 //! The controller: one sample in, one command out; or a whole run at once.
 
+use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 use shakedown_core::host::{self, code};
 use shakedown_core::{Command, Controller, Relay, Sample, Settings};
 
@@ -226,22 +226,30 @@ impl PyController {
         PyCommand { command, changes: self.0.changes() }
     }
 
-    /// A run: samples as bytes in, commands as bytes out, the interpreter free meanwhile.
-    fn _steps<'py>(&mut self, py: Python<'py>, samples: &[u8]) -> PyResult<Bound<'py, PyBytes>> {
-        let (samples, rest) = samples.as_chunks::<SAMPLE>();
-        if !rest.is_empty() {
-            return Err(refused(py, code::WRONG_VALUE, format!("a sample has {SAMPLE} bytes")));
+    /// A run: samples as bytes in, commands as bytes out, neither copied, the interpreter free meanwhile.
+    fn _steps(
+        &mut self,
+        py: Python<'_>,
+        samples: PyReadonlyArray1<'_, u8>,
+        mut commands: PyReadwriteArray1<'_, u8>,
+    ) -> PyResult<()> {
+        let wrong = |what: &str| refused(py, code::WRONG_VALUE, what.to_owned());
+        let Ok((samples, [])) = samples.as_slice().map(<[u8]>::as_chunks::<SAMPLE>) else {
+            return Err(wrong("samples: expected whole samples, side by side"));
+        };
+        let Ok((commands, [])) = commands.as_slice_mut().map(<[u8]>::as_chunks_mut::<COMMAND>) else {
+            return Err(wrong("commands: expected room for whole commands, side by side"));
+        };
+        if samples.len() != commands.len() {
+            return Err(wrong("expected room for one command a sample"));
         }
         let controller = &mut self.0;
-        PyBytes::new_with(py, COMMAND * samples.len(), |commands| {
-            let commands = commands.as_chunks_mut::<COMMAND>().0;
-            py.detach(|| {
-                for (bytes, place) in samples.iter().zip(commands) {
-                    *place = stepped(controller, bytes);
-                }
-            });
-            Ok(())
-        })
+        py.detach(|| {
+            for (bytes, place) in samples.iter().zip(commands) {
+                *place = stepped(controller, bytes);
+            }
+        });
+        Ok(())
     }
 
     /// Where the test stands.

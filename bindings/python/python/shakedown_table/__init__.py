@@ -88,10 +88,6 @@ class Designed:
     figures: dict[str, Any]
 
 
-#: Samples that pass to the core at once: copies of more would not stay within the processor's cache.
-_STRETCH = 2000
-
-
 class Controller(_native.Controller):
     """The control core: `step` for one tick, `steps` for a run."""
 
@@ -102,10 +98,7 @@ class Controller(_native.Controller):
             raise TypeError(f"expected an array of shakedown_table.SAMPLE, not of {given.dtype}")
         flat = np.ascontiguousarray(given).reshape(-1)
         commands = np.empty(flat.shape, COMMAND)
-        into, size = commands.view(np.uint8), COMMAND.itemsize
-        for begin in range(0, flat.size, _STRETCH):
-            part = self._steps(flat[begin : begin + _STRETCH].tobytes())
-            into[size * begin : size * begin + len(part)] = np.frombuffer(part, np.uint8)
+        self._steps(flat.view(np.uint8), commands.view(np.uint8))
         return commands.reshape(given.shape)
 
 
