@@ -25,6 +25,8 @@ pub(super) struct Calibration {
     /// Share of the stated model's excess that an effect may explain alone to be told from another that explains it: one that is
     /// nothing like it may stand beside it for less than what is noticeable, where it explains nearly all that is left.
     pub(super) distinct: f64,
+    /// Excess of chi2 in which another effect may hide beneath a gross one: noise leaves less.
+    pub(super) hidden: f64,
     /// Share of what is still left that an effect must have taken away: what explains less is a stranger to the mismatch.
     pub(super) credible: f64,
     /// Excess of chi2 that is never called physics: noise is not known better.
@@ -66,6 +68,7 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     worth: 0.65,
     noticeable: 0.018,
     distinct: 0.3,
+    hidden: 0.3,
     credible: 0.15,
     negligible: 0.06,
     modest: 2.5,

@@ -16,6 +16,8 @@ const WORTH: f64 = 1.035;
 const CERTAIN: f64 = 5.0;
 /// Factor by which the noise of the fastest quarter exceeds that of the slowest, that is worth a word.
 const GROWTH: f64 = 1.12;
+/// By how much second differences of white noise, which are alike, overstate their number: 1 + 2 (16 + 1) / 36.
+const ALIKE: f64 = 1.94;
 /// Largest residuals left out, as a share: spikes are reported by themselves.
 const TRIMMED: f64 = 0.002;
 
@@ -40,7 +42,9 @@ pub(super) fn report(
     let colour = fitted.colour.max(conclusion.after.hold.colour).max(1.0);
     for channel in channels.into_iter().filter(|c| *c != Channel::SupplyPressure) {
         let rows = rows(&looks, channel);
-        let (Some(found), Some(noise)) = (power(rows.iter().map(|r| r.0)), noise_of(whole, channel)) else { continue };
+        let (Some(found), Some(noise)) = (power(rows.iter().map(|r| r.left)), noise_of(whole, channel)) else {
+            continue;
+        };
         if let Some(stated) = stated(experiment, channel) {
             let value = noise * found.sqrt();
             let std = (colour / (2.0 * rows.len() as f64)).sqrt();
@@ -49,7 +53,7 @@ pub(super) fn report(
                 findings.push(SetUpFinding::noise(channel.name(), stated, value, value * std, channel.unit()));
             }
         }
-        if let Some((factor, std)) = growth(rows, colour).filter(|(f, std)| *f > GROWTH.max(1.0 + CERTAIN * std)) {
+        if let Some((factor, std)) = growth(rows).filter(|(f, std)| *f > GROWTH.max(1.0 + CERTAIN * std)) {
             findings.push(SetUpFinding::noise_growth(channel.name(), factor - 1.0, std));
         }
     }
@@ -65,18 +69,31 @@ fn stated(experiment: &Experiment, channel: Channel) -> Option<f64> {
     experiment.runs.iter().find_map(|run| run.noise.get(channel.recorded()).copied())
 }
 
-/// Residual, in units of the noise, and size of the motion that would shake it, sample by sample.
-fn rows(looks: &[(&Run, &Predicted)], channel: Channel) -> Vec<(f64, f64)> {
+/// A sample: residual in units of the noise, its second difference as white noise of the same size would have it, and size of the
+/// motion that would shake it.
+struct Row {
+    left: f64,
+    difference: f64,
+    motion: f64,
+}
+
+fn rows(looks: &[(&Run, &Predicted)], channel: Channel) -> Vec<Row> {
     let mut rows = Vec::new();
     for (run, predicted) in looks {
         let Some(left) = residual(run, predicted, channel) else { continue };
         let Some(place) = run.measured.iter().position(|m| m.channel == channel) else { continue };
         let shown = &predicted.channels[place];
-        let moves = |k: usize| match channel {
-            Channel::Displacement => (shown[(k + 1).min(shown.len() - 1)] - shown[k.saturating_sub(1)]).abs() / run.dt,
+        let last = shown.len() - 1;
+        let motion = |k: usize| match channel {
+            Channel::Displacement => (shown[(k + 1).min(last)] - shown[k.saturating_sub(1)]).abs() / run.dt,
             _ => shown[k].abs(),
         };
-        rows.extend(left.iter().enumerate().filter(|(_, r)| r.is_finite()).map(|(k, r)| (*r, moves(k))));
+        let difference = |k: usize| match (k.checked_sub(1), k + 1 < left.len()) {
+            (Some(before), true) => (left[before] - 2.0 * left[k] + left[k + 1]) / 6.0_f64.sqrt(),
+            _ => f64::NAN,
+        };
+        let row = |k: usize| Row { left: left[k], difference: difference(k), motion: motion(k) };
+        rows.extend((0..left.len()).map(row).filter(|row| row.left.is_finite()));
     }
     rows
 }
@@ -90,11 +107,47 @@ fn power(residuals: impl Iterator<Item = f64>) -> Option<f64> {
     (kept > 200).then(|| squares[..kept].iter().sum::<f64>() / kept as f64 / 0.977)
 }
 
-/// Standard deviation of the residual in the fastest quarter over that in the slowest, with its standard error.
-fn growth(mut rows: Vec<(f64, f64)>, colour: f64) -> Option<(f64, f64)> {
-    rows.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+/// Standard deviation of the noise in the fastest quarter over that in the slowest, with its standard error: by second differences, for
+/// what a model lacks grows with the motion too, and varies slowly.
+fn growth(mut rows: Vec<Row>) -> Option<(f64, f64)> {
+    rows.retain(|row| row.difference.is_finite());
+    rows.sort_unstable_by(|a, b| a.motion.total_cmp(&b.motion));
     let quarter = rows.len() / 4;
-    let slow = power(rows[..quarter].iter().map(|r| r.0))?;
-    let fast = power(rows[rows.len() - quarter..].iter().map(|r| r.0))?;
-    Some(((fast / slow).sqrt(), (colour / quarter as f64).sqrt()))
+    let slow = power(rows[..quarter].iter().map(|r| r.difference))?;
+    let fast = power(rows[rows.len() - quarter..].iter().map(|r| r.difference))?;
+    Some(((fast / slow).sqrt(), (ALIKE / quarter as f64).sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::fit::tests::gauss;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+
+    /// Rows whose left is `left` of noise and motion, at 1 kHz.
+    fn of(left: impl Fn(f64, f64) -> f64) -> Vec<Row> {
+        let mut noise = ChaCha8Rng::seed_from_u64(7);
+        let motion: Vec<f64> = (0..20_000).map(|k| (f64::from(k) * 1e-3 * std::f64::consts::TAU * 2.0).sin()).collect();
+        let left: Vec<f64> = motion.iter().map(|m| left(gauss(&mut noise), *m)).collect();
+        let row = |k: usize| Row {
+            left: left[k],
+            difference: (left[k - 1] - 2.0 * left[k] + left[k + 1]) / 6.0_f64.sqrt(),
+            motion: motion[k].abs(),
+        };
+        (1..motion.len() - 1).map(row).collect()
+    }
+
+    fn claimed(rows: Vec<Row>) -> Option<f64> {
+        growth(rows).filter(|(factor, std)| *factor > GROWTH.max(1.0 + CERTAIN * std)).map(|(factor, _)| factor)
+    }
+
+    /// Noise whose size follows the motion is told by its growth; noise that does not, and what a model lacks, are not.
+    #[test]
+    fn noise_that_grows_is_told_from_what_a_model_lacks() {
+        let grows = claimed(of(|noise, motion| noise * (1.0 + 0.5 * motion.abs()))).unwrap();
+        assert!((1.3..1.55).contains(&grows), "{grows}");
+        assert_eq!(claimed(of(|noise, _| noise)), None);
+        assert_eq!(claimed(of(|noise, motion| noise + 3.0 * motion)), None);
+    }
 }

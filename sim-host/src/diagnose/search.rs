@@ -4,6 +4,7 @@
 mod seedlings;
 
 use super::Options;
+use super::calibration::CALIBRATION;
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
@@ -38,10 +39,8 @@ const DOUBLES: usize = 8;
 pub(super) const CHANCE: f64 = 30.0;
 /// chi2 above which a refitted model may be bent.
 const BENT: f64 = 4.0;
-/// What is left of the baseline's excess when growing stops, and the excess of chi2 beyond which it goes on all the same: another
-/// effect may hide beneath a gross one.
+/// What is left of the baseline's excess when growing stops.
 const SETTLED: f64 = 0.008;
-pub(super) const HIDDEN: f64 = 0.3;
 
 /// Share of the squares that a form with its details fitted must leave at most to be worth them.
 const DETAILED: f64 = 0.8;
@@ -85,9 +84,8 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
         let (Some(best), Some(parent)) = (grown.first(), parents.last()) else { break };
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
-        if gain < CHANCE
-            || ((explains(best) || (left < SETTLED && best.chi2() < 1.0 + HIDDEN)) && held_back.reaches(best)?)
-        {
+        let settled = left < SETTLED && best.chi2() < 1.0 + CALIBRATION.hidden;
+        if gain < CHANCE || ((explains(best) || settled) && held_back.reaches(best)?) {
             break;
         }
         parents = grown.iter().take(BEAM).cloned().collect();

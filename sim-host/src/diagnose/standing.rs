@@ -2,7 +2,7 @@
 
 use super::calibration::CALIBRATION;
 use super::judged::{Judged, parameters};
-use super::search::{CHANCE, HIDDEN, Search};
+use super::search::{CHANCE, Search};
 use crate::identify::fit::Fit;
 use crate::identify::judge::gains;
 
@@ -61,7 +61,7 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinc
         && worse < LOST * better
         && (present.added.is_empty() || held_gain > (CALIBRATION.worth * left).max(LEAST_GAIN))
         && (held_gain > CALIBRATION.noticeable * excess
-            || (distinct && held_gain > HIDDEN && completes(present, larger)))
+            || (distinct && held_gain > CALIBRATION.hidden && completes(present, larger)))
         && held_gain > CALIBRATION.credible * (larger.hold.chi2 - 1.0)
 }
 

@@ -27,7 +27,7 @@ pub(crate) fn model(values: [f64; 4]) -> Model {
 }
 
 /// Twelve uniforms less six: near enough to a Gaussian of unit variance.
-fn gauss(random: &mut ChaCha8Rng) -> f64 {
+pub(crate) fn gauss(random: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
 }
 
