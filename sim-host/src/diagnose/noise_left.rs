@@ -8,6 +8,7 @@ use crate::identify::evaluate::Predicted;
 use crate::identify::judge::score;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
+use crate::recording::signal::curvature;
 use crate::recording::{Doubt, Experiment, SetUpFinding};
 
 /// Factor between stated and found that is worth a word.
@@ -53,7 +54,7 @@ pub(super) fn report(
                 findings.push(SetUpFinding::noise(channel.name(), stated, value, value * std, channel.unit()));
             }
         }
-        if let Some((factor, std)) = growth(rows).filter(|(f, std)| *f > GROWTH.max(1.0 + CERTAIN * std)) {
+        if let Some((factor, std)) = growth(rows) {
             findings.push(SetUpFinding::noise_growth(channel.name(), factor - 1.0, std));
         }
     }
@@ -69,14 +70,17 @@ fn stated(experiment: &Experiment, channel: Channel) -> Option<f64> {
     experiment.runs.iter().find_map(|run| run.noise.get(channel.recorded()).copied())
 }
 
-/// A sample: residual in units of the noise, its second difference as white noise of the same size would have it, and size of the
-/// motion that would shake it.
+/// A sample of a channel.
 struct Row {
+    /// Residual, in units of the noise.
     left: f64,
+    /// Its second difference, in the same units: see [`differences`].
     difference: f64,
+    /// Size of the motion that would shake it.
     motion: f64,
 }
 
+/// The samples of a channel in all runs that were recorded.
 fn rows(looks: &[(&Run, &Predicted)], channel: Channel) -> Vec<Row> {
     let mut rows = Vec::new();
     for (run, predicted) in looks {
@@ -88,14 +92,16 @@ fn rows(looks: &[(&Run, &Predicted)], channel: Channel) -> Vec<Row> {
             Channel::Displacement => (shown[(k + 1).min(last)] - shown[k.saturating_sub(1)]).abs() / run.dt,
             _ => shown[k].abs(),
         };
-        let difference = |k: usize| match (k.checked_sub(1), k + 1 < left.len()) {
-            (Some(before), true) => (left[before] - 2.0 * left[k] + left[k + 1]) / 6.0_f64.sqrt(),
-            _ => f64::NAN,
-        };
-        let row = |k: usize| Row { left: left[k], difference: difference(k), motion: motion(k) };
-        rows.extend((0..left.len()).map(row).filter(|row| row.left.is_finite()));
+        let both = left.iter().zip(differences(&left)).enumerate();
+        let all = both.map(|(k, (&left, difference))| Row { left, difference, motion: motion(k) });
+        rows.extend(all.filter(|row| row.left.is_finite()));
     }
     rows
+}
+
+/// Second differences of a residual, of the same mean square as white noise itself.
+fn differences(left: &[f64]) -> Vec<f64> {
+    curvature(left, 1.0).into_iter().map(|d| d / 6.0_f64.sqrt()).collect()
 }
 
 /// Mean square without the largest.
@@ -107,15 +113,16 @@ fn power(residuals: impl Iterator<Item = f64>) -> Option<f64> {
     (kept > 200).then(|| squares[..kept].iter().sum::<f64>() / kept as f64 / 0.977)
 }
 
-/// Standard deviation of the noise in the fastest quarter over that in the slowest, with its standard error: by second differences, for
-/// what a model lacks grows with the motion too, and varies slowly.
+/// Standard deviation of the noise in the fastest quarter over that in the slowest, with its standard error, where it is worth a word. It is
+/// taken from second differences: what a model lacks grows with the motion too, but varies slowly.
 fn growth(mut rows: Vec<Row>) -> Option<(f64, f64)> {
     rows.retain(|row| row.difference.is_finite());
     rows.sort_unstable_by(|a, b| a.motion.total_cmp(&b.motion));
     let quarter = rows.len() / 4;
     let slow = power(rows[..quarter].iter().map(|r| r.difference))?;
     let fast = power(rows[rows.len() - quarter..].iter().map(|r| r.difference))?;
-    Some(((fast / slow).sqrt(), (ALIKE / quarter as f64).sqrt()))
+    let (factor, std) = ((fast / slow).sqrt(), (ALIKE / quarter as f64).sqrt());
+    (factor > GROWTH.max(1.0 + CERTAIN * std)).then_some((factor, std))
 }
 
 #[cfg(test)]
@@ -125,29 +132,21 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
 
-    /// Rows whose left is `left` of noise and motion, at 1 kHz.
+    /// Samples at 1 kHz whose residual is this function of noise and motion.
     fn of(left: impl Fn(f64, f64) -> f64) -> Vec<Row> {
         let mut noise = ChaCha8Rng::seed_from_u64(7);
         let motion: Vec<f64> = (0..20_000).map(|k| (f64::from(k) * 1e-3 * std::f64::consts::TAU * 2.0).sin()).collect();
         let left: Vec<f64> = motion.iter().map(|m| left(gauss(&mut noise), *m)).collect();
-        let row = |k: usize| Row {
-            left: left[k],
-            difference: (left[k - 1] - 2.0 * left[k] + left[k + 1]) / 6.0_f64.sqrt(),
-            motion: motion[k].abs(),
-        };
-        (1..motion.len() - 1).map(row).collect()
-    }
-
-    fn claimed(rows: Vec<Row>) -> Option<f64> {
-        growth(rows).filter(|(factor, std)| *factor > GROWTH.max(1.0 + CERTAIN * std)).map(|(factor, _)| factor)
+        let all = left.iter().zip(differences(&left)).zip(&motion);
+        all.map(|((&left, difference), motion)| Row { left, difference, motion: motion.abs() }).collect()
     }
 
     /// Noise whose size follows the motion is told by its growth; noise that does not, and what a model lacks, are not.
     #[test]
     fn noise_that_grows_is_told_from_what_a_model_lacks() {
-        let grows = claimed(of(|noise, motion| noise * (1.0 + 0.5 * motion.abs()))).unwrap();
+        let (grows, _) = growth(of(|noise, motion| noise * (1.0 + 0.5 * motion.abs()))).unwrap();
         assert!((1.3..1.55).contains(&grows), "{grows}");
-        assert_eq!(claimed(of(|noise, _| noise)), None);
-        assert_eq!(claimed(of(|noise, motion| noise + 3.0 * motion)), None);
+        assert_eq!(growth(of(|noise, _| noise)), None);
+        assert_eq!(growth(of(|noise, motion| noise + 3.0 * motion)), None);
     }
 }
