@@ -206,7 +206,9 @@ fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Conclu
         return Ok(first);
     }
     options.say("the runs fitted do not show it: opening half of those held out", 0.9);
-    let second = pass(reopened(&first.whole, &first.conclusion.judging), options)?;
+    let Conclusion { after, judging, .. } = &first.conclusion;
+    let opened = reopened(&first.whole, judging, &after.hold.predicted);
+    let second = pass(opened, options)?;
     let names = !second.conclusion.unlisted && !second.conclusion.consistent();
     let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
     if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {

@@ -105,7 +105,7 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
 fn placed(entry: &'static Entry, yardsticks: &Yardsticks) -> Option<Placed> {
     let mut placed = Placed::start(entry, 0, yardsticks)?;
     for value in placed.values.iter_mut().filter(|v| v.free) {
-        value.prior = Some(Prior { mean: 0.0, std: value.high });
+        value.prior = Some(Prior { mean: 0.0, std: value.high, lent: false });
     }
     Some(placed)
 }

@@ -4,8 +4,9 @@
 use super::search::{Search, detailed};
 use super::split::Weighing;
 use crate::identify::data::Run;
+use crate::identify::fit::secant::Base;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::model::{Model, Placed};
+use crate::identify::model::{Model, Placed, Yardsticks};
 use crate::plant::effects::Entry;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -13,8 +14,13 @@ use rayon::prelude::*;
 /// A look at a start of a double, and how far the best is taken.
 const LOOK: Effort = Effort { steps: 6, tolerance: 1e-3 };
 const FULL: Effort = Effort { steps: 12, tolerance: 1e-4 };
+/// Strangers that are looked at in the place of each effect of several, and how many of them are taken further.
+const STRANGERS: usize = 4;
+const NEAREST: usize = 2;
+
 /// The accepted model with each of its added effects in turn put out for one that it is mistaken for, by the library's own
-/// word.
+/// word; of several effects, for what else promises most in its place too: what looks like an effect alone may not beside
+/// another, and what does not may.
 pub(super) fn rivals(weighing: &Weighing, accepted: &Fit, search: &Search) -> Result<Vec<Fit>, SimulateError> {
     let added = accepted.model.ids_beside(&weighing.model().ids());
     let ours = accepted.model.effects.iter().filter(|p| added.contains(&p.entry.id));
@@ -27,7 +33,51 @@ pub(super) fn rivals(weighing: &Weighing, accepted: &Fit, search: &Search) -> Re
     }
     let fitted = |(rest, double): (Model, &'static Entry)| thorough(weighing.fitted(), accepted, &rest, double, search);
     let fits = tasks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
-    Ok(fits.into_iter().flatten().collect())
+    let mut fits: Vec<Fit> = fits.into_iter().flatten().collect();
+    if added.len() > 1 {
+        let ours = accepted.model.effects.iter().filter(|p| added.contains(&p.entry.id));
+        for placed in ours {
+            fits.extend(strangers(weighing.fitted(), accepted, placed.entry, &search.yardsticks)?);
+        }
+    }
+    Ok(fits)
+}
+
+/// What promises most in the place of one effect of the accepted model, but for what that is mistaken for.
+fn strangers(
+    runs: &[Run],
+    accepted: &Fit,
+    out: &'static Entry,
+    yardsticks: &Yardsticks,
+) -> Result<Vec<Fit>, SimulateError> {
+    let mut rest = Fit::resume(accepted.model.without(out.id), accepted.locals.clone(), runs)?;
+    rest.improve(runs, LOOK)?;
+    let Some(base) = Base::of(&rest, runs)? else { return Ok(Vec::new()) };
+    let others = rest.model.candidates().into_iter().filter(|e| e.id != out.id && !alike(out, e) && e.frees.is_empty());
+    let starts = others.flat_map(|e| (0..).map_while(move |i| Placed::start(e, i, yardsticks)));
+    let look = |placed: Placed| -> Result<Option<(f64, Placed)>, SimulateError> {
+        let signed = placed.values.iter().any(|v| v.free && !v.positive);
+        Ok(base.promised(&rest.model.with(placed.clone()), signed, runs)?.map(|promised| (promised, placed)))
+    };
+    let looks = starts.collect::<Vec<_>>().into_par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
+    let mut looks: Vec<(f64, Placed)> = looks.into_iter().flatten().collect();
+    looks.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let mut seen: Vec<&str> = Vec::new();
+    looks.retain(|(_, placed)| {
+        let new = !seen.contains(&placed.entry.id);
+        seen.push(placed.entry.id);
+        new && seen.len() <= STRANGERS
+    });
+    let begun = |(_, placed): (f64, Placed)| -> Result<Fit, SimulateError> {
+        let mut fit = Fit::resume(rest.model.with(placed), accepted.locals.clone(), runs)?;
+        fit.improve(runs, LOOK)?;
+        Ok(fit)
+    };
+    let mut fits = looks.into_par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+    fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    fits.truncate(NEAREST);
+    fits.par_iter_mut().try_for_each(|fit| fit.improve(runs, FULL))?;
+    Ok(fits)
 }
 
 /// True where the library says that one is mistaken for the other.

@@ -5,7 +5,9 @@
 //! Society B 36 (1974) 111-147; for stretches in place of single samples: P. Burman, E. Chow, D. Nolan, "A cross-validatory
 //! method for dependent data", Biometrika 81 (1994) 351-358.
 
+use super::residual::{judged_channels, residual};
 use crate::identify::data::Run;
+use crate::identify::evaluate::Predicted;
 use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, score, score_from};
 use crate::identify::model::{Model, Yardsticks};
@@ -114,19 +116,70 @@ pub(super) fn split(prepared: Prepared, excerpt: Option<Prepared>) -> Split {
     }
 }
 
-/// The same experiment with every other stretch of the runs held out among those that may be fitted: for physics that they
-/// alone show, a stop that only the largest motion reaches. The stretches between are what is held out now.
-pub(super) fn reopened(whole: &Prepared, held_out: &[Run]) -> Split {
+/// What a stretch of a run held out is used for once half of them are opened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Fits,
+    Judges,
+    Weighs,
+}
+
+/// The order in which these are dealt, half of them to the judge.
+const DEALT: [Role; 6] = [Role::Fits, Role::Judges, Role::Weighs, Role::Judges, Role::Fits, Role::Judges];
+
+/// The same experiment with half of the stretches of the runs held out among those that may be fitted: for physics that they
+/// alone show, a stop that only the largest motion reaches. They are dealt by how much the stated model, whose predictions these
+/// are, misses in each, the largest first: a moment may be all that shows it, and fits need one such as the judge does.
+pub(super) fn reopened(whole: &Prepared, held_out: &[Run], predicted: &[Predicted]) -> Split {
     let mut whole = whole.clone();
-    whole.fit.extend(held_out.iter().map(|run| kept(run, |i| i % 2 == 0)));
-    whole.holdout = held_out.iter().map(|run| kept(run, |i| i % 2 == 1)).collect();
-    whole.yardsticks = Yardsticks::of(&whole.fit, whole.yardsticks.force);
-    split(whole, None)
+    whole.holdout = Vec::new();
+    let mut opened = split(whole, None);
+    let missed: Vec<Vec<f64>> = held_out.iter().zip(predicted).map(|(run, p)| missed(run, p)).collect();
+    for (run, roles) in held_out.iter().zip(dealt(&missed)) {
+        let with = |wanted: &[Role]| kept(run, |i| roles.get(i).is_some_and(|role| wanted.contains(role)));
+        opened.weighing.training.0.fit.push(with(&[Role::Fits]));
+        opened.weighing.validation.0.push(with(&[Role::Weighs]));
+        opened.whole.fit.push(with(&[Role::Fits, Role::Weighs]));
+        opened.test.0.push(with(&[Role::Judges]));
+    }
+    let yardsticks = Yardsticks::of(&opened.whole.fit, opened.whole.yardsticks.force);
+    opened.whole.yardsticks = yardsticks;
+    opened.weighing.training.0.yardsticks = yardsticks;
+    opened
+}
+
+/// Squares of the residual of all judged channels in each stretch of a run.
+fn missed(run: &Run, predicted: &Predicted) -> Vec<f64> {
+    let length = stretch_length(run);
+    let mut squares = vec![0.0; run.len().div_ceil(length)];
+    for residual in judged_channels(run).into_iter().filter_map(|channel| residual(run, predicted, channel)) {
+        for (k, r) in residual.iter().enumerate().filter(|(_, r)| r.is_finite()) {
+            squares[k / length] += r * r;
+        }
+    }
+    squares
+}
+
+/// What each stretch of each run is used for.
+fn dealt(missed: &[Vec<f64>]) -> Vec<Vec<Role>> {
+    let places = missed.iter().enumerate().flat_map(|(run, stretches)| (0..stretches.len()).map(move |i| (run, i)));
+    let mut places: Vec<(usize, usize)> = places.collect();
+    places.sort_by(|a, b| missed[b.0][b.1].total_cmp(&missed[a.0][a.1]));
+    let mut roles: Vec<Vec<Role>> = missed.iter().map(|stretches| vec![Role::Judges; stretches.len()]).collect();
+    for ((run, stretch), role) in places.into_iter().zip(DEALT.iter().cycle()) {
+        roles[run][stretch] = *role;
+    }
+    roles
+}
+
+/// Samples of a stretch.
+fn stretch_length(run: &Run) -> usize {
+    ((STRETCH / run.dt) as usize).min(run.len() / STRETCHES).max(1)
 }
 
 /// A run of which only these stretches were measured.
 fn kept(run: &Run, stretch: impl Fn(usize) -> bool) -> Run {
-    let length = ((STRETCH / run.dt) as usize).min(run.len() / STRETCHES).max(1);
+    let length = stretch_length(run);
     let mut run = run.clone();
     for measured in &mut run.measured {
         for (k, value) in measured.values.iter_mut().enumerate() {
@@ -166,5 +219,30 @@ mod tests {
         }
         let (judging, held_out) = split.test.consume(&split.whole);
         assert!(held_out && judging.len() == 1);
+    }
+
+    /// Opened, no sample has two uses, and of what is missed most the fits, the judge and the weights each have their part.
+    #[test]
+    fn the_judge_keeps_half_and_each_use_sees_what_is_missed() {
+        let runs: Vec<Run> = (1..3).map(|seed| recorded(&model(TRUTH), seed)).collect();
+        let (fit, holdout) = (runs[..1].to_vec(), runs[1..].to_vec());
+        let yardsticks = Yardsticks::of(&fit, 1.0);
+        let length = stretch_length(&runs[1]);
+        let shown = |k: usize| if (3..6).contains(&(k / length)) { 1.0 } else { 1e-3 };
+        let channels = runs[1]
+            .measured
+            .iter()
+            .map(|m| m.values.iter().enumerate().map(|(k, value)| value - shown(k) * m.noise).collect());
+        let predicted = [Predicted { channels: channels.collect() }];
+        let whole = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), yardsticks };
+        let opened = reopened(&whole, &holdout, &predicted);
+        let uses = [&opened.weighing.fitted()[1], &opened.weighing.weighed()[1], &opened.test.0[0]].map(finite);
+        let mut all = uses.concat();
+        all.sort_unstable();
+        assert_eq!(all, finite(&runs[1]));
+        assert!(uses[2].len() * 5 > 2 * runs[1].len() && uses[2].len() * 5 < 3 * runs[1].len(), "{}", uses[2].len());
+        for samples in uses {
+            assert!(samples.iter().any(|k| (3..6).contains(&(k / length))));
+        }
     }
 }

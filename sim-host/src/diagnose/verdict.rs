@@ -119,7 +119,8 @@ impl Conclusion {
         let hidden = outside(&self.before, &self.after).0 && fit < NOTHING * held;
         let refused =
             matches!(self.refusal, Some(Refusal::Worse { .. } | Refusal::NoSkill { .. } | Refusal::NoGain { .. }));
-        self.held_out && (hidden || refused)
+        let more = self.more_missing && fit < NOTHING * held;
+        self.held_out && (hidden || refused || more)
     }
 }
 

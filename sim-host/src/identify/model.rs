@@ -31,6 +31,8 @@ pub struct Prior {
     pub mean: f64,
     /// Its standard deviation.
     pub std: f64,
+    /// True where an effect freed the value, for as long as it is there.
+    pub lent: bool,
 }
 
 impl Value {
@@ -109,7 +111,7 @@ impl Model {
         for (own, parameter) in model.own.iter_mut().zip(self.kind.parameters()) {
             if effect.entry.frees.contains(&parameter.key) && !own.free {
                 own.free = true;
-                own.prior = Some(Prior { mean: own.coordinate(), std: REDEFINED });
+                own.prior = Some(Prior { mean: own.coordinate(), std: REDEFINED, lent: true });
             }
         }
         model.effects.push(effect);
@@ -125,7 +127,7 @@ impl Model {
         model.effects.retain(|p| p.entry.id != id);
         let freed = |key| model.effects.iter().any(|p| p.entry.frees.contains(&key));
         for (own, parameter) in model.own.iter_mut().zip(self.kind.parameters()) {
-            if let Some(known) = own.prior.filter(|_| !freed(parameter.key)) {
+            if let Some(known) = own.prior.filter(|prior| prior.lent && !freed(parameter.key)) {
                 own.set_coordinate(known.mean);
                 (own.free, own.prior) = (false, None);
             }
@@ -223,5 +225,19 @@ mod tests {
         let hard = soft.without("flow_softening").own;
         assert!((hard[3].value - 0.242).abs() < 1e-12 && !hard[3].free && hard[3].prior.is_none(), "{:?}", hard[3]);
         assert_eq!(hard[..3], stated.own[..3]);
+    }
+
+    /// A stated value that may be fitted stays where it was fitted and free, however much is known of it: every fit of a model less
+    /// one of its effects rests on that.
+    #[test]
+    fn a_fitted_value_stays_free_without_an_effect() {
+        let mut own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
+        own[1].free = true;
+        own[1].prior = Some(Prior { mean: own[1].coordinate(), std: 0.25, lent: false });
+        let stated =
+            Model { kind: Kind::Servo, own: own.to_vec(), scale: None, effects: Vec::new(), library: Vec::new() };
+        let mut biased = stated.with(Placed::start(entry("null_bias").unwrap(), 0, &Yardsticks::TYPICAL).unwrap());
+        biased.own_mut("b0").unwrap().value = 150.0;
+        assert_eq!(biased.without("null_bias").own, biased.own);
     }
 }

@@ -235,8 +235,9 @@ fn motion_of(run: &recording::Run) -> Result<MeasuredMotion, PrepareError> {
     Ok(MeasuredMotion { displacement, velocity, acceleration })
 }
 
-/// The channels a run is compared with. A channel is judged where its noise is known; where neither displacement nor
-/// acceleration states it, the controller's effort is judged instead, for feedback hides a mismatch in position.
+/// The channels a run is compared with. A channel is judged where its noise is known. Where neither displacement nor acceleration
+/// states it, both are judged by the noise that is estimated; of a rigid mass the controller's effort is, which is the force in its
+/// own balance: what that balance lacks is far more than any sensor's noise, and feedback hides it from the position.
 fn measured(
     run: &recording::Run,
     law: Law,
@@ -248,7 +249,8 @@ fn measured(
     let motion_known = stated(C::Displacement) || stated(C::Acceleration);
     let speed_alone = run.channel(C::Displacement).is_none() && run.channel(C::Acceleration).is_none();
     let balance = matches!(baseline, recording::Baseline::ForceBalance(_));
-    let effort = !motion_known && law.simulates_reference() && run.channel(C::Command).is_some();
+    let rigid = matches!(baseline, recording::Baseline::RigidMass(_));
+    let effort = rigid && !motion_known && law.simulates_reference() && run.channel(C::Command).is_some();
     let mut all = Vec::new();
     for channel in Channel::ALL {
         let source = channel.recorded();

@@ -24,7 +24,7 @@ pub fn expect_near_stated(model: &mut Model) {
     }
     for value in model.own.iter_mut().filter(|v| v.free && v.value != 0.0 && v.prior.is_none()) {
         let std = if value.positive { EXPECTED } else { EXPECTED * value.value.abs() };
-        value.prior = Some(Prior { mean: value.coordinate(), std });
+        value.prior = Some(Prior { mean: value.coordinate(), std, lent: false });
         (value.low, value.high) = if value.positive {
             (value.value / WIDEST, value.value * WIDEST)
         } else {
