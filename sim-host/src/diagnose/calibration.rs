@@ -61,7 +61,7 @@ pub(super) struct Calibration {
 /// probabilities that rest on them are not calibrated.
 pub(super) const CALIBRATION: Calibration = Calibration {
     form_freedom: 8.0,
-    form_least: 2e-4,
+    form_least: 1e-3,
     parameter_price: 4.0,
     stated_share: 0.2,
     explained: 0.9,
