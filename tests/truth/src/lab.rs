@@ -3,6 +3,7 @@
 //! what was put in, where it acts, how visible it is, and what was misstated.
 
 pub mod answer;
+mod balance;
 mod case;
 pub mod choose;
 pub mod closure;
