@@ -15,6 +15,8 @@ pub mod measure;
 pub mod plan;
 pub mod plant;
 mod region;
+#[cfg(test)]
+mod rest;
 pub mod scene;
 pub mod setup;
 pub mod sheet;
