@@ -3,6 +3,7 @@
 //! what was put in, where it acts, how visible it is, and what was misstated.
 
 pub mod answer;
+mod balance;
 mod case;
 pub mod choose;
 pub mod closure;
@@ -14,6 +15,8 @@ pub mod measure;
 pub mod plan;
 pub mod plant;
 mod region;
+#[cfg(test)]
+mod rest;
 pub mod scene;
 pub mod setup;
 pub mod sheet;

@@ -30,6 +30,8 @@ where
 {
     /// Number of memories.
     pub count: usize,
+    /// Fastest rate (rad/s).
+    pub fastest: f64,
     /// Updates the memories from instant, input and step (s).
     pub remember: R,
     /// Output from instant, input, memories.
@@ -97,5 +99,8 @@ where
 
     fn out(&self, now: &Now, input: f64, _: &[f64], m: &[f64]) -> f64 {
         (self.out)(now, input, m)
+    }
+    fn fastest(&self) -> f64 {
+        self.fastest
     }
 }

@@ -108,13 +108,15 @@ pub trait Column: Debug + Send + Sync {
     fn states(&self) -> usize;
     /// States at rest; zero before the call.
     fn at_rest(&self, _y: &mut [f64]) {}
-    /// Load pressure that the states hold, times area over table mass (m/s2).
+    /// Load pressure that the states hold without what damps them, times area over table mass (m/s2).
     fn spring(&self, now: &Now, y: &[f64]) -> f64;
     /// Rates of the states under a flow `q`, a leak `lost` and the piston's velocity `v` (m/s); gives the load pressure that
-    /// acts on the piston (m/s2).
+    /// acts on the piston (m/s2), which falls as the leak grows.
     fn rates(&self, now: &Now, q: f64, lost: f64, v: f64, y: &[f64], dy: &mut [f64]) -> f64;
     /// Fastest rate (rad/s).
     fn fastest(&self) -> f64;
+    /// Rate at which the states would follow the flow through a leak without resistance (rad/s): spring over damper.
+    fn relaxation(&self) -> f64;
 }
 
 /// A quantity that a region of state is stated in.

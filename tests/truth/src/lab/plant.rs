@@ -7,6 +7,7 @@ use crate::plant::Machine;
 use std::sync::Arc;
 
 mod compare;
+mod load;
 mod memory;
 
 /// Greatest number of states and of memories.
@@ -142,7 +143,8 @@ impl Plant {
             Machine::Rigid { mass, viscous, .. } => viscous / mass,
         };
         let laws = self.parts.iter().map(|p| p.law.fastest()).fold(own, f64::max);
-        self.column.as_ref().map_or(laws, |c| c.fastest().max(laws))
+        let column = |c: &Arc<dyn Column>| if self.loads() { c.fastest().max(c.relaxation()) } else { c.fastest() };
+        self.column.as_ref().map_or(laws, |c| column(c).max(laws))
     }
 
     /// At rest at displacement `x` (m).
@@ -257,7 +259,7 @@ impl Plant {
                 let asked = -a1 * y[Z] + (b0 - b1 * a1) * opening;
                 if let Some(column) = &self.column {
                     let own = &y[self.column_at..self.used];
-                    now.pressure = column.spring(now, own);
+                    now.pressure = self.load(column.as_ref(), now, flow, y, m);
                     let q = self.moved(Place::Edge, now, flow, y, m, dy);
                     let lost = self.moved(Place::Leak, now, 0.0, y, m, dy);
                     let mut rates = [0.0; 8];

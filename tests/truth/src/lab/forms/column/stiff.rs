@@ -7,6 +7,7 @@ use crate::lab::law::{Column, Now};
 pub struct Stiff;
 
 const STIFF: f64 = 1200.0;
+const DAMPING: f64 = 0.8 * STIFF;
 
 impl Column for Stiff {
     fn states(&self) -> usize {
@@ -19,10 +20,14 @@ impl Column for Stiff {
 
     fn rates(&self, _: &Now, q: f64, lost: f64, v: f64, y: &[f64], dy: &mut [f64]) -> f64 {
         dy[0] = q - lost - v;
-        STIFF * STIFF * y[0] + 0.8 * STIFF * dy[0]
+        STIFF * STIFF * y[0] + DAMPING * dy[0]
     }
 
     fn fastest(&self) -> f64 {
         STIFF
+    }
+
+    fn relaxation(&self) -> f64 {
+        STIFF * STIFF / DAMPING
     }
 }

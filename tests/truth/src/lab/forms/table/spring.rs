@@ -18,6 +18,7 @@ pub(super) fn hoses(plant: &mut Plant, dial: &Dial) -> Parameters {
         Place::Force,
         Memories {
             count: 2,
+            fastest: 0.0,
             remember: move |now, _, _, m: &mut [f64]| {
                 for (play, width) in m.iter_mut().zip(widths) {
                     *play = play.clamp(now.x - width, now.x + width);

@@ -45,6 +45,7 @@ pub(super) fn sticking(plant: &mut Plant, dial: &Dial) -> Parameters {
         Place::Valve,
         Memories {
             count: 1,
+            fastest: 0.0,
             remember: move |_, w: f64, _, m: &mut [f64]| m[0] = m[0].clamp(w - stick, w + stick),
             out: move |_, w: f64, m: &[f64]| {
                 let spool = m[0].clamp(w - stick, w + stick);
