@@ -5,6 +5,7 @@
 //! could also explain (a lag, a gain of some ten per cent, hum), is a [`Severity::Remark`]: that is physics for the
 //! diagnosis to name, never a reason to send the data back.
 
+use super::Baseline;
 use super::channel::{Channel, PerChannel};
 use super::experiment::{ChannelSource, Experiment};
 use super::run::Run;
@@ -125,8 +126,11 @@ impl Finding {
 
 /// Checks every run of an experiment; the gravest findings come first.
 pub fn check(experiment: &Experiment) -> Vec<Finding> {
-    let mut findings: Vec<Finding> =
-        experiment.runs.iter().flat_map(|run| check_run(run, &experiment.sources)).collect();
+    let mut findings: Vec<Finding> = experiment
+        .runs
+        .iter()
+        .flat_map(|run| check_run(run, &experiment.sources, &experiment.model.baseline))
+        .collect();
     findings.extend(short::check(&experiment.runs));
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     findings
@@ -137,7 +141,7 @@ pub fn is_bad_data(findings: &[Finding]) -> bool {
     findings.iter().any(|f| f.severity == Severity::BadData)
 }
 
-fn check_run(run: &Run, sources: &PerChannel<ChannelSource>) -> Vec<Finding> {
+fn check_run(run: &Run, sources: &PerChannel<ChannelSource>, baseline: &Baseline) -> Vec<Finding> {
     let mut findings = timing::check(run);
     let missing = missing::check(run);
     let gaps = missing.iter().any(|f| f.severity == Severity::BadData);
@@ -152,7 +156,7 @@ fn check_run(run: &Run, sources: &PerChannel<ChannelSource>) -> Vec<Finding> {
     stuck.retain(|s| clipped.iter().all(|c| c.channel != s.channel));
     // A dead or cut channel agrees with nothing; what it disagrees with says no more. Nor does one with holes.
     if !gaps && !stuck.iter().chain(&clipped).any(|f| f.severity == Severity::BadData) {
-        let consistency = consistency::check(run, sources);
+        let consistency = consistency::check(run, sources, baseline);
         if consistency.is_empty() {
             findings.extend(replay::check(run));
             findings.extend(skew::check(run));

@@ -4,10 +4,13 @@ use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, S
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
+/// Exponent from which a corner is hard.
+const HARD: f64 = 100.0;
+
 /// What it is.
 pub const ENTRY: Entry = Entry {
     id: "asymmetric_limit",
-    equation: "clamp(w, -v_neg, v_pos)",
+    equation: "clamp(w, -v_neg, v_pos), corners rounded as w / (1 + abs(w/v)^n)^(1/n)",
     stage: Stage::Flow,
     parameters: &[
         Parameter {
@@ -36,6 +39,19 @@ pub const ENTRY: Entry = Entry {
             simple: Ends::High,
             role: Role::Shared,
         },
+        Parameter {
+            key: "sharpness",
+            unit: "1",
+            rigid_unit: "1",
+            meaning: "exponent n of the corners; hard ones at the end of its range",
+            yardstick: Yardstick::One,
+            low: 3.0,
+            high: HARD,
+            starts: &[HARD],
+            positive: true,
+            simple: Ends::High,
+            role: Role::Refined,
+        },
     ],
     kinds: &[Kind::Servo],
     frees: &[],
@@ -44,8 +60,11 @@ pub const ENTRY: Entry = Entry {
     test: "ramps both ways; zero-command drift at two amplitudes",
     order: Order::Second,
     counter: Some(|parameters, countered| {
-        if let &[positive, negative] = parameters {
+        if let &[positive, negative, sharpness] = parameters {
             countered.limits = Some((positive, negative));
+            if sharpness < HARD {
+                countered.sharpness = sharpness;
+            }
         }
     }),
 };
@@ -55,22 +74,25 @@ pub const ENTRY: Entry = Entry {
 pub struct AsymmetricLimit<S> {
     positive: S,
     negative: S,
+    /// Exponent of rounded corners; none where they are hard.
+    sharpness: Option<S>,
 }
 
 impl<S: Scalar> AsymmetricLimit<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub fn new(parameters: &[S]) -> Option<Self> {
-        let &[positive, negative] = parameters else { return None };
-        Some(Self { positive, negative })
+        let &[positive, negative, sharpness] = parameters else { return None };
+        Some(Self { positive, negative, sharpness: Some(sharpness).filter(|n| n.value() < HARD) })
     }
 }
 
 impl<S: Scalar> Effect<S> for AsymmetricLimit<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { flow: true, linear: true, ..Hooks::default() }
+        Hooks { flow: true, linear: self.sharpness.is_none(), ..Hooks::default() }
     }
     fn flow(&self, _at: &Instant<S>, _y: &[S], flow: &mut Flow<S>) {
         flow.positive = self.positive;
         flow.negative = self.negative;
+        flow.sharpness = flow.sharpness.or(self.sharpness);
     }
 }

@@ -59,12 +59,29 @@ pub(crate) fn stretches(samples: &[f64]) -> Vec<(usize, usize)> {
     let step = quantisation_step(samples).unwrap_or(0.0);
     let abrupt = |flat: &(usize, usize)| {
         let least = (0.3 * ordinary).max(1.5 * step).max(3.0 * rounded_fall(flat.1 - flat.0 + 1, step));
-        falls(samples, *flat, least)
+        falls(samples, *flat, least) || noisy_beside(samples, *flat)
     };
     let at = |extreme: f64| -> Vec<(usize, usize)> { flats(samples, extreme).into_iter().filter(abrupt).collect() };
     let flats: Vec<(usize, usize)> = [at(high), at(low)].concat();
     let longest = flats.iter().map(|(from, to)| to - from + 1).max().unwrap_or(0);
     if flats.len() < 2 && longest < 8 { Vec::new() } else { flats }
+}
+
+/// Samples on either side of a flat that are asked how noisy the signal is, and fewest samples of a flat for that.
+const BESIDE: usize = 32;
+/// Share of changes of direction above which neighbours are noise: two thirds of white noise's, none of a motion's.
+const NOISY: f64 = 0.4;
+
+/// True where the samples on both sides go up and down and hardly ever repeat: their noise would have moved a sensor within its range.
+fn noisy_beside(samples: &[f64], (from, to): (usize, usize)) -> bool {
+    let noisy = |side: &[f64]| {
+        let steps: Vec<f64> = side.windows(2).map(|w| w[1] - w[0]).collect();
+        let turns = steps.windows(2).filter(|w| w[0] * w[1] < 0.0).count();
+        side.len() == BESIDE && turns as f64 > NOISY * steps.len() as f64
+    };
+    let before = from.checked_sub(BESIDE).and_then(|first| samples.get(first..from));
+    let after = samples.get(to + 1..to + 1 + BESIDE);
+    to - from >= BESIDE / 2 && before.is_some_and(noisy) && after.is_some_and(noisy)
 }
 
 /// Stretches of at least [`FLAT`] samples at the extreme: first and last sample.
@@ -100,5 +117,34 @@ fn falls(samples: &[f64], (from, to): (usize, usize), least: f64) -> bool {
     match (before, after) {
         (Some(before), Some(after)) => (samples[from] - before).abs() > least && (samples[to] - after).abs() > least,
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    /// A slow motion in a noise that is small beside the range, over its end for half a second in the middle.
+    fn noisy(range: f64) -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(11);
+        let mut uniform = || f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5;
+        let motion = |k: u32| 1.5 * (2.0 * std::f64::consts::PI * f64::from(k) / 2000.0).sin();
+        (0..1000).map(|k| (motion(k) + 0.05 * uniform()).min(range)).collect()
+    }
+
+    #[test]
+    fn a_noisy_peak_that_the_range_cuts_off_is_seen_however_slowly_it_is_entered() {
+        let cut = stretches(&noisy(1.3));
+        assert!(cut.iter().any(|(from, to)| to - from > 200), "{cut:?}");
+        assert!(stretches(&noisy(9.0)).is_empty());
+    }
+
+    #[test]
+    fn a_pause_at_the_end_of_a_motion_without_noise_is_no_cut() {
+        let smooth = |k: i32| (f64::from(k) / 300.0).clamp(-1.0, 1.0);
+        let eased: Vec<f64> = (-900..900).map(|k| 1.5 * smooth(k) - 0.5 * smooth(k).powi(3)).collect();
+        assert!(stretches(&eased[..1500]).is_empty());
     }
 }

@@ -7,6 +7,7 @@
 
 use super::replay::Replay;
 use super::{Fault, Finding, Severity};
+use crate::recording::Baseline;
 use crate::recording::channel::{Channel, PerChannel};
 use crate::recording::experiment::ChannelSource;
 use crate::recording::run::Run;
@@ -16,6 +17,7 @@ use agreement::{Agreement, agreement};
 use std::borrow::Cow;
 
 mod agreement;
+mod follows;
 
 pub(super) use agreement::{Bin, coherent_bins, delay_over};
 
@@ -122,13 +124,14 @@ pub(crate) fn relation(first: &[f64], second: &[f64], dt: f64, order: u32) -> Op
 }
 
 /// Looks for broken links and the repair that mends them.
-pub(super) fn check(run: &Run, sources: &PerChannel<ChannelSource>) -> Vec<Finding> {
+pub(super) fn check(run: &Run, sources: &PerChannel<ChannelSource>, baseline: &Baseline) -> Vec<Finding> {
     let signals = signals(run);
-    let links = links(&signals, run);
+    let follows = follows::follows_to(baseline, &run.law);
+    let links = links(&signals, run, follows);
     let broken: Vec<&Link> = links.iter().filter(|l| l.state.fault().is_some()).collect();
     let Some(first) = broken.first() else { return Vec::new() };
     let mends = |repair: Repair| -> Option<(Repair, f64)> {
-        let mended = self::links(&repaired(&signals, &repair, sources), run);
+        let mended = self::links(&repaired(&signals, &repair, sources), run, follows);
         let holds = links.iter().zip(&mended).all(|(before, after)| match after.state {
             // A unit is a factor to a sensor's accuracy, not about one.
             State::Sound => !repair.rescales() || !matches!(before.state, State::Off(_)) || after.distance < ACCURATE,
@@ -164,8 +167,8 @@ fn evidence(broken: &[&Link]) -> String {
     broken.iter().filter_map(|link| link.state.fault()).collect::<Vec<_>>().join("; ")
 }
 
-/// Every link that the channels at hand allow, always in the same order.
-fn links(signals: &Signals<'_>, run: &Run) -> Vec<Link> {
+/// Every link that the channels at hand allow, always in the same order; the loop moves with its reference up to `follows`, Hz.
+fn links(signals: &Signals<'_>, run: &Run, follows: f64) -> Vec<Link> {
     use Channel::{Acceleration, Displacement, Reference, Velocity};
     let mut links = Vec::new();
     let replay = Replay::of(signals, run);
@@ -187,7 +190,7 @@ fn links(signals: &Signals<'_>, run: &Run) -> Vec<Link> {
     if let (Some(x), Some(y)) = (signals.get(Reference), signals.get(Displacement)) {
         let found = agreement(x, y, run.dt, 0);
         let distance = found.map_or(0.0, |a| a.low_gain.ln().abs());
-        let state = match tracking(found) {
+        let state = match tracking(found, follows) {
             State::Unknown => slow_part(x, y, run.dt),
             known => known,
         };
@@ -235,9 +238,12 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
 }
 
 /// Between reference and displacement stands the loop: only its lowest frequencies say anything, and only roughly.
-fn tracking(found: Option<Agreement>) -> State {
+fn tracking(found: Option<Agreement>, follows: f64) -> State {
     // A loop follows at frequencies below its own; above them its phase says nothing of signs, and its gain of units.
     let Some(a) = found.filter(|a| !a.unrelated && a.from_hz < FOLLOWS) else { return State::Unknown };
+    if a.low_turned && a.from_hz >= follows {
+        return State::Unknown;
+    }
     if a.low_turned {
         return State::Broken(format!("displacement runs against the reference ({:.1} Hz)", a.from_hz));
     }

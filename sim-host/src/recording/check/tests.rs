@@ -6,7 +6,7 @@ use crate::recording::clock::{self, Clock};
 use crate::recording::experiment::{ChannelSource, Origin};
 use crate::recording::run::Use;
 use crate::recording::unit::Unit;
-use crate::recording::{Experiment, Law};
+use crate::recording::{Experiment, Law, Servo};
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
@@ -170,8 +170,18 @@ fn sources() -> PerChannel<ChannelSource> {
 }
 
 fn findings(run: &Run) -> Vec<Finding> {
-    check_run(run, &sources())
+    check_run(run, &sources(), &BASELINE)
 }
+
+/// The paper's plant.
+const BASELINE: Baseline = Baseline::Servo(Servo {
+    b1: 0.69,
+    b0: 138.0,
+    a1: 57.65,
+    velocity_limit: Some(0.242),
+    mass: None,
+    piston_area: None,
+});
 
 /// The findings that turn the verdict, as (channel, fault).
 fn bad(run: &Run) -> Vec<(&'static str, Fault)> {
@@ -367,7 +377,7 @@ fn a_channel_in_si_that_is_stated_in_g_is_named() {
         ChannelSource { unit: Unit::named("g").unwrap(), ..sources.get(Channel::Acceleration).unwrap().clone() };
     sources.set(Channel::Acceleration, stated);
     let run = changed(&CLEAN.run(), Channel::Acceleration, |_, a| a * 9.80665);
-    let finding = &check_run(&run, &sources)[0];
+    let finding = &check_run(&run, &sources, &BASELINE)[0];
     assert_eq!(finding.fault, Fault::WrongUnit);
     assert!(finding.problem.starts_with("acceleration: recorded in m/s2, not in g as stated"), "{}", finding.problem);
 }
