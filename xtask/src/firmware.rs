@@ -99,13 +99,20 @@ pub(crate) fn beside(words: &[String]) -> Result<(), Problem> {
     test(&["beside".into()], &["--nocapture"])
 }
 
+/// Where the tests of the image are, a file for each name.
+const TESTS: &str = "tests/replay/tests";
+
 /// Runs tests of the image, all or those named.
 pub(crate) fn test(names: &[String], more: &[&str]) -> Result<(), Problem> {
-    let names: Vec<&str> = names.iter().flat_map(|name| ["--test", name.as_str()]).collect();
+    // A file is a module of its binary: a name that none has would match nothing, and pass.
+    if let Some(unknown) = names.iter().find(|name| !top().join(TESTS).join(format!("{name}.rs")).exists()) {
+        return Err(Problem::Usage(format!("there is no `{unknown}` among the files of {TESTS}")));
+    }
+    let modules: Vec<String> = names.iter().map(|name| format!("{name}::")).collect();
     // The emulator states a newer compiler than it needs.
-    let cargo =
-        ["cargo", "test", "--locked", "--no-fail-fast", "--ignore-rust-version", "--package", "shakedown-replay"];
-    execute(&mut command(&[&cargo, names.as_slice(), &["--"], more].concat()))
+    let line = "cargo test --tests --locked --no-fail-fast --ignore-rust-version --package shakedown-replay --";
+    let words: Vec<&str> = line.split(' ').collect();
+    execute(command(&words).args(modules).args(more))
 }
 
 /// The image with the core's laws, `idsp`'s, and where there is a C compiler for the target the same laws in C.

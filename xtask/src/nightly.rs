@@ -16,6 +16,7 @@ const CHORES: &[Chore] = &[
     ("packages", || packages::run(&[]).and_then(|()| packages::run(&["semver".into()]))),
     ("page", || hosts::page::run(&[]).and_then(|()| shown("web"))),
     ("pages", || shown("pages")),
+    ("results", || shown("json_schema")),
     ("live", live),
     ("readers", readers),
 ];
@@ -35,7 +36,7 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     if failed.is_empty() { Ok(()) } else { Err(Problem::Failed(failed.join("\n"))) }
 }
 
-/// Tests that a browser shows: of what the tool does in a page, or the pages of every command as pictures.
+/// Tests that take minutes: of what the tool does in a page, the pages of every command as pictures, the results of all commands.
 fn shown(test: &str) -> Result<(), Problem> {
     let line = format!("cargo test --locked --release --package shakedown-tests --test {test} -- --include-ignored");
     execute(&mut command(&line.split(' ').collect::<Vec<_>>()))

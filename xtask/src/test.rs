@@ -4,6 +4,8 @@ use crate::output::say;
 use crate::shell::{Problem, command, run as execute, top};
 use crate::toolchain::{self, Toolchain};
 use crate::{boards, firmware, house, properties, setup};
+use std::path::Path;
+use std::process::Command;
 use std::time::Instant;
 
 /// One step: its name and what it does.
@@ -112,24 +114,39 @@ fn on_target(work: impl Fn(Toolchain) -> Result<(), Problem>) -> Outcome {
 }
 
 /// All tests in one build, the firmware in the loop among them where its images can be had (the step before says loudly
-/// where they cannot). The emulator states a newer compiler than it needs. Properties draw the same cases in every run:
-/// a rare one is for `cargo xtask properties` to find, not for whoever tests next.
+/// where they cannot), then what the documentation shows. Examples are left to the lints, which compile them without a link.
+/// Properties draw the same cases in every run: a rare one is for `cargo xtask properties` to find, not for whoever tests next.
 fn tests() -> Outcome {
-    let mut cargo = command(&["cargo", "test", "--locked", "--no-fail-fast"]);
+    let list = top().join("target/skipped.txt");
+    let _ = std::fs::remove_file(&list);
+    let failed: Vec<String> = ["--tests", "--doc"]
+        .iter()
+        .filter_map(|what| match execute(&mut tested(what, &list)) {
+            Ok(()) => None,
+            Err(Problem::Usage(why) | Problem::Failed(why)) => Some(why),
+        })
+        .collect();
+    match (failed.is_empty(), std::fs::read_to_string(&list)) {
+        (false, _) => Outcome::Failed(failed.join("; ")),
+        (true, Ok(lines)) => Outcome::Partly(lines.lines().map(str::to_owned).collect()),
+        (true, Err(_)) => Outcome::Passed,
+    }
+}
+
+/// `cargo test` of `what` in all packages that can be had. The emulator states a newer compiler than it needs.
+fn tested(what: &str, list: &Path) -> Command {
+    let mut cargo = command(&["cargo", "test", what, "--locked", "--no-fail-fast"]);
     if toolchain::find().is_some() {
         cargo.args(["--workspace", "--ignore-rust-version"]);
     }
-    let list = top().join("target/skipped.txt");
-    let _ = std::fs::remove_file(&list);
-    let ran = execute(cargo.env(properties::VARIABLE, properties::SEED).env(SKIPPED, &list));
-    match (ran, std::fs::read_to_string(&list)) {
-        (Ok(()), Ok(lines)) => Outcome::Partly(lines.lines().map(str::to_owned).collect()),
-        (ran, _) => ran.into(),
-    }
+    cargo.env(properties::VARIABLE, properties::SEED).env(SKIPPED, list).env(BUILT, "1");
+    cargo
 }
 
 /// Where a test that has nothing to test with says so (`sim-host/tests/support/skipped.rs`): what returns early is green.
 const SKIPPED: &str = "SHAKEDOWN_SKIPPED";
+/// What keeps the tests of the command line from a build of their own (`tests/src/binary.rs`): this one has the binary.
+const BUILT: &str = "SHAKEDOWN_BUILT";
 
 fn core_on_target() -> Outcome {
     on_target(|found| execute(&mut found.cargo(&["build", "--release", "--locked", "--package", "shakedown-core"])?))

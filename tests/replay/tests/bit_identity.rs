@@ -6,9 +6,7 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
-use common::{image, near_field, outboard, seen::Seen, setup, setup_outboard, twin};
+use crate::common::{image, near_field, outboard, seen::Seen, setup, setup_outboard, twin};
 use shakedown::device::Progress;
 use shakedown_core::link::Setup;
 use shakedown_core::{Mode, State};

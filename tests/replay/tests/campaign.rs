@@ -7,9 +7,7 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
-use common::{image, near_field, seen::Mischief, seen::Seen, setup};
+use crate::common::{image, near_field, seen::Mischief, seen::Seen, setup};
 use shakedown::device::{DriveError, Progress};
 use shakedown::faults::class::Channel;
 use shakedown::faults::spoil::Spoiled;

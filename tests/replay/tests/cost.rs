@@ -8,13 +8,11 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use common::{g474_image, image, near_field, outboard, seen::Seen, setup, setup_outboard};
+use crate::common::{g474_image, image, near_field, outboard, seen::Seen, setup, setup_outboard};
 use shakedown::device::Progress;
 use shakedown_core::Mode;
 use shakedown_core::link::Setup;

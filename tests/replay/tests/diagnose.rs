@@ -6,12 +6,10 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
 use std::path::PathBuf;
 use std::process::Command;
 
-use common::{image, near_field, seen::Seen, setup};
+use crate::common::{image, near_field, seen::Seen, setup};
 use shakedown::device::{Kept, Progress, Recorder};
 use shakedown_core::Mode;
 

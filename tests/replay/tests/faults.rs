@@ -7,9 +7,7 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
-use common::{image, near_field, seen::Mischief, seen::Seen, setup};
+use crate::common::{image, near_field, seen::Mischief, seen::Seen, setup};
 use shakedown::device::{DriveError, Progress};
 use shakedown::faults::limit_switches;
 use shakedown_core::link::{HostRequest, Scale, Setup, Source, StopCause};

@@ -7,9 +7,7 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
-use common::{bench::Bench, image, setup};
+use crate::common::{bench::Bench, image, setup};
 use shakedown::device::Talker;
 use shakedown_core::link::{DeviceHealth, HostRequest, RefusedBecause, Report, Setup};
 use shakedown_core::{Mode, State};

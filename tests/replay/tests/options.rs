@@ -6,14 +6,12 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
 /// The board's own reading of its registers; on the host no register is read.
 #[path = "../../../firmware/boards/stm32g474/src/options.rs"]
 #[allow(unreachable_pub, reason = "a module of the board's, read here as it is")]
 mod g474;
 
-use common::{image, outboard};
+use crate::common::{image, outboard};
 use shakedown::device::Talker;
 use shakedown_core::link::OptionPurpose::{self, Banks, BrownOut, ReadProtection, Watchdog, WriteProtection};
 use shakedown_core::link::{HostRequest, OptionByte, Report};

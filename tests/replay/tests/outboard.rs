@@ -6,9 +6,7 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
-use common::{near_field, outboard, seen::Mischief, seen::Seen, setup_outboard};
+use crate::common::{near_field, outboard, seen::Mischief, seen::Seen, setup_outboard};
 use shakedown::device::{DriveError, Progress};
 use shakedown_core::link::StopCause;
 use shakedown_core::{Mode, Trip};

@@ -6,9 +6,7 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
-use common::{image, near_field, seen::Mischief, seen::Seen, setup, twin};
+use crate::common::{image, near_field, seen::Mischief, seen::Seen, setup, twin};
 use shakedown::device::{DriveError, Progress};
 use shakedown::plant::{
     Plant as _,

@@ -7,9 +7,7 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
-use common::{bench::Bench, image, near_field, seen::Mischief, seen::Seen, setup};
+use crate::common::{bench::Bench, image, near_field, seen::Mischief, seen::Seen, setup};
 use shakedown::device::Talker;
 use shakedown_core::link::{HostRequest, RefusedBecause, Report, Setup, answer};
 use shakedown_core::{Mode, State};

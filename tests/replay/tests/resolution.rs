@@ -7,11 +7,9 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
 use std::path::PathBuf;
 
-use common::{bench::Bench, image, outboard, setup, setup_outboard};
+use crate::common::{bench::Bench, image, outboard, setup, setup_outboard};
 use shakedown::device::Talker;
 use shakedown_core::Mode;
 use shakedown_core::link::{Report, Setup};

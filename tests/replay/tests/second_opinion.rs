@@ -6,14 +6,12 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use common::{bench::Bench, near_field, setup};
+use crate::common::{bench::Bench, near_field, setup};
 use shakedown_core::link::Setup;
 use shakedown_core::{Mode, OperatorRequest};
 use shakedown_firmware::ControlLoop;

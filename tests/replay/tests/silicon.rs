@@ -7,9 +7,7 @@
     reason = "tests and their helpers"
 )]
 
-mod common;
-
-use common::{bench::Bench, g474_image, image, near_field, outboard, seen::Mischief, seen::Seen, setup};
+use crate::common::{bench::Bench, g474_image, image, near_field, outboard, seen::Mischief, seen::Seen, setup};
 use shakedown::device::{DriveError, Progress, Talker};
 use shakedown_core::Mode;
 use shakedown_core::link::{Clock, HostRequest, Report, StopCause};

@@ -21,7 +21,7 @@ const SHOWN: &str = "pages, live, input";
 const TABLE1: &str = "cargo run --release -- table1 --records ../shared/data/records";
 const BENCH: &str = "cargo bench -p shakedown --bench closed_loop";
 const PROVE: &str = "cargo run --release -- prove --seed N --cases K";
-const BITS: &str = "cargo test --ignore-rust-version -p shakedown-replay --test bit_identity";
+const BITS: &str = "cargo test --ignore-rust-version -p shakedown-replay --test emulated bit_identity::";
 const FITTING: &str = "cargo test --release -p shakedown --test fitting -- --nocapture --test-threads 1";
 const HELD: &str = "cargo run --release -- bench --records ../shared/data/records --figures";
 const FITTED: &str = "cargo test --release -p shakedown --test identify -- --nocapture --test-threads 1";
@@ -29,7 +29,8 @@ const FIT_BENCH: &str = "cargo bench -p shakedown --bench identify";
 const LAW_COST: &str = "cargo xtask law-cost";
 const FAULTS: &str =
     "cargo run --release -- faults --seed 2036 --runs 100000 --records ../shared/data/records --out faults";
-const REHEARSAL: &str = "cargo test --ignore-rust-version -p shakedown-replay --test rehearsal -- --nocapture";
+const REHEARSAL: &str =
+    "cargo test --ignore-rust-version -p shakedown-replay --test emulated rehearsal:: -- --nocapture";
 const WEB: &str = "cargo xtask page && cargo test --release -p shakedown-tests --test web -- --include-ignored --nocapture --test-threads 1";
 const LEARNING: &str = "cargo run --release -p shakedown --example learning";
 const REQUIRED: &str = "cargo run --release -p shakedown --example required_spectra";
@@ -218,7 +219,7 @@ pub(super) const FIGURES: &[Figure] = &[
         LABORATORY,
         "a drive written, read back, played by the emulated device",
         "within 1e-6 of its peak",
-        "cargo test -p shakedown-tests --test drives && cargo test --ignore-rust-version -p shakedown-replay --test device -- drive",
+        "cargo test -p shakedown-tests --test commands drives:: && cargo test --ignore-rust-version -p shakedown-replay --test paced drive",
     ),
     figure(LABORATORY, "learning: limits; error after one run over plain learning's", "kept; at most 0.5", LEARNING),
     figure(LABORATORY, "softened payload found; false alarms, far bound", "at least 95; at most 2 %", LEARNING),
@@ -241,7 +242,7 @@ pub(super) const FIGURES: &[Figure] = &[
         SHOWN,
         "wrong inputs over all commands: status 2, file, place, remedy",
         "each of 150 or more",
-        "cargo test -p shakedown-tests --test wrong_input",
+        "cargo test -p shakedown-tests --test commands wrong_input::",
     ),
     figure(SHOWN, "an hour of fuzzing the command line", "no panic", "cargo xtask fuzz command-line 3600"),
     figure(SHOWN, "ten minutes of 1 kHz telemetry: drops; redraws; memory", "all counted; 10 a second; flat", LIVE),
@@ -249,6 +250,6 @@ pub(super) const FIGURES: &[Figure] = &[
         SHOWN,
         "tutorial's commands; its first chapters with the binary alone",
         "each does what it shows",
-        "cargo test -p shakedown-tests --test tutorial && cargo xtask release host",
+        "cargo test -p shakedown-tests --test commands tutorial:: && cargo xtask release host",
     ),
 ];

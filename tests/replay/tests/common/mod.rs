@@ -1,5 +1,6 @@
 //! What the tests of the image share: a bench around the board, a host at its line, and the same firmware on the host.
 #![allow(dead_code, reason = "each test uses its part")]
+#![allow(clippy::unwrap_used, clippy::large_types_passed_by_value, reason = "tests and their helpers")]
 
 pub(crate) mod twin;
 
