@@ -59,8 +59,8 @@ pub struct Diagnosis {
     pub term: Option<Term>,
     /// Share of the stated model's excess over the noise floor that the accepted model leaves.
     pub share_left: f64,
-    /// True where the runs fitted did not show what is missing: every other stretch of the runs held back was fitted too, and
-    /// `holdout` is of the stretches between.
+    /// True where the runs fitted did not show what is missing: half of the stretches of the runs held back were fitted too, and
+    /// `holdout` is of the others.
     pub held_out_shared: bool,
     /// What of the stated set-up was found wrong; the diagnosis went on with what was found.
     pub set_up: Vec<SetUpFinding>,
@@ -185,7 +185,7 @@ pub(super) struct Open {
     pub(super) next_test: Option<NextTest>,
     /// What it changes for who runs the table.
     pub(super) change: Option<Change>,
-    /// Whether every other stretch of the runs held back was fitted too.
+    /// Whether half of the stretches of the runs held back were fitted too.
     pub(super) held_out_shared: bool,
     /// Wall-clock time so far, s.
     pub(super) seconds: f64,

@@ -130,8 +130,8 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
                 String::new()
             };
             let shared = if diagnosis.held_out_shared {
-                " The runs fitted do not show it: every other stretch of the hold-out runs was fitted too, and the stretches \
-                 between judged."
+                " The runs fitted do not show it: half of the stretches of the hold-out runs were fitted too, and the others \
+                 judged."
             } else {
                 ""
             };
