@@ -9,7 +9,7 @@ use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
-use super::standing::{Alone, outside, stands, strained};
+use super::standing::{Alone, accounted, beyond, stands, strained};
 use crate::identify::fit::Fit;
 use crate::plant::effects::{Stage, entry};
 use crate::plant::simulate::SimulateError;
@@ -102,7 +102,7 @@ pub(super) fn weigh(
     }
     let ranking = Ranking::new(&before, &candidates);
     candidates.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
-    let (mut unlisted, mut unlisted_probability) = outside(&before, &after);
+    let (mut unlisted, mut unlisted_probability) = beyond(accounted(weighing, &before, &after)?, &after);
     let mut noise = Vec::new();
     let modest = after.hold.chi2.max(after.fit.chi2()) < CALIBRATION.modest;
     let follows = follows(weighing, &after)?;
@@ -141,13 +141,28 @@ pub(super) fn weigh(
 fn scatter(decision: &mut Decision) {
     let beliefs = decision.after.added.iter().map(|id| belief(id, &decision.candidates));
     let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
-    let one_of_many = least < EVEN && decision.ties.len() > FEW;
+    let one_of_many = least < EVEN && stories(&decision.ties, &decision.after.added) > FEW;
     if !decision.unlisted && (least < CALIBRATION.unlikely || one_of_many) {
         decision.take_back(1.0 - least);
         (decision.unlisted, decision.more_missing) = (true, false);
         decision.partial = Some(std::mem::replace(&mut decision.after, decision.before.clone()));
         decision.ties.clear();
     }
+}
+
+/// Alternatives among ties that tell another story than the accepted effects: another law of the same thing does not.
+fn stories(ties: &[Vec<&'static str>], accepted: &[&'static str]) -> usize {
+    let told = |tie: &Vec<&'static str>| {
+        let (ours, theirs): (Vec<&'static str>, Vec<&'static str>) = tie.iter().partition(|id| accepted.contains(id));
+        let of = |ids: &[&'static str], others: &[&'static str]| -> Vec<&'static str> {
+            ids.iter().copied().filter(|id| !others.iter().any(|other| kin(id, other))).collect()
+        };
+        [of(&ours, &theirs), of(&theirs, &ours)].concat()
+    };
+    let mut stories: Vec<Vec<&'static str>> = ties.iter().map(told).filter(|story| !story.is_empty()).collect();
+    stories.sort_unstable();
+    stories.dedup();
+    stories.len()
 }
 
 /// How far an effect, or another law of the same thing, is believed.

@@ -3,8 +3,10 @@
 use super::calibration::CALIBRATION;
 use super::judged::{Judged, parameters};
 use super::search::{CHANCE, Search};
+use super::split::Weighing;
 use crate::identify::fit::Fit;
 use crate::identify::judge::gains;
+use crate::plant::simulate::SimulateError;
 
 /// Gain of squares on the runs held back that chance does not give a model fitted elsewhere.
 pub(super) const SURE: f64 = 16.0;
@@ -92,9 +94,27 @@ pub(super) fn strained(judged: &Judged) -> bool {
     })
 }
 
+/// Excess of chi2 that the effects of a model account for: what the stated model leaves once it is fitted, or, where that fit goes
+/// further from what was stated than the model with the effects does, what this model would leave without them. A fit that bends
+/// the stated values hides most of a delay; how much of it a simple equation may leave is a share of all that it does.
+pub(super) fn accounted(weighing: &Weighing, before: &Judged, after: &Judged) -> Result<f64, SimulateError> {
+    let excess = before.hold.chi2 - 1.0;
+    if after.added.is_empty() || after.disbelief >= before.disbelief {
+        return Ok(excess);
+    }
+    let bare = after.added.iter().fold(after.fit.model.clone(), |model, id| model.without(id));
+    let bare = Fit::resume(bare, after.fit.locals.clone(), weighing.fitted())?;
+    let without = weighing.score(&bare)?.chi2 - 1.0;
+    Ok(if without.is_finite() { excess.max(without) } else { excess })
+}
+
 /// Whether what is left lies outside the library, and how probable that is.
 pub(super) fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
-    let excess = before.hold.chi2 - 1.0;
+    beyond(before.hold.chi2 - 1.0, after)
+}
+
+/// The same where the effects account for an `excess` of chi2.
+pub(super) fn beyond(excess: f64, after: &Judged) -> (bool, f64) {
     let left = after.hold.chi2 - 1.0;
     let blur = 3.0 * (2.0 / after.hold.samples.max(1) as f64).sqrt();
     let noise = CALIBRATION.negligible + blur;

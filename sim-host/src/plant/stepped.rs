@@ -90,6 +90,7 @@ impl Plant for Stepped {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plant::effects::entry;
     use crate::plant::paper::{FixedStep, Paper};
 
     fn paper() -> Baseline<f64> {
@@ -131,7 +132,8 @@ mod tests {
     #[test]
     fn saturation_is_that_of_the_limit_in_force() {
         let of = |id: &'static str, parameters: &[f64], command: f64| {
-            let placed = Placed { id, parameters: parameters.to_vec() };
+            let details = entry(id).unwrap().parameters.iter().skip(parameters.len()).map(|p| p.high);
+            let placed = Placed { id, parameters: parameters.iter().copied().chain(details).collect() };
             let mut plant = Stepped::new(&paper(), &[placed], 5e-4, 0.0).unwrap();
             plant.advance(command, 2000);
             plant.saturated(command)

@@ -74,14 +74,16 @@ const NOISY: f64 = 0.4;
 
 /// True where the samples on both sides go up and down and hardly ever repeat: their noise would have moved a sensor within its range.
 fn noisy_beside(samples: &[f64], (from, to): (usize, usize)) -> bool {
-    let noisy = |side: &[f64]| {
+    // What is cut off between them is no part of the noise.
+    let within = |x: &&f64| x.is_finite() && **x != samples[from];
+    let noisy = |side: Vec<&f64>| {
         let steps: Vec<f64> = side.windows(2).map(|w| w[1] - w[0]).collect();
         let turns = steps.windows(2).filter(|w| w[0] * w[1] < 0.0).count();
         side.len() == BESIDE && turns as f64 > NOISY * steps.len() as f64
     };
-    let before = from.checked_sub(BESIDE).and_then(|first| samples.get(first..from));
-    let after = samples.get(to + 1..to + 1 + BESIDE);
-    to - from >= BESIDE / 2 && before.is_some_and(noisy) && after.is_some_and(noisy)
+    let before = samples[..from].iter().rev().filter(within).take(BESIDE).collect();
+    let after = samples[to + 1..].iter().filter(within).take(BESIDE).collect();
+    to - from >= BESIDE / 2 && noisy(before) && noisy(after)
 }
 
 /// Stretches of at least [`FLAT`] samples at the extreme: first and last sample.
