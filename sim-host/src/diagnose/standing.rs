@@ -63,7 +63,8 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinc
         && worse < LOST * better
         && (present.added.is_empty() || held_gain > (CALIBRATION.worth * left).max(LEAST_GAIN))
         && (held_gain > CALIBRATION.noticeable * excess
-            || (distinct && held_gain > CALIBRATION.hidden && completes(present, larger)))
+            || (distinct && held_gain > CALIBRATION.hidden && completes(present, larger))
+            || settles(present, larger))
         && held_gain > CALIBRATION.credible * (larger.hold.chi2 - 1.0)
 }
 
@@ -71,6 +72,16 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinc
 fn completes(present: &Judged, larger: &Judged) -> bool {
     let done = |before: f64, after: f64| after - 1.0 < (1.0 - CALIBRATION.explained) * (before - 1.0);
     done(present.hold.chi2, larger.hold.chi2) && done(present.fit.chi2(), larger.fit.chi2())
+}
+
+/// True where the present model leaves more than any noise and a larger one a hundredth of that at most, on both kinds of runs: what a
+/// simple form leaves is not another effect's to that extent, however much of the mismatch that explains alone.
+fn settles(present: &Judged, larger: &Judged) -> bool {
+    let share = (1.0 - CALIBRATION.explained).powi(2);
+    let done = |before: f64, after: f64| after - 1.0 < share * (before - 1.0);
+    present.hold.chi2 > CALIBRATION.modest
+        && done(present.hold.chi2, larger.hold.chi2)
+        && done(present.fit.chi2(), larger.fit.chi2())
 }
 
 /// True where the runs held back cannot say: they lack nothing without an effect that explains nearly all that the runs

@@ -25,6 +25,8 @@ fn what_differs_stands_beside_a_gross_effect_where_it_completes_it() {
     assert!(stands(&before, &present, &whole, true));
     assert!(!stands(&before, &present, &whole, false), "as little as a simple form leaves");
     assert!(!stands(&before, &present, &half, true), "a quarter of the rest is left");
+    let all = Judged { added: whole.added.clone(), ..leaving(1.01, &template) };
+    assert!(stands(&before, &present, &all, false), "nothing of a rest that no noise is");
 }
 
 #[test]
