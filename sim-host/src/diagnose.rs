@@ -53,7 +53,7 @@ use verdict::Conclusion;
 /// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
 const FAR: f64 = 0.4;
 /// Samples that a search fits at most, and the last fit: of longer recordings the stretches with the most motion.
-const SEARCHED: usize = 60_000;
+const SEARCHED: usize = 120_000;
 const FITTED: usize = 400_000;
 /// Share of what was left below which a second look at the data is the better one.
 const FAR_LESS: f64 = 0.3;
@@ -202,7 +202,7 @@ struct Concluded {
 fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
     let all: usize = whole.fit.iter().chain(&whole.holdout).map(Run::len).sum();
     let first = with_right_clock(whole, seen, options)?;
-    if !first.conclusion.unforeseen() || all > 4 * SEARCHED {
+    if !first.conclusion.unforeseen() || all > 2 * SEARCHED {
         return Ok(first);
     }
     options.say("the runs fitted do not show it: opening half of those held out", 0.9);
