@@ -65,8 +65,7 @@ pub(super) fn needed(
 
 /// A model fitted again without some of its effects.
 pub(super) fn without(judged: &Judged, ids: &[&str], weighing: &Weighing) -> Result<Judged, SimulateError> {
-    let model = ids.iter().fold(judged.fit.model.clone(), |model, id| model.without(id));
-    let mut fit = Fit::resume(model, judged.fit.locals.clone(), weighing.fitted())?;
+    let mut fit = Fit::resume(judged.model_without(ids), judged.fit.locals.clone(), weighing.fitted())?;
     fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-5 })?;
     Judged::of(fit, weighing)
 }

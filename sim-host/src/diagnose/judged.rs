@@ -32,6 +32,11 @@ impl Judged {
         Ok(Self { hold: weighing.score(&fit)?, fit, added, probability: 0.0, disbelief })
     }
 
+    /// The model without some of its effects, its other values as they were fitted.
+    pub(super) fn model_without(&self, ids: &[&str]) -> Model {
+        ids.iter().fold(self.fit.model.clone(), |model, id| model.without(id))
+    }
+
     /// Squares on what fitted it and on what judges it.
     pub(super) fn total(&self) -> f64 {
         self.fit.squares + self.hold.squares()

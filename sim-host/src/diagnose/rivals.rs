@@ -1,7 +1,7 @@
 //! What the accepted model is mistaken for, fitted as thoroughly as it: a double that a short look left half way must not lose
 //! for that.
 
-use super::search::{Search, detailed};
+use super::search::{Search, Seedling, detailed, seedlings};
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::secant::Base;
@@ -53,13 +53,10 @@ fn strangers(
     let mut rest = Fit::resume(accepted.model.without(out.id), accepted.locals.clone(), runs)?;
     rest.improve(runs, LOOK)?;
     let Some(base) = Base::of(&rest, runs)? else { return Ok(Vec::new()) };
-    let others = rest.model.candidates().into_iter().filter(|e| e.id != out.id && !alike(out, e) && e.frees.is_empty());
-    let starts = others.flat_map(|e| (0..).map_while(move |i| Placed::start(e, i, yardsticks)));
-    let look = |placed: Placed| -> Result<Option<(f64, Placed)>, SimulateError> {
-        let signed = placed.values.iter().any(|v| v.free && !v.positive);
-        Ok(base.promised(&rest.model.with(placed.clone()), signed, runs)?.map(|promised| (promised, placed)))
-    };
-    let looks = starts.collect::<Vec<_>>().into_par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
+    let mut starts = seedlings(std::slice::from_ref(&rest), &[], yardsticks);
+    starts.retain(|start| start.placed.entry.id != out.id && !alike(out, start.placed.entry));
+    let look = |start: Seedling| Ok(start.look(&base, runs)?.map(|promised| (promised, start.placed)));
+    let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, SimulateError>>()?;
     let mut looks: Vec<(f64, Placed)> = looks.into_iter().flatten().collect();
     looks.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     let mut seen: Vec<&str> = Vec::new();

@@ -12,7 +12,8 @@ use crate::identify::model::{Model, Placed, Yardsticks};
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
-use seedlings::{Seedling, promising, seedlings, worthwhile};
+pub(super) use seedlings::{Seedling, seedlings};
+use seedlings::{promising, worthwhile};
 
 /// Everything the search found.
 #[derive(Debug, Clone)]

@@ -128,8 +128,8 @@ enum Role {
 const DEALT: [Role; 6] = [Role::Fits, Role::Judges, Role::Weighs, Role::Judges, Role::Fits, Role::Judges];
 
 /// The same experiment with half of the stretches of the runs held out among those that may be fitted: for physics that they
-/// alone show, a stop that only the largest motion reaches. They are dealt by how much the stated model, whose predictions these
-/// are, misses in each, the largest first: a moment may be all that shows it, and fits need one such as the judge does.
+/// alone show, a stop that only the largest motion reaches. They are dealt by how much the model handed on, whose predictions
+/// these are, misses in each, the largest first: a moment may be all that shows it, and fits need one such as the judge does.
 pub(super) fn reopened(whole: &Prepared, held_out: &[Run], predicted: &[Predicted]) -> Split {
     let mut whole = whole.clone();
     whole.holdout = Vec::new();

@@ -70,18 +70,19 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinc
 
 /// True where a larger model explains nearly all that the present one leaves, on both kinds of runs.
 fn completes(present: &Judged, larger: &Judged) -> bool {
-    let done = |before: f64, after: f64| after - 1.0 < (1.0 - CALIBRATION.explained) * (before - 1.0);
-    done(present.hold.chi2, larger.hold.chi2) && done(present.fit.chi2(), larger.fit.chi2())
+    leaves_at_most(1.0 - CALIBRATION.explained, present, larger)
 }
 
 /// True where the present model leaves more than any noise and a larger one a hundredth of that at most, on both kinds of runs: what a
 /// simple form leaves is not another effect's to that extent, however much of the mismatch that explains alone.
 fn settles(present: &Judged, larger: &Judged) -> bool {
-    let share = (1.0 - CALIBRATION.explained).powi(2);
+    present.hold.chi2 > CALIBRATION.modest && leaves_at_most((1.0 - CALIBRATION.explained).powi(2), present, larger)
+}
+
+/// Whether a larger model leaves less than this share of what the present one leaves beyond the noise, on both kinds of runs.
+fn leaves_at_most(share: f64, present: &Judged, larger: &Judged) -> bool {
     let done = |before: f64, after: f64| after - 1.0 < share * (before - 1.0);
-    present.hold.chi2 > CALIBRATION.modest
-        && done(present.hold.chi2, larger.hold.chi2)
-        && done(present.fit.chi2(), larger.fit.chi2())
+    done(present.hold.chi2, larger.hold.chi2) && done(present.fit.chi2(), larger.fit.chi2())
 }
 
 /// True where the runs held back cannot say: they lack nothing without an effect that explains nearly all that the runs
@@ -113,8 +114,7 @@ pub(super) fn accounted(weighing: &Weighing, before: &Judged, after: &Judged) ->
     if after.added.is_empty() || after.disbelief >= before.disbelief {
         return Ok(excess);
     }
-    let bare = after.added.iter().fold(after.fit.model.clone(), |model, id| model.without(id));
-    let bare = Fit::resume(bare, after.fit.locals.clone(), weighing.fitted())?;
+    let bare = Fit::resume(after.model_without(&after.added), after.fit.locals.clone(), weighing.fitted())?;
     let without = weighing.score(&bare)?.chi2 - 1.0;
     Ok(if without.is_finite() { excess.max(without) } else { excess })
 }

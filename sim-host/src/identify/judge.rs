@@ -10,8 +10,8 @@ use rayon::prelude::*;
 /// A model's standing on a set of runs.
 #[derive(Debug, Clone)]
 pub struct Score {
-    /// Mean of (residual / noise)^2 over displacement and acceleration, or over the command where neither states its
-    /// noise.
+    /// Mean of (residual / noise)^2 over displacement and acceleration, or over the command of a rigid mass where
+    /// neither states its noise.
     pub chi2: f64,
     /// Samples behind that mean.
     pub samples: usize,

@@ -1,6 +1,5 @@
-use super::super::standing::{sound, strained};
+use super::super::standing::{outside, sound, strained};
 use super::*;
-use crate::diagnose::standing::outside;
 use crate::identify::data::Run;
 use crate::identify::fit::Effort;
 use crate::identify::fit::tests::{TRUTH, model, recorded};

@@ -16,7 +16,11 @@ const LOOKS: usize = 36;
 const PROMISING: usize = 18;
 
 /// Every effect that a parent has not, at each of its starting values; no set of effects from two parents.
-pub(super) fn seedlings<'a>(parents: &'a [Fit], singles: &[Fit], yardsticks: &Yardsticks) -> Vec<Seedling<'a>> {
+pub(in crate::diagnose) fn seedlings<'a>(
+    parents: &'a [Fit],
+    singles: &[Fit],
+    yardsticks: &Yardsticks,
+) -> Vec<Seedling<'a>> {
     let mut seedlings = Vec::new();
     let mut sets: Vec<Vec<&'static str>> = Vec::new();
     for parent in parents {
@@ -43,15 +47,24 @@ pub(super) fn seedlings<'a>(parents: &'a [Fit], singles: &[Fit], yardsticks: &Ya
 }
 
 /// A start: which parent, with which effect where.
-pub(super) struct Seedling<'a> {
+pub(in crate::diagnose) struct Seedling<'a> {
     pub(super) parent: &'a Fit,
-    placed: Placed,
+    /// The effect where it starts.
+    pub(in crate::diagnose) placed: Placed,
 }
 
 impl Seedling<'_> {
     /// The model to start from.
-    pub(super) fn model(&self) -> Model {
+    pub(in crate::diagnose) fn model(&self) -> Model {
         self.parent.model.with(self.placed.clone())
+    }
+
+    /// Squares that the start promises beside its parent, from which `base` is; none where a chord says nothing of it.
+    pub(in crate::diagnose) fn look(&self, base: &Base, runs: &[Run]) -> Result<Option<f64>, SimulateError> {
+        if !self.placed.entry.frees.is_empty() {
+            return Ok(None);
+        }
+        base.promised(&self.model(), self.signed(), runs)
     }
 
     /// True where less than none of the effect makes sense.
@@ -72,8 +85,7 @@ pub(super) fn worthwhile<'a>(
     let look = |seedling: &Seedling| -> Result<Option<f64>, SimulateError> {
         let base =
             parents.iter().position(|parent| std::ptr::eq(parent, seedling.parent)).and_then(|i| bases[i].as_ref());
-        let Some(base) = base.filter(|_| seedling.placed.entry.frees.is_empty()) else { return Ok(None) };
-        base.promised(&seedling.model(), seedling.signed(), runs)
+        base.map_or(Ok(None), |base| seedling.look(base, runs))
     };
     let looks = seedlings.par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
     let mut ranked: Vec<_> = seedlings.into_iter().zip(looks).collect();

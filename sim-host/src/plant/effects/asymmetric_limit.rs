@@ -96,3 +96,29 @@ impl<S: Scalar> Effect<S> for AsymmetricLimit<S> {
         flow.sharpness = flow.sharpness.or(self.sharpness);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::plant::model::Baseline;
+    use crate::plant::simulate::Placed;
+    use crate::plant::{Plant as _, stepped::Stepped};
+
+    /// Alike in both directions and with rounded corners it is the softened limit.
+    #[test]
+    fn rounded_corners_are_those_of_the_softened_limit() {
+        let paper = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };
+        let made = |id: &'static str, parameters: &[f64]| {
+            let placed = Placed { id, parameters: parameters.to_vec() };
+            let mut plant = Stepped::new(&paper, &[placed], 5e-4, 0.0).unwrap();
+            let step = |k: i32| {
+                plant.advance(0.15 * (f64::from(k) * 0.01).sin(), 1);
+                plant.displacement()
+            };
+            (0..2000).map(step).collect::<Vec<f64>>()
+        };
+        let softened = made("flow_softening", &[6.0]);
+        assert_eq!(made("asymmetric_limit", &[0.242, 0.242, 6.0]), softened);
+        let hard = made("asymmetric_limit", &[0.242, 0.242, super::HARD]);
+        assert!(hard.iter().zip(&softened).any(|(a, b)| (a - b).abs() > 1e-4), "the corner shows");
+    }
+}

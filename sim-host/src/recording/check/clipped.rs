@@ -1,7 +1,8 @@
 //! A signal cut off at the end of a range: flat at its extreme, entered and left at full speed.
 //!
 //! A table that rests at the end of a motion is flat at an extreme too, but it comes to rest first; so a flat counts
-//! only where the signal runs into it and out of it about as fast as it runs elsewhere.
+//! only where the signal runs into it and out of it about as fast as it runs elsewhere, or where its noise, which never rests,
+//! stops for it.
 
 use super::{Fault, Finding, Severity};
 use crate::recording::channel::Channel;
@@ -23,6 +24,12 @@ const REACH: usize = 4;
 
 /// Fewest equal samples of a flat.
 const FLAT: usize = 3;
+
+/// Samples on either side of a flat that say how noisy the signal is; a flat of half as many is long enough to ask them.
+const BESIDE: usize = 32;
+
+/// Share of their steps that change direction above which they are noise: two thirds of white noise's do, next to none of a motion's.
+const NOISY: f64 = 0.4;
 
 /// Looks at both extremes of every sensor.
 pub(super) fn check(run: &Run) -> Vec<Finding> {
@@ -67,12 +74,7 @@ pub(crate) fn stretches(samples: &[f64]) -> Vec<(usize, usize)> {
     if flats.len() < 2 && longest < 8 { Vec::new() } else { flats }
 }
 
-/// Samples on either side of a flat that are asked how noisy the signal is, and fewest samples of a flat for that.
-const BESIDE: usize = 32;
-/// Share of changes of direction above which neighbours are noise: two thirds of white noise's, none of a motion's.
-const NOISY: f64 = 0.4;
-
-/// True where the samples on both sides go up and down and hardly ever repeat: their noise would have moved a sensor within its range.
+/// True where the samples on both sides go up and down: their noise would have moved a sensor within its range.
 fn noisy_beside(samples: &[f64], (from, to): (usize, usize)) -> bool {
     // What is cut off between them is no part of the noise.
     let within = |x: &&f64| x.is_finite() && **x != samples[from];

@@ -237,15 +237,14 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
     State::Sound
 }
 
-/// Between reference and displacement stands the loop: only its lowest frequencies say anything, and only roughly.
+/// Between reference and displacement stands the loop: only its lowest frequencies say anything, and only roughly; of signs only
+/// those up to `follows`, Hz.
 fn tracking(found: Option<Agreement>, follows: f64) -> State {
     // A loop follows at frequencies below its own; above them its phase says nothing of signs, and its gain of units.
     let Some(a) = found.filter(|a| !a.unrelated && a.from_hz < FOLLOWS) else { return State::Unknown };
-    if a.low_turned && a.from_hz >= follows {
-        return State::Unknown;
-    }
     if a.low_turned {
-        return State::Broken(format!("displacement runs against the reference ({:.1} Hz)", a.from_hz));
+        let broken = format!("displacement runs against the reference ({:.1} Hz)", a.from_hz);
+        return if a.from_hz < follows { State::Broken(broken) } else { State::Unknown };
     }
     if !SOUND_TRACKING.contains(&a.low_gain) {
         return State::Broken(format!("displacement is {:.4} times the reference ({:.1} Hz)", a.low_gain, a.from_hz));
