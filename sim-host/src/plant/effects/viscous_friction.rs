@@ -47,7 +47,7 @@ pub const ENTRY: Entry = Entry {
     test: "pressure at several constant velocities",
     order: Order::Fourth,
     counter: Some(|parameters, countered| {
-        if let &[coefficient] = parameters {
+        if let &[coefficient, ..] = parameters {
             countered.viscous = coefficient;
         }
     }),
