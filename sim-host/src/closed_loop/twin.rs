@@ -135,7 +135,9 @@ fn placed(stated: &recording::StatedEffect) -> Result<Placed<f64>, TwinError> {
         Some(&value) => Ok(value),
         None if parameter.role == Role::PerRun => Ok(0.0),
         // A detail of a form that is not stated is its plainest.
-        None if parameter.role == Role::Refined && parameter.yardstick == Yardstick::One => {
+        None if parameter.role == Role::Refined
+            && (parameter.yardstick == Yardstick::One || parameter.starts.first() == Some(&0.0)) =>
+        {
             Ok(parameter.starts.first().copied().unwrap_or(0.0))
         }
         None => Err(TwinError::Missing { effect: stated.id.clone(), key: parameter.key }),
