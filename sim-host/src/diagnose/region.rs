@@ -17,8 +17,8 @@ use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::{Predicted, predict};
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::{Model, Placed, Value};
-use crate::plant::effects::Role;
 use crate::plant::effects::regional::{Along, Shape, code, regional};
+use crate::plant::effects::{Parameter, Role};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -152,7 +152,7 @@ fn promised(placed: &Placed, along: Along, ends: &[f64], left: &[f64], parts: &[
         let weights = inner(first, last);
         let (own, c) = (of(&weights, &weights), with_left(&weights));
         let strength = c / own.max(f64::MIN_POSITIVE);
-        (if strength > 0.0 { c * strength } else { 0.0 }, first, last)
+        (if strength > 0.0 || either_sign(placed) { c * strength } else { 0.0 }, first, last)
     });
     if let Some((gain, first, last)) = windows.max_by(|a, b| a.0.total_cmp(&b.0)) {
         let weights = inner(first, last);
@@ -168,7 +168,7 @@ fn promised(placed: &Placed, along: Along, ends: &[f64], left: &[f64], parts: &[
         let (level, slope) = ((d * p - b * q) / det, (a * q - b * p) / det);
         let gain = level * p + slope * q;
         let change = (slope / level).clamp(-3.0, 10.0);
-        if level > 0.0 && change.is_finite() {
+        if (level > 0.0 || either_sign(placed)) && change.is_finite() {
             let placed = &strengthened(placed, level);
             starts.extend(sloped(placed, along, change, scale).map(|placed| Start { placed, gain }));
         }
@@ -176,16 +176,30 @@ fn promised(placed: &Placed, along: Along, ends: &[f64], left: &[f64], parts: &[
     starts
 }
 
+/// The parameter that says how strong an effect is: its first free one.
+fn strength(placed: &Placed) -> Option<usize> {
+    placed.values.iter().position(|value| value.free)
+}
+
+/// True where an effect may be turned round: found over the whole of a run it may have the sign that it has not in a part.
+fn either_sign(placed: &Placed) -> bool {
+    strength(placed).is_some_and(|first| !placed.values[first].positive && placed.values[first].low < 0.0)
+}
+
 /// An effect with a strength so many times as large: what it does is in proportion to the distance of its first parameter from
-/// none, but for a frequency, to which it is in proportion the other way.
+/// none, but for a frequency, to which it is in proportion the other way. What is of the same unit grows with it.
 fn strengthened(placed: &Placed, factor: f64) -> Placed {
     let mut placed = placed.clone();
-    let factor = factor.clamp(0.1, 30.0);
-    let first = placed.values.iter_mut().zip(placed.entry.parameters).find(|(value, _)| value.free);
-    if let Some((value, parameter)) = first {
-        let none = if parameter.key == "gain" { 1.0 } else { 0.0 };
-        let factor = if parameter.key == "frequency" { 1.0 / factor } else { factor };
-        value.value = (none + factor * (value.value - none)).clamp(value.low, value.high);
+    let factor = factor.signum() * factor.abs().clamp(0.1, 30.0);
+    let Some(first) = strength(&placed) else { return placed };
+    let entry = placed.entry;
+    let Parameter { key, unit, .. } = entry.parameters[first];
+    let none = if key == "gain" { 1.0 } else { 0.0 };
+    let factor = if key == "frequency" { 1.0 / factor } else { factor };
+    for (i, (value, parameter)) in placed.values.iter_mut().zip(entry.parameters).enumerate() {
+        if i == first || (value.free && unit != "1" && parameter.unit == unit) {
+            value.value = (none + factor * (value.value - none)).clamp(value.low, value.high);
+        }
     }
     placed
 }

@@ -8,7 +8,7 @@ use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::model::Yardsticks;
 use crate::identify::prepare::Prepared;
-use crate::plant::effects::regional;
+use crate::plant::effects::{entry, regional};
 
 /// Three runs of a truth, of which the stated model with no value free is doubted.
 fn prepared(truth: &Model) -> Prepared {
@@ -38,6 +38,21 @@ fn an_effect_that_acts_in_a_part_of_the_runs_is_named_with_its_window() {
     let values: Vec<f64> = placed.values.iter().map(|v| v.value).collect();
     let (along, from, to) = regional::window(placed.entry, &values).expect("a window");
     assert!(along == Along::Time && (from - 4.0).abs() < 0.2 && (to - 10.0).abs() < 0.2, "{from} to {to}");
+}
+
+/// Turned round, and what is of its unit with it: alone over whole runs an effect is found with the sign that helps there.
+#[test]
+fn a_strength_grows_with_what_is_of_its_unit_and_may_turn_round() {
+    let start = |id| Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    let mut bias = start("null_bias");
+    bias.values[0].value = 2.0;
+    let friction = start("stribeck_friction");
+    assert!(either_sign(&bias) && !either_sign(&friction));
+    assert_eq!(strengthened(&bias, -3.0).values[0].value, -6.0);
+    let ratio = |placed: &Placed| placed.values[1].value / placed.values[0].value;
+    let stronger = strengthened(&friction, 2.0);
+    assert!(stronger.values[0].value > 1.9 * friction.values[0].value);
+    assert!((ratio(&stronger) - ratio(&friction)).abs() < 1e-9, "standstill's friction grows with the sliding one");
 }
 
 /// One that acts everywhere is named without a region.
