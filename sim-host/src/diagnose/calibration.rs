@@ -41,6 +41,8 @@ pub(super) struct Calibration {
     pub(super) lead: f64,
     /// Probability of names that explain a part where more is missing.
     pub(super) beside_more: f64,
+    /// Probability that what names explain but for a rest beyond the noise is something else that looks like them.
+    pub(super) mimicked: f64,
     /// Probability that nothing of the library is right where what was selected failed on the runs held out.
     pub(super) failed: f64,
     /// Probability below which one of several names is not given: what is missing in its place is.
@@ -68,7 +70,7 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     worth: 0.65,
     noticeable: 0.018,
     distinct: 0.3,
-    hidden: 0.3,
+    hidden: 0.15,
     credible: 0.15,
     negligible: 0.06,
     modest: 2.5,
@@ -76,6 +78,7 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     most: 0.8,
     lead: 4.0,
     beside_more: 0.6,
+    mimicked: 0.08,
     failed: 0.9,
     likely: 0.4,
     unlikely: 0.1,

@@ -119,7 +119,8 @@ impl Conclusion {
         let hidden = outside(&self.before, &self.after).0 && fit < NOTHING * held;
         let refused =
             matches!(self.refusal, Some(Refusal::Worse { .. } | Refusal::NoSkill { .. } | Refusal::NoGain { .. }));
-        let more = self.more_missing && fit < NOTHING * held;
+        // However little of the mismatch it is: a form that leaves a share of what its effect does leaves it on all runs alike.
+        let more = (self.more_missing || self.after.hold.chi2 > CALIBRATION.modest) && fit < NOTHING * held;
         self.held_out && (hidden || refused || more)
     }
 }
@@ -169,6 +170,9 @@ pub(super) fn verdict(
             decision.take_back(CALIBRATION.failed);
         }
     }
+    if !unlisted && !after.added.is_empty() && rest_beyond_noise(&after) {
+        decision.take_back(CALIBRATION.mimicked);
+    }
     // Without a curve the nearest that the library has foresees better than the stated model, whatever its names are worth.
     if unlisted && let Some(better) = curve.or(partial.clone().filter(|p| p.hold.chi2 < before.hold.chi2)) {
         after = better;
@@ -204,6 +208,12 @@ fn last(judged: &Judged, (whole, seen): (&Prepared, &[Run]), judging: &[Run]) ->
     let mut fit = Fit::resume(model, locals, &whole.fit)?;
     fit.improve(&whole.fit, LAST)?;
     Ok(Judged { hold: score(&fit.model, judging)?, fit, ..judged.clone() })
+}
+
+/// Whether a model leaves more of the runs that judge than noise does.
+fn rest_beyond_noise(judged: &Judged) -> bool {
+    let blur = CHANCE * (2.0 / judged.hold.samples.max(1) as f64).sqrt();
+    judged.hold.chi2 - 1.0 > CALIBRATION.negligible + blur
 }
 
 /// Whether what a model leaves of the runs that judge follows the motion.

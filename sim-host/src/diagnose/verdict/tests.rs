@@ -2,7 +2,8 @@ use super::super::decide::tests::viscous;
 use super::super::split::{Weighing, split};
 use super::*;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
-use crate::identify::model::{Model, Yardsticks};
+use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::plant::effects::entry;
 
 /// What is selected of two runs of `fitted_truth` where `named` is named, judged on a run of `held_truth`.
 fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
@@ -21,15 +22,15 @@ fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclu
         Judged::of(fit, weighing).unwrap()
     };
     let (before, after) = (judged(model(TRUTH), &cut.weighing), judged(named, &cut.weighing));
-    let candidates = vec![Judged { probability: 0.9, ..after.clone() }];
+    let candidates = vec![Judged { probability: 0.98, ..after.clone() }];
     let decision = Decision {
         before,
-        after: Judged { probability: 0.9, ..after },
+        after: Judged { probability: 0.98, ..after },
         candidates,
         ties: Vec::new(),
         unlisted: false,
         partial: None,
-        unlisted_probability: 0.1,
+        unlisted_probability: 0.02,
         more_missing: false,
         noise: Vec::new(),
     };
@@ -61,7 +62,41 @@ fn a_name_that_the_test_contradicts_is_taken_back() {
         conclusion.refusal
     );
     assert!(conclusion.unlisted && conclusion.partial.is_some());
-    assert!(conclusion.decision.unlisted_probability >= 0.9 && conclusion.decision.candidates[0].probability <= 0.1);
+    assert!(
+        conclusion.decision.unlisted_probability >= 0.9 && conclusion.decision.candidates[0].probability <= 0.1 + 1e-9
+    );
+}
+
+/// This and dry friction, so many times the library's start.
+fn beside_friction(model: &Model, times: f64) -> Model {
+    let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    friction.values[0].value *= times;
+    model.with(friction)
+}
+
+/// Names that leave a rest which is no noise may be something that looks like them: what is said of them is less sure.
+#[test]
+fn a_rest_beyond_the_noise_takes_a_share_of_the_belief() {
+    let with_rest = |truth: &Model| {
+        let conclusion = concluded(truth, truth, with_viscous(50.0));
+        (conclusion.after.hold.chi2, conclusion.decision.candidates[0].probability)
+    };
+    let truth = with_viscous(90.0);
+    let (left, sure) = with_rest(&truth);
+    assert!(left < 1.06 && sure >= 0.9, "{left} {sure}");
+    let (left, less) = with_rest(&beside_friction(&truth, 30.0));
+    assert!(left > 1.2 && less < sure, "{left} {less}");
+}
+
+/// A misfit of the run held out that is no noise and ten times that of the runs fitted is looked at anew, beside whatever name.
+#[test]
+fn a_rest_that_only_the_test_shows_is_unforeseen() {
+    let truth = with_viscous(90.0);
+    let conclusion = concluded(&truth, &beside_friction(&truth, 20.0), with_viscous(50.0));
+    let (fit, held) = (conclusion.after.fit.chi2(), conclusion.after.hold.chi2);
+    assert!(fit < 1.1 && held > 2.5, "{fit} {held}");
+    assert!(conclusion.unforeseen());
+    assert!(!concluded(&truth, &truth, with_viscous(50.0)).unforeseen());
 }
 
 /// Where nothing was selected and the run held out shows something, the verdict is not that all is well.
