@@ -180,8 +180,10 @@ impl Model {
 
     /// The effects that a model of this kind may be missing.
     pub fn candidates(&self) -> Vec<&'static Entry> {
-        let present = self.ids();
-        let fits = |e: &&Entry| e.kinds.contains(&self.kind) && !present.contains(&e.id);
+        let own = |e: &Entry, p: &Placed| {
+            p.entry.id == e.id || e.contains.contains(&p.entry.id) || p.entry.contains.contains(&e.id)
+        };
+        let fits = |e: &&Entry| e.kinds.contains(&self.kind) && !self.effects.iter().any(|p| own(e, p));
         ENTRIES.iter().chain(&self.library).copied().filter(fits).collect()
     }
 

@@ -28,6 +28,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["tilt_coupling"],
     test: "the table at rest",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

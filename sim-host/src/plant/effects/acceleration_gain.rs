@@ -28,6 +28,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["displacement_nonlinearity", "acceleration_lag"],
     test: "turn the accelerometer over in the field of gravity",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

@@ -17,6 +17,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["valve_lag", "command_delay"],
     test: "accelerometer against LVDT phase",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

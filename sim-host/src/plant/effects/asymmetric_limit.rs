@@ -59,6 +59,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["null_bias", "flow_softening"],
     test: "ramps both ways; zero-command drift at two amplitudes",
     order: Order::Second,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[positive, negative, sharpness] = parameters {
             countered.limits = Some((positive, negative));

@@ -50,6 +50,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["valve_deadband", "coulomb_friction"],
     test: "accelerometer against the second difference of the LVDT at reversals",
     order: Order::Second,
+    contains: &[],
     counter: None,
 };
 

@@ -56,6 +56,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["payload_resonance", "oil_compliance"],
     test: "a floor accelerometer",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

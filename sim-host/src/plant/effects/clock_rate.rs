@@ -31,6 +31,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["acceleration_gain", "viscous_friction"],
     test: "a signal of known frequency in the recording",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

@@ -32,6 +32,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["valve_lag", "displacement_lag"],
     test: "sines of 20 Hz and up at small amplitude and high gain",
     order: Order::Second,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[time] = parameters {
             countered.delay = time;

@@ -20,6 +20,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["valve_deadband", "stribeck_friction", "backlash"],
     test: "pressure difference; supply pressure or payload changed; amplitude ladder",
     order: Order::Second,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[force, ..] = parameters {
             countered.coulomb = force;

@@ -16,6 +16,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["command_delay", "valve_lag"],
     test: "accelerometer against LVDT phase at 20 Hz and up",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

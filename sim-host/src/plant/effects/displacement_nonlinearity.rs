@@ -28,6 +28,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["end_stop", "acceleration_gain"],
     test: "a second displacement sensor",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

@@ -69,6 +69,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["displacement_nonlinearity"],
     test: "slow sweeps of growing amplitude",
     order: Order::Second,
+    contains: &[],
     counter: None,
 };
 

@@ -28,6 +28,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["load_dependent_flow", "supply_droop", "asymmetric_limit"],
     test: "velocity ladder from 50 to 110 % of the limit",
     order: Order::Fourth,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[sharpness] = parameters {
             countered.sharpness = sharpness;

@@ -16,6 +16,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["supply_droop", "viscous_friction"],
     test: "randomised repeats of one short motion",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

@@ -28,6 +28,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["viscous_friction", "load_dependent_flow", "valve_lag", "command_delay"],
     test: "pressure at constant velocity; a loaded hold",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

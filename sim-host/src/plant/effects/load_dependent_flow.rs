@@ -33,6 +33,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["flow_softening", "oil_compliance", "leakage"],
     test: "the same motion with mass added; pressure difference",
     order: Order::Second,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[stall, ..] = parameters {
             countered.stall = stall;

@@ -71,6 +71,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["acceleration_bias"],
     test: "the table at rest with the power on",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

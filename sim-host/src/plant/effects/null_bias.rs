@@ -18,6 +18,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["asymmetric_limit", "tilt_coupling"],
     test: "zero command for a minute; the same motion at two amplitudes",
     order: Order::Fourth,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[offset, ..] = parameters {
             countered.null_bias = offset;

@@ -43,6 +43,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["payload_resonance", "base_compliance", "valve_lag", "command_delay"],
     test: "bare and loaded table, three stroke offsets; a floor accelerometer",
     order: Order::Fourth,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[frequency, damping] = parameters {
             countered.oil = Some((frequency, damping));

@@ -228,6 +228,7 @@ impl Own {
             mistaken_for: Box::leak(mistaken.into_boxed_slice()),
             test: "a run in which the states of its expression reach further",
             order: Order::Second,
+            contains: &[],
             counter: None,
         }
     }

@@ -70,6 +70,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["oil_compliance", "base_compliance"],
     test: "bare and loaded table; an accelerometer on the payload",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

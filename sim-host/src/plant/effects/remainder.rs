@@ -97,6 +97,7 @@ const fn curve(
         mistaken_for: &[],
         test: "the same runs at another amplitude: a curve in the wrong coordinate does not carry over",
         order: Order::Second,
+        contains: &[],
         counter: None,
     }
 }

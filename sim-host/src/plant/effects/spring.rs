@@ -43,6 +43,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["leakage", "end_stop", "tilt_coupling", "displacement_lag"],
     test: "pressure held at several places, at rest",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

@@ -47,6 +47,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["coulomb_friction", "valve_deadband"],
     test: "slow ramps at several speeds",
     order: Order::Second,
+    contains: &["coulomb_friction"],
     counter: Some(|parameters, countered| {
         if let &[force, standstill, velocity, ..] = parameters {
             (countered.coulomb, countered.peak) = (force, Some((standstill, velocity)));

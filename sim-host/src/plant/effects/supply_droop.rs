@@ -46,6 +46,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["gain_drift", "flow_softening", "load_dependent_flow"],
     test: "back-to-back ramps; supply pressure logged",
     order: Order::Second,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[depth, recovery] = parameters {
             countered.droop = (depth, recovery);

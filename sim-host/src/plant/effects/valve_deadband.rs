@@ -60,6 +60,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["coulomb_friction", "backlash"],
     test: "pressure difference; supply pressure or payload changed; amplitude ladder",
     order: Order::Fourth,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[half_width, ..] = parameters {
             countered.deadband = half_width;

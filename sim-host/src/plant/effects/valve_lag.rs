@@ -57,6 +57,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["command_delay", "acceleration_lag", "displacement_lag"],
     test: "sines of 20 Hz and up at small amplitude and high gain",
     order: Order::Fourth,
+    contains: &[],
     counter: None,
 };
 

@@ -48,6 +48,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["valve_lag", "command_delay"],
     test: "one frequency at growing amplitude",
     order: Order::Second,
+    contains: &[],
     counter: None,
 };
 

@@ -46,6 +46,7 @@ pub const ENTRY: Entry = Entry {
     mistaken_for: &["leakage", "gain_drift"],
     test: "pressure at several constant velocities",
     order: Order::Fourth,
+    contains: &[],
     counter: Some(|parameters, countered| {
         if let &[coefficient, ..] = parameters {
             countered.viscous = coefficient;
