@@ -3,6 +3,7 @@
 mod asked;
 mod bench;
 mod campaign;
+mod checked;
 mod compare;
 mod demo;
 mod described;
@@ -38,6 +39,7 @@ mod sweep;
 mod table1;
 mod traces;
 mod words;
+mod written;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use std::process::ExitCode;

@@ -1,9 +1,11 @@
 """Files that other software wrote, read by shakedown and by that software, value by value.
 
-    python3 tests/readers/check.py [DATA]
+    python3 tests/readers/check.py [DATA [MORE]]
 
-Needs numpy, scipy, h5py, npTDMS and obspy; what is missing is said and left out. Ends with status 1 where a value differs by more
-than rounding. `cargo build -p shakedown --example columns` comes first, and this calls it.
+Needs numpy, scipy, h5py, npTDMS, obspy, pandas, rpc3-file and lvm_read; what is missing is said and left out. MORE is a folder of
+LabVIEW's own .lvm files, where one is at hand. Then ten of the files get false metadata, and each must be refused by its name and by
+what is wrong. Ends with status 1 where a value differs by more than rounding or a false file is read. `cargo build -p shakedown
+--example columns` comes first, and this calls it.
 """
 
 import csv
@@ -19,6 +21,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 COLUMNS = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "examples" / "columns"
+TOOL = COLUMNS.parents[1] / "shakedown"
 RELATIVE = 1e-12
 
 
@@ -62,6 +65,14 @@ class Bench:
         ok = apart <= bound
         self.failed += not ok
         print(f"{'same' if ok else 'DIFFERS'}: {what}: {len(list(wanted))} values, {apart:.1e} apart")
+
+    def refused(self, what, path, said):
+        """A file that the tool must not read: status 2, and a message that names the file and what is wrong with it."""
+        self.made += 1
+        done = subprocess.run([TOOL, "run", "--record", path, "--channel", "1", "--unit", "g"], capture_output=True, text=True)
+        ok = done.returncode == 2 and path.name in done.stderr and all(part in done.stderr for part in said)
+        self.failed += not ok
+        print(f"{'refused' if ok else 'NOT REFUSED'}: {what}: {(done.stderr or done.stdout).strip()[:200]}")
 
     def guarded(self, what, work):
         """One comparison that cannot be made is one failure and not the end."""
@@ -153,6 +164,56 @@ def miniseed(bench, folder, numpy):
             bench.same(f"miniSEED {encoding} {order}", columns(path)["XX.TAB.00.HNE"], want)
 
 
+def matlab73(bench, numpy, data):
+    """Arrays of a MATLAB 7.3 file, by the library that the format is made of."""
+    h5py = library("h5py")
+    path = data / "files/v73.mat"
+    if not h5py or not path.exists():
+        return
+    got = columns(path)
+    with h5py.File(path) as f:
+        for name in ["secondvar", "data/arr_double", "data/arr_nan", "data/struct_/test"]:
+            own = name.replace("/", ".")
+            bench.same(f"MATLAB 7.3 {name}", got.get(own, []), f[name][()].ravel())
+        for k in range(f["data/arr_two_three"].shape[0]):
+            bench.same(f"MATLAB 7.3 arr_two_three, column {k + 1}", got[f"data.arr_two_three(:;{k + 1})"], f["data/arr_two_three"][k])
+
+
+def spreadsheet(bench, folder, numpy):
+    """UTF-16, decimal commas and semicolons as pandas writes them."""
+    pandas = library("pandas")
+    if not pandas:
+        return
+    t, x, a = wave(numpy, 400)
+    frame = pandas.DataFrame({"time [s]": t, "Weg [mm]": x, "acc [g]": a})
+    for name, encoding, separator, decimal in [("wide", "utf-16", "\t", "."), ("german", "utf-16", ";", ","), ("plain", "cp1252", ";", ",")]:
+        path = folder / f"{name}.csv"
+        frame.to_csv(path, sep=separator, decimal=decimal, encoding=encoding, index=False)
+        got = columns(path)
+        want = pandas.read_csv(path, sep=separator, decimal=decimal, encoding=encoding)
+        for column in frame:
+            bench.same(f"text that pandas wrote, {name}, {column}", got[column], want[column])
+
+
+def labview(bench, folder, more):
+    """LabVIEW's text by another reader: one made here, and whatever files of its own are at hand."""
+    lvm = library("lvm_read")
+    if not lvm:
+        return
+    for path in [folder / "made.lvm", *(sorted(more.glob("*.lvm")) if more else [])]:
+        want = lvm.read(str(path), read_from_pickle=False, dump_file=False)[0]
+        got = columns(path)
+        several = want["Channel names"].count("X_Value") > 1
+        for i, name in enumerate(want["Channel names"][: want["data"].shape[1]]):
+            if name == "X_Value":
+                name = f"X_Value of {want['Channel names'][i + 1]}" if several else name
+                if all(math.isnan(v) for v in want["data"][:, i]):
+                    continue
+            # A channel that was never sampled is no column of numbers.
+            if not all(math.isnan(v) for v in want["data"][:, i]):
+                bench.same(f"LabVIEW {path.name} {name}", got.get(name, []), want["data"][:, i])
+
+
 def text(bench, folder, numpy):
     t, x, a = wave(numpy, 400)
     rows = "".join(f"{k / 200:.3f}\t{u:.6f}\t{v:.6f}\r\n" for k, (u, v) in enumerate(zip(x, a)))
@@ -213,6 +274,97 @@ def rpc(bench, folder, numpy, data):
             bench.same(f"RPC III test1.rsp, channel {c + 1}", got[c + 1], [v * scale for v in values[:total]])
 
 
+def rpc_of_others(bench, folder, numpy):
+    """RPC III that rpc3-file wrote; the same with its bytes in the other order, which no library at hand writes."""
+    rpc3 = library("rpc3")
+    if not rpc3:
+        return
+    _, x, a = wave(numpy, 2048)
+    made = [rpc3.Channel("LVDT", "mm", 0.005, x), rpc3.Channel("acc", "g", 0.005, a)]
+    for kind, word in [(int, "h"), (float, "f")]:
+        path = folder / f"theirs-{word}.rsp"
+        rpc3.write(str(path), made, datatype=kind, overwrite=True)
+        want = {c.name: c.data for c in rpc3.read(str(path))[0]}
+        content = path.read_bytes()
+        keys = {content[k:k + 32].rstrip(b"\0"): content[k + 32:k + 128].rstrip(b"\0") for k in range(0, 512, 128)}
+        start = 512 * int(keys[b"NUM_HEADER_BLOCKS"])
+        head = content[:start].replace(b"BINARY_IEEE_LITTLE_END", b"BINARY_IEEE_BIG_END\0\0\0")
+        turned = folder / f"turned-{word}.rsp"
+        turned.write_bytes(head + numpy.frombuffer(content[start:], "<i2" if word == "h" else "<f4").byteswap().tobytes())
+        for file in (path, turned):
+            got = columns(file)
+            for name in want:
+                # Single precision is what that library keeps a raw number times its scale in.
+                bench.same(f"RPC III {file.name} {name}", got[name][: len(want[name])], want[name], 1e-6)
+
+
+def put(path, content, at, bytes_):
+    """The same file with some bytes replaced."""
+    path.write_bytes(content[:at] + bytes_ + content[at + len(bytes_):])
+    return path
+
+
+def false_metadata(bench, folder, data):
+    """Ten files whose header says what is not so."""
+    def falsified(name, source, old, new):
+        content = source.read_bytes()
+        if old not in content:
+            raise ValueError(f"{source.name} holds no {old}")
+        return put(folder / name, content, content.index(old), new)
+
+    def keyed(name, source, key, value):
+        content = source.read_bytes()
+        return put(folder / name, content, content.index(key.encode().ljust(32, b"\0")) + 32, value.encode().ljust(96, b"\0"))
+
+    big, records = folder / "big.rsp", data / "records"
+    cases = [
+        ("RPC III, frames that are not there", keyed("frames.rsp", big, "FRAMES", "40"), ["cut off"]),
+        ("RPC III, an interval of nothing", keyed("step.rsp", big, "DELTA_T", "0.0"), ["DELTA_T"]),
+        ("RPC III, a million blocks of header", keyed("blocks.rsp", big, "NUM_HEADER_BLOCKS", "999999"), ["NUM_HEADER_BLOCKS"]),
+        ("TDMS, raw data beyond the end", falsified("beyond.tdms", folder / "made.tdms", *beyond(folder / "made.tdms")), ["beyond its end"]),
+        ("TDMS, a version that there is not", put(folder / "version.tdms", (folder / "made.tdms").read_bytes(), 8, b"\x01\0\0\0"), ["version"]),
+        ("HDF5, cut in half", cut(folder / "half.h5", folder / "chunked.h5"), ["HDF5"]),
+        ("miniSEED, more samples than its frames hold", put(folder / "count.mseed", (folder / "STEIM2b.mseed").read_bytes(), 30, b"\xff\xff"), ["sample count"]),
+        ("MATLAB, more values than its bytes hold", matlab_count(folder), ["300000 values"]),
+        ("text, seconds called milliseconds", unit_of_time(folder), ["ms"]),
+    ]
+    for name, old, new in [
+        ("RSN1106_KOBE_KJM000.AT2", b"NPTS =   7500", b"NPTS =   7501"),
+        ("AOM0011801241951.NS", b"Max. Acc. (gal)   4", b"Max. Acc. (gal)   9"),
+    ]:
+        if (records / name).exists():
+            cases.append((f"{name}, {old.decode().strip()}", falsified(name, records / name, old, new), [" but "]))
+    for what, path, said in cases:
+        bench.refused(what, path, said)
+
+
+def beyond(path):
+    """The raw offset of a first segment, and one that lies beyond the file."""
+    content = path.read_bytes()
+    return content[12:28], content[12:20] + struct.pack("<Q", 10**9)
+
+
+def cut(path, source):
+    path.write_bytes(source.read_bytes()[: source.stat().st_size // 2])
+    return path
+
+
+def matlab_count(folder):
+    """A column of 3000 values that says it has 300,000."""
+    import numpy
+    import scipy.io
+    source = folder / "plain.mat"
+    scipy.io.savemat(source, {"x": numpy.arange(3000.0)}, oned_as="column")
+    content = source.read_bytes()
+    return put(folder / "count.mat", content, content.index(struct.pack("<ii", 3000, 1)), struct.pack("<ii", 300_000, 1))
+
+
+def unit_of_time(folder):
+    path = folder / "ms.csv"
+    path.write_text("time [ms],acc [g]\n" + "".join(f"{k * 0.005:.3f},{k % 5}\n" for k in range(400)))
+    return path
+
+
 def every_file(bench, data):
     """Every file of the development data is read without an edit."""
     for path in sorted(p for kind in ("records", "recordings", "files") for p in (data / kind).rglob("*") if p.is_file()):
@@ -228,8 +380,9 @@ def main():
     numpy = library("numpy")
     if not numpy:
         return 0
+    more = Path(sys.argv[2]) if len(sys.argv) > 2 else None
     data = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("SHAKEDOWN_DATA", ROOT / "../shared/data")).resolve()
-    subprocess.run(["cargo", "build", "--quiet", "--package", "shakedown", "--example", "columns"], cwd=ROOT, check=True)
+    subprocess.run(["cargo", "build", "--quiet", "--package", "shakedown", "--bin", "shakedown", "--example", "columns"], cwd=ROOT, check=True)
     bench = Bench()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -239,6 +392,11 @@ def main():
         bench.guarded("miniSEED", lambda: miniseed(bench, folder, numpy))
         bench.guarded("text", lambda: text(bench, folder, numpy))
         bench.guarded("RPC III", lambda: rpc(bench, folder, numpy, data))
+        bench.guarded("RPC III of others", lambda: rpc_of_others(bench, folder, numpy))
+        bench.guarded("MATLAB 7.3", lambda: matlab73(bench, numpy, data))
+        bench.guarded("spreadsheet", lambda: spreadsheet(bench, folder, numpy))
+        bench.guarded("LabVIEW", lambda: labview(bench, folder, more))
+        bench.guarded("false metadata", lambda: false_metadata(bench, folder, data))
     if data.exists():
         every_file(bench, data)
     else:

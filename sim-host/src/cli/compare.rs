@@ -8,6 +8,7 @@ mod reports;
 use super::Failure;
 use super::output::Outputs;
 use super::source::Text;
+use shakedown::closed_loop::learning::stale::Staleness;
 use shakedown::motion::drive::Drive;
 use shakedown::motion::read::{self, Options};
 use shakedown::motion::{Format, Motion, Record};
@@ -46,6 +47,19 @@ pub(crate) struct Args {
     text: Text,
     #[command(flatten)]
     outputs: Outputs,
+}
+
+/// How the second recording of a motion differs from the first.
+pub(super) fn answered(first: &Path, second: &Path) -> Result<Staleness, Failure> {
+    recordings::answered(&Args {
+        first: first.to_owned(),
+        second: second.to_owned(),
+        displacement: None,
+        acceleration: None,
+        reference: None,
+        text: Text::default(),
+        outputs: Outputs::default(),
+    })
 }
 
 /// What a file is to this command.

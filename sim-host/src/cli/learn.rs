@@ -2,11 +2,13 @@
 
 mod page;
 
+use super::checked::Checked;
 use super::described::{self, Found};
 use super::failure::within;
-use super::output::{Outputs, announce, print, sha256};
+use super::output::{Outputs, print, sha256};
 use super::places::place;
 use super::source::{Source, plausible};
+use super::written::{Plan, Shape};
 use super::{Failure, asked, present, progress};
 use clap::builder::PossibleValuesParser;
 use shakedown::closed_loop::learning::stale::check_motion;
@@ -15,7 +17,7 @@ use shakedown::closed_loop::named;
 use shakedown::closed_loop::trial::Setup;
 use shakedown::closed_loop::twin::Twin;
 use shakedown::motion::condition::Recipe;
-use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
+use shakedown::motion::drive::{Drive, DriveUnit, Quantity};
 use shakedown::motion::fit::named::{ASKED, Fit};
 use shakedown::motion::{Motion, Record};
 use shakedown::plant::sensors::SensorModel;
@@ -29,10 +31,12 @@ use std::path::{Path, PathBuf};
   shakedown learn --record kobe.AT2 --fit none              refused: as it is it asks for more than the table can do
   shakedown learn --record kobe.AT2 --table table.toml --out learnt.csv
   shakedown learn --record kobe.AT2 --table table.toml --from learnt.csv    goes on, unless the table has changed since
+  shakedown learn --record kobe.AT2 --out learnt.rpc --drive-unit V --volts-per-metre 80 --rate 2048
   shakedown learn --check check.csv                         a weak motion, to be recorded with each drive that is learnt
+  shakedown learn --record kobe.AT2 --from learnt.csv --check-then may.csv --check-now june.csv    refused where the specimen changed
 
 A drive that is predicted to pass a limit is not run, be it the first or a later one. Before a learnt drive is played, record the
-check motion again and hold the two recordings against each other: `shakedown compare check_then.csv check_now.csv`.")]
+check motion again: with the recording from when it was learnt, `learn --from`, `device run` and `compare` say whether it is stale.")]
 pub(crate) struct Args {
     #[command(flatten)]
     source: Source,
@@ -46,12 +50,16 @@ pub(crate) struct Args {
     /// Fits the record to speed and stroke first; `none` leaves it as it is.
     #[arg(long, value_name = "NAME", default_value = "nearest", value_parser = PossibleValuesParser::new(fits()))]
     fit: String,
-    /// Writes the drive of the run that came nearest: CSV or RPC III, displacement in mm at the control rate, with its provenance.
+    /// Writes the drive of the run that came nearest, with its provenance: .csv, .rpc or .AT2.
     #[arg(long, value_name = "FILE", value_parser = place())]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    shape: Shape,
     /// Begins with a learnt drive; refused where it was learnt for another motion, on another table or by another controller.
     #[arg(long, value_name = "DRIVE")]
     from: Option<PathBuf>,
+    #[command(flatten)]
+    checked: Checked,
     /// Writes the check motion as a drive and does nothing else.
     #[arg(long, value_name = "FILE", value_parser = place(), conflicts_with_all = ["out", "from", "record", "seed"])]
     check: Option<PathBuf>,
@@ -103,6 +111,13 @@ impl Args {
         }
     }
 
+    /// What is written by the option `out`: as asked for, else as the table's drives are.
+    fn plan(&self, out: &str, path: &Path, described: &Found, limits: &Limits) -> Result<Plan, Failure> {
+        let mut shape = self.shape.clone();
+        shape.described(path, &described.table);
+        shape.plan(out, path, limits.displacement)
+    }
+
     /// What the table is to do.
     fn wanted(&self, record: &Record, limits: &Limits) -> Result<Motion, Failure> {
         let wrong = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", record.name));
@@ -126,18 +141,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let table = super::table(described.path.as_deref())?;
     let limits = args.limits(&described, &table);
     if let Some(path) = &args.check {
-        return check(path, &limits);
+        return check(path, &args.plan("--check", path, &described, &limits)?, &limits);
     }
-    let form = args
-        .out
-        .as_deref()
-        .map(|path| Form::of(path).map_err(|why| Failure::Input(format!("--out {}: {why}", path.display()))));
-    let form = form.transpose()?;
-    if form == Some(Form::Peer) {
-        return Err(Failure::Input(
-            "--out: a learnt drive is a displacement, and .AT2 holds acceleration; name a .csv or .rpc file".into(),
-        ));
-    }
+    let plan = match &args.out {
+        Some(path) => Some(args.plan("--out", path, &described, &limits)?),
+        None => args.shape.only_with("--out").map(|()| None)?,
+    };
+    let checked = args.checked.fresh(args.from.as_deref())?;
     let record = args.source.load()?;
     let wanted = args.wanted(&record, &limits)?;
     let name = args.controller.as_deref().or(described.table.controller.as_deref()).unwrap_or("current");
@@ -155,13 +165,19 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if !args.outputs.quiet() {
         present::print_section(&section);
     }
-    let inputs: Vec<PathBuf> =
-        args.source.inputs().into_iter().chain(described.path).chain(args.from.clone()).collect();
-    if let (Some(path), Some(form)) = (&args.out, form) {
-        write(path, form, &learned, &limits, &mut origin, wanted.dt)?;
+    let inputs: Vec<PathBuf> = args
+        .source
+        .inputs()
+        .into_iter()
+        .chain(described.path)
+        .chain(args.from.clone())
+        .chain(args.checked.inputs())
+        .collect();
+    if let (Some(path), Some(plan)) = (&args.out, &plan) {
+        write(path, plan, &learned, &limits, &mut origin, wanted.dt)?;
     }
-    args.outputs.write_json(page::json(&learned), &inputs)?;
-    let mut page = page::page(&learned, &record.name, section);
+    args.outputs.write_json(page::json(&learned, checked.as_ref()), &inputs)?;
+    let mut page = page::page(&learned, &record.name, section, checked.as_ref());
     args.outputs.write_report(&mut page, &inputs)
 }
 
@@ -221,7 +237,7 @@ fn begin(path: &Path, origin: &[(String, String)], setup: &Setup) -> Result<Vec<
 /// Writes the drive of the best run.
 fn write(
     path: &Path,
-    form: Form,
+    plan: &Plan,
     learned: &Learned,
     limits: &Limits,
     origin: &mut Vec<(String, String)>,
@@ -241,13 +257,13 @@ fn write(
     put("peak_velocity_m_per_s", format!("{:.6}", best.reached.velocity));
     put("peak_acceleration_m_per_s2", format!("{:.6}", best.reached.acceleration));
     put("e_a", format!("{:.6}", best.score.e_a.ratio));
-    written(path, form, best.drive.clone(), dt, std::mem::take(origin))
+    written(path, plan, best.drive.clone(), dt, std::mem::take(origin))
 }
 
-/// A drive in mm.
+/// A displacement, m, as a drive.
 fn written(
     path: &Path,
-    form: Form,
+    plan: &Plan,
     values: Vec<f64>,
     dt: f64,
     mut facts: Vec<(String, String)>,
@@ -255,21 +271,16 @@ fn written(
     facts.push(("command_line".into(), asked::line()));
     facts.push(("version".into(), env!("CARGO_PKG_VERSION").into()));
     facts.push(("written".into(), asked::utc()));
-    let unit = DriveUnit { symbol: "mm".into(), in_si: 1e-3 };
-    let drive = Drive { quantity: Quantity::Displacement, dt, values, unit, facts };
-    announce(path);
-    drive.write(path, form).map_err(|e| {
-        let text = format!("learn: {e}");
-        if e.is_io() { Failure::Work(text) } else { Failure::Input(text) }
-    })
+    let unit = DriveUnit { symbol: "m".into(), in_si: 1.0 };
+    let motion = Drive { quantity: Quantity::Displacement, dt, values, unit, facts: Vec::new() }.motion();
+    plan.write("learn", path, &motion, facts).map(|_| ())
 }
 
 /// Share of the speed and of the stroke that the check motion takes.
 const CHECKED: (f64, f64) = (0.17, 0.1);
 
 /// Writes the check motion.
-fn check(path: &Path, limits: &Limits) -> Result<(), Failure> {
-    let form = Form::of(path).map_err(|why| Failure::Input(format!("--check {}: {why}", path.display())))?;
+fn check(path: &Path, plan: &Plan, limits: &Limits) -> Result<(), Failure> {
     let (speed, reach) = (CHECKED.0 * limits.velocity, CHECKED.1 * limits.displacement);
     let facts = vec![
         ("source".to_owned(), "generated check motion".to_owned()),
@@ -277,7 +288,7 @@ fn check(path: &Path, limits: &Limits) -> Result<(), Failure> {
         ("peak_velocity_m_per_s".into(), format!("{speed:.6}")),
         ("peak_displacement_m".into(), format!("{reach:.6}")),
     ];
-    written(path, form, check_motion(named::RATE, speed, reach), 1.0 / named::RATE, facts)?;
+    written(path, plan, check_motion(named::RATE, speed, reach), 1.0 / named::RATE, facts)?;
     print(&format!("{}: 26 s, at most {speed:.3} m/s and {reach:.4} m\n", path.display()));
     Ok(())
 }

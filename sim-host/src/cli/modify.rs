@@ -8,7 +8,7 @@ use super::failure::number;
 use super::output::Outputs;
 use super::places::place;
 use super::source::{Text, plausible, record as read_record};
-use super::{Failure, described, present, progress};
+use super::{Failure, described, present, progress, written};
 use clap::ValueEnum;
 use shakedown::motion::condition::{Recipe, Step, peak_acceleration};
 use shakedown::motion::fit::answer::{Answer, AnswerError, Compared};
@@ -17,7 +17,7 @@ use shakedown::motion::fit::method::{Method, modify};
 use shakedown::motion::fit::named::PREVIEW;
 use shakedown::motion::fit::spectrum::Band;
 use shakedown::motion::fit::{FitError, Limits, Norm, Reference};
-use shakedown::motion::{Motion, Record, generate, read};
+use shakedown::motion::{AccelerationUnit, Motion, Record, generate, read};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -39,7 +39,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", value_parser = place())]
     out: Option<PathBuf>,
     #[command(flatten)]
-    shape: out::Shape,
+    shape: written::Shape,
     /// Largest speed, m/s [default: 0.242, or the table's].
     #[arg(long, value_name = "M/S")]
     velocity: Option<f64>,
@@ -198,7 +198,12 @@ impl Args {
             args.acceleration = args.acceleration.or(table.acceleration);
             args.jerk = args.jerk.or(table.jerk);
         }
-        args.shape.described(args.out.as_deref(), args.unit.is_some(), &table);
+        // A unit that is none of acceleration is the drive's.
+        let unit = args.unit.clone().filter(|unit| unit.parse::<AccelerationUnit>().is_err());
+        args.shape.or_unit(unit.as_deref().filter(|_| args.out.is_some()));
+        if let Some(out) = &args.out {
+            args.shape.described(out, &table);
+        }
         Ok(args)
     }
 

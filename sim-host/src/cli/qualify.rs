@@ -1,20 +1,21 @@
 //! `shakedown qualify`: a measured or a planned motion against a standard for seismic qualification.
 
+mod made;
 mod page;
 mod within_limits;
 
 use super::failure::within;
-use super::output::{Outputs, write_whole};
+use super::output::Outputs;
 use super::places::place;
 use super::source::Text;
 use super::{Failure, present};
 use clap::ValueEnum;
 use serde_json::{Value, json};
+use shakedown::motion::drive::Drive;
 use shakedown::motion::qualify::{
     Code, Direction, Judged, QualifyError, Required, Rule, STANDARDS, Shape, Site, Standard, judge, synthesise,
 };
-use shakedown::motion::{Record, STANDARD_GRAVITY, read};
-use std::fmt::Write as _;
+use shakedown::motion::{Record, read};
 use std::path::{Path, PathBuf};
 
 /// Holds a motion against a standard: spectra, zero-period acceleration, duration, strong motion, independence of axes.
@@ -64,7 +65,8 @@ pub(crate) struct Args {
     /// Lowest natural frequency of the specimen, Hz: spectra are judged from three quarters of it on, within the standard's range.
     #[arg(long, value_name = "HZ")]
     lowest: Option<f64>,
-    /// Makes a motion that satisfies the standard and writes it: CSV, time and acceleration.
+    /// Makes a motion that satisfies the standard and writes it: .csv (time and acceleration) or .AT2; within limits a drive, .csv,
+    /// .rpc or .AT2.
     #[arg(long, value_name = "FILE", value_parser = place(), conflicts_with = "record")]
     synthesise: Option<PathBuf>,
     /// Its margin: reached over required where that is least [default: 1.05].
@@ -138,13 +140,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.within.asked() {
         return within_limits::run(args, standard, required, lowest);
     }
+    made::form(args)?;
     let (name, acceleration, dt, axes) = args.motion(&standard, &required, lowest)?;
     let place = args.record.as_ref().map_or_else(|| name.clone(), |path| path.display().to_string());
     let judged = judge(&acceleration, dt, &axes, &standard, &required, lowest)
         .map_err(|e| Failure::Input(format!("{place}: {e}")))?;
     let answer = Answer { name, standard, required, judged, acceleration, dt, lowest };
     if let Some(path) = &args.synthesise {
-        write_whole(path, columns(&answer).as_bytes())?;
+        made::write(path, &answer)?;
     }
     let inputs: Vec<PathBuf> = args.record.iter().chain(&args.axis).chain(&args.rrs).cloned().collect();
     let mut page = page::page(&answer);
@@ -253,17 +256,11 @@ impl Args {
         let unit = self.unit.as_deref().map(str::parse).transpose();
         let unit = unit.map_err(|e| Failure::Input(format!("--unit: {e}")))?;
         let channel = self.channel.clone().unwrap_or_default();
+        if let Some(drive) = Drive::read(path).map_err(|e| Failure::Input(e.to_string()))? {
+            return Ok(made::of_drive(path, &drive));
+        }
         super::source::record(path, &read::Options { dt: self.dt, unit, channel, text: self.text.stated() })
     }
-}
-
-/// The motion as columns.
-pub(super) fn columns(answer: &Answer) -> String {
-    let mut text = String::from("time [s],acceleration [g]\n");
-    for (k, a) in answer.acceleration.iter().enumerate() {
-        let _ = writeln!(text, "{:.6},{:.9}", k as f64 * answer.dt, a / STANDARD_GRAVITY);
-    }
-    text
 }
 
 pub(super) fn value(answer: &Answer) -> Value {

@@ -3,7 +3,7 @@
 mod page;
 mod trace;
 
-use super::output::Outputs;
+use super::output::{Outputs, sha256, tell};
 use super::places::place;
 use super::source::{Source, Text, plausible};
 use super::{Failure, described, failure, indices, present, progress};
@@ -233,6 +233,7 @@ fn drive(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Option<Playe
             "{place}: is a drive at {rate:.3} Hz and the controller runs at {wanted:.3} Hz: write it with `modify --rate {wanted}`"
         )));
     }
+    say_stale(&drive, scenario, setup)?;
     let motion = drive.motion();
     plausible(&place.to_string(), &motion);
     let source = drive.fact("source").unwrap_or("a motion").to_owned();
@@ -243,6 +244,25 @@ fn drive(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Option<Playe
         original: motion.clone(),
         fitted: motion,
     }))
+}
+
+/// Says where a learnt drive was learnt on another table or by another controller, before it is played.
+fn say_stale(drive: &Drive, scenario: &Scenario, setup: &Setup) -> Result<(), Failure> {
+    let table = || scenario.table.as_deref().map_or_else(|| Ok("the paper's table".to_owned()), sha256);
+    let controller = || Ok(format!("{} at {} Hz", page::controller(scenario), setup.rate()));
+    let now: [(&str, &dyn Fn() -> Result<String, Failure>); 2] =
+        [("model_sha256", &table), ("controller", &controller)];
+    for (key, now) in now {
+        let Some(then) = drive.fact(key) else { continue };
+        let now = now()?;
+        if then != now {
+            tell(&format!(
+                "warning: the drive is stale: it was learnt with {key} = {then}, and now it is {now}; learn it again before it is played \
+                 on the table"
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// What is done to a record before it is played, in words.

@@ -134,6 +134,17 @@ impl Stated {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
+
+    /// What the file itself states, under what the person states.
+    #[must_use]
+    pub fn under(&self, person: &Self) -> Self {
+        Self {
+            skip_lines: person.skip_lines.or(self.skip_lines),
+            delimiter: person.delimiter.or(self.delimiter),
+            decimal: person.decimal.or(self.decimal),
+            units: person.units.clone().or_else(|| self.units.clone()),
+        }
+    }
 }
 
 /// A text's layout.

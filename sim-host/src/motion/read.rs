@@ -11,6 +11,7 @@ mod error;
 mod geonet;
 mod knet;
 mod peer;
+mod recorded;
 mod text;
 
 pub use error::{LEAST_SAMPLES, Problem, ReadError};
@@ -71,7 +72,8 @@ pub struct Options {
     pub text: Stated,
 }
 
-/// Reads one component of a ground-motion record; of a zipped folder the file that `options.channel` names.
+/// Reads one component of a ground-motion record; of a zipped folder the file that `options.channel` names, of a recording (TDMS, HDF5,
+/// MATLAB, RPC III, miniSEED, LabVIEW, MTS 793) the channel.
 pub fn record(path: &Path, options: &Options) -> Result<Record, ReadError> {
     let zipped = archive::entry(path, &options.channel)?;
     let record = match zipped {
@@ -82,7 +84,10 @@ pub fn record(path: &Path, options: &Options) -> Result<Record, ReadError> {
             record.facts.push(Fact { key: "layout", value, line: 1 });
             record
         }
-        None => parse(&Source::open(path)?, options, false)?,
+        None => match recorded::read(path, options)? {
+            Some(record) => record,
+            None => parse(&Source::open(path)?, options, false)?,
+        },
     };
     let samples = record.acceleration.len();
     if samples < LEAST_SAMPLES {
@@ -164,6 +169,17 @@ fn detect(block: &Block, options: &Options) -> Result<Format, ReadError> {
 /// The largest acceleration that is believed, m/s²: beyond it a unit is wrong.
 const CREDIBLE: f64 = 1000.0 * STANDARD_GRAVITY;
 
+/// True for an acceleration (m/s2) that a table or an earthquake may have.
+fn credible(acceleration: f64) -> bool {
+    acceleration.abs() <= CREDIBLE
+}
+
+/// One that none has.
+fn incredible(found: f64) -> Problem {
+    let (what, expected) = ("an acceleration in m/s2", "at most 1000 g, 9807 m/s2, in magnitude");
+    Problem::OutOfRange { what, found, expected }
+}
+
 /// Refuses an interval or a unit that the person states and the file contradicts, and a record of one sample or of
 /// accelerations beyond belief, or of nothing but zeros.
 fn agree(block: &Block, record: &Record, options: &Options) -> Result<(), ReadError> {
@@ -186,9 +202,8 @@ fn agree(block: &Block, record: &Record, options: &Options) -> Result<(), ReadEr
             "leave --unit out, or correct it",
         ));
     }
-    if let Some(&found) = record.acceleration.iter().find(|a| !a.is_finite() || a.abs() > CREDIBLE) {
-        let (what, expected) = ("an acceleration in m/s2", "at most 1000 g, 9807 m/s2, in magnitude");
-        return Err(block.at(0, Problem::OutOfRange { what, found, expected }));
+    if let Some(&found) = record.acceleration.iter().find(|a| !credible(**a)) {
+        return Err(block.at(0, incredible(found)));
     }
     let samples = record.acceleration.len();
     if samples < 2 {

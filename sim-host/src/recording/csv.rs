@@ -7,16 +7,23 @@ use super::error::{Place, Problem, RecordingError};
 use super::table::{Heading, MAX_BYTES, MAX_VALUES, Table, locate};
 use crate::files::layout::{self, Encoding, Layout, Stated, decode};
 use lines::{Lines, MAX_LINE};
+use special::Clock;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
 mod lines;
+mod special;
 
 /// Largest UTF-16 text that is read, bytes: it is held whole.
 const MAX_UTF16: u64 = 1 << 28;
 
 /// Largest magnitude that is treated as a measurement, in any unit.
 const CREDIBLE: f64 = 1e15;
+
+/// True for the first bytes of a text that says by its first lines how it is written.
+pub fn is_special(start: &[u8]) -> bool {
+    special::is_start(start)
+}
 
 /// Reads the headings alone.
 pub fn headings(input: impl Read, path: &Path, stated: &Stated) -> Result<Vec<Heading>, RecordingError> {
@@ -47,6 +54,8 @@ struct Text<'a> {
     remarks: bool,
     /// Where another block of the same file begins, for forms that have several.
     block_mark: Option<String>,
+    /// The times that an empty first column stands for.
+    clock: Option<Clock>,
 }
 
 /// Reads as much as the layout takes to be found.
@@ -63,84 +72,19 @@ fn open<'a>(input: impl Read + 'a, path: &Path, stated: &Stated) -> Result<Text<
         let problem = "is empty; a header line that names the columns is expected".to_owned();
         return Err(Place::file(path).refuse(Problem::Malformed(problem)));
     }
-    let special = special(&head);
-    let remarks = special.as_ref().is_some_and(|own| own.remarks.is_some());
-    if let Some((line, names)) = special.as_ref().and_then(|own| own.remarks.clone()) {
-        head[line] = names;
+    let special = special::of(&head).unwrap_or_default();
+    if let Some((line, names)) = &special.names {
+        head[*line].clone_from(names);
     }
-    let (stated, block_mark, kind) = match special {
-        Some(own) if stated.is_empty() => (own.stated, own.block_mark, Some(own.kind)),
-        _ => (stated.clone(), None, None),
-    };
-    let borrowed: Vec<&str> = head.iter().map(String::as_str).collect();
-    let layout = layout::find(&borrowed, &stated).map_err(|e| {
+    let stated = special.stated.under(stated);
+    let layout = layout::find(&special.without_remarks(&head), &stated).map_err(|e| {
         let place = e.line.map_or_else(|| Place::file(path), |i| Place::line(path, i + 1));
         place.refuse(Problem::Malformed(e.reason))
     })?;
     let headings = headings_of(&layout, path)?;
-    let notes =
-        kind.into_iter().map(str::to_owned).chain(encoding.note().map(str::to_owned)).chain(layout.notes()).collect();
-    Ok(Text { lines, head, first_line: 1, layout, headings, notes, remarks, block_mark })
-}
-
-/// What a known form says of its own layout.
-struct Special {
-    kind: &'static str,
-    stated: Stated,
-    block_mark: Option<String>,
-    /// The header's line, from 0, without its column of remarks.
-    remarks: Option<(usize, String)>,
-}
-
-/// MTS 793 and LabVIEW texts say on their first lines how they are written.
-fn special(head: &[String]) -> Option<Special> {
-    let first = head.first()?;
-    if first.starts_with("MTS793|") {
-        return mts793(head);
-    }
-    first.starts_with("LabVIEW Measurement").then(|| labview(head)).flatten()
-}
-
-/// `MTS793|program|language|version|delimiter|decimal|...`: delimiter 0 blank, 1 comma, 2 tab. The block with most rows is read;
-/// its first line says when it was taken, its second names the columns, its third their units.
-fn mts793(head: &[String]) -> Option<Special> {
-    let fields: Vec<&str> = head.first()?.split('|').collect();
-    let delimiter = match *fields.get(4)? {
-        "0" => layout::Delimiter::Blank,
-        "1" => layout::Delimiter::Comma,
-        _ => layout::Delimiter::Tab,
-    };
-    let decimal = fields.get(5)?.parse().ok();
-    let title = head.windows(3).position(|w| {
-        let names = delimiter.split(&w[1]).len();
-        let units = delimiter.split(&w[2]);
-        names > 1 && units.len() == names && units.iter().all(|u| u.is_empty() || layout::is_unit(u))
-    })?;
-    let mark = delimiter.split(&head[title]).first().map(|word| (*word).to_owned()).filter(|word| !word.is_empty());
-    let stated = Stated { skip_lines: Some(title + 1), delimiter: Some(delimiter), decimal, units: None };
-    Some(Special { kind: "MTS 793 text", stated, block_mark: mark, remarks: None })
-}
-
-/// The lines between `LabVIEW Measurement` and the last `***End_of_Header***` name separator and decimal sign.
-fn labview(head: &[String]) -> Option<Special> {
-    let end = head.iter().rposition(|line| line.starts_with("***End_of_Header***"))?;
-    let value = |key: &str| {
-        head[..end]
-            .iter()
-            .find_map(|line| Some(line.strip_prefix(key)?.trim_start_matches(['\t', ',', ';', ' ']).trim()))
-    };
-    let delimiter = match value("Separator") {
-        Some("Comma") => layout::Delimiter::Comma,
-        _ => layout::Delimiter::Tab,
-    };
-    let decimal = value("Decimal_Separator").and_then(|sign| sign.parse().ok());
-    let header = head.get(end + 1)?;
-    let remarks = header
-        .trim_end()
-        .strip_suffix("Comment")
-        .map(|names| (end + 1, names.trim_end_matches(['\t', ',']).to_owned()));
-    let stated = Stated { skip_lines: Some(end + 1), delimiter: Some(delimiter), decimal, units: None };
-    Some(Special { kind: "LabVIEW measurement file", stated, block_mark: None, remarks })
+    let notes = special.notes.into_iter().chain(encoding.note().map(str::to_owned)).chain(layout.notes()).collect();
+    let (remarks, block_mark, clock) = (special.remarks, special.block_mark, special.clock);
+    Ok(Text { lines, head, first_line: 1, layout, headings, notes, remarks, block_mark, clock })
 }
 
 /// The lines of a text in its encoding.
@@ -246,7 +190,10 @@ impl Text<'_> {
         }
         for (column, &place) in columns.iter_mut().zip(places) {
             let refuse = |p| Place::line(path, number).column(&self.headings[place].name).refuse(p);
-            column.push(value(fields[place], layout).map_err(refuse)?);
+            column.push(match self.clock {
+                Some(clock) if place == 0 && fields[0].is_empty() => clock.at(column.len()),
+                _ => value(fields[place], layout).map_err(refuse)?,
+            });
         }
         Ok(())
     }

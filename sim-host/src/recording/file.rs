@@ -39,6 +39,15 @@ pub fn headings_as(path: &Path, stated: &Stated) -> Result<Vec<Heading>, Recordi
     }
 }
 
+/// True for a form of other software's, whose first bytes say that it is one: everything but plain columns of text.
+pub fn is_of_other_software(path: &Path) -> bool {
+    let begins = |start: &mut Vec<u8>| File::open(path).and_then(|file| file.take(32).read_to_end(start));
+    let mut start = Vec::new();
+    // A pipe is read once.
+    let plain = std::fs::metadata(path).is_ok_and(|there| there.is_file());
+    plain && begins(&mut start).is_ok() && (form(path, &start) != Form::Text || csv::is_special(&start))
+}
+
 /// What a file's first bytes say it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Form {
@@ -54,8 +63,13 @@ fn open(path: &Path) -> Result<(File, Form), RecordingError> {
     let mut start = Vec::new();
     (&mut file).take(32).read_to_end(&mut start).map_err(refuse)?;
     file.seek(SeekFrom::Start(0)).map_err(refuse)?;
+    let form = form(path, &start);
+    Ok((file, form))
+}
+
+fn form(path: &Path, start: &[u8]) -> Form {
     let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mat"));
-    let form = binary::Form::of(&start).map_or(Form::Text, Form::Binary);
+    let form = binary::Form::of(start).map_or(Form::Text, Form::Binary);
     let matlab = form == Form::Text && (named || start.starts_with(b"MATLAB"));
-    Ok((file, if matlab { Form::Matlab } else { form }))
+    if matlab { Form::Matlab } else { form }
 }

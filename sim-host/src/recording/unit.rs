@@ -98,7 +98,10 @@ impl Unit {
             })
             .collect();
         let plain = match plain.as_str() {
-            "sec" | "Sec" | "seconds" => "s",
+            "sec" | "Sec" | "seconds" | "Seconds" => "s",
+            "Volts" | "volts" | "Volt" => "V",
+            "Newtons" | "newtons" | "Newton" => "N",
+            "Meters" | "meters" => "m",
             "msec" => "ms",
             "m/s/s" => "m/s2",
             "mm/s/s" => "mm/s2",

@@ -243,9 +243,78 @@ fn a_learnt_drive_goes_on_or_is_stale() {
     let stale = run(at, &format!("{learn} --controller strong --from learnt.csv"));
     assert_eq!(stale.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&stale.stderr).contains("is stale: its controller"));
+    let warned = done(at, "run --record learnt.csv --controller strong");
+    assert!(warned.contains("the drive is stale: it was learnt with controller = current"), "{warned}");
+    assert!(!done(at, "run --record learnt.csv").contains("stale"));
     done(at, "learn --check check.csv");
-    done(at, "run --record check.csv --controller strong --trace then.csv");
-    done(at, "run --record check.csv --controller strong --trace now.csv");
+    fs::write(at.join("soft.toml"), SOFT).unwrap();
+    for (name, table) in [("then", "stiff"), ("now", "stiff"), ("later", "soft")] {
+        fs::write(at.join("stiff.toml"), SOFT.replace("3.4", "4.0")).unwrap();
+        done(at, &format!("run --record check.csv --controller strong --table {table}.toml --trace {name}.csv"));
+    }
     done(at, "compare then.csv now.csv --json same.json");
     assert_eq!(json(at, "same.json")["stale"].as_bool(), Some(false));
+    let from = format!("{learn} --from learnt.csv --check-then then.csv --check-now");
+    let said = done(at, &format!("{from} now.csv --json fresh.json"));
+    assert!(said.contains("the drive holds"), "{said}");
+    assert_eq!(json(at, "fresh.json")["checked"]["stale"].as_bool(), Some(false));
+    let softer = run(at, &format!("{from} later.csv"));
+    let said = String::from_utf8_lossy(&softer.stderr).into_owned();
+    assert_eq!(softer.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("learnt.csv: is stale: later.csv answers") && said.contains("the specimen has changed"),
+        "{said}"
+    );
 }
+
+/// The table with a payload that has softened.
+const SOFT: &str = "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n\
+    effects = [\"payload_resonance\"]\n[effects.payload_resonance]\nmass_ratio = 0.3\nfrequency = 3.4\ndamping = 0.03\n";
+
+/// What `learn` and `qualify` write is a drive of every form and unit, the table's where nothing else is asked for.
+#[test]
+fn every_command_writes_drives_in_the_controllers_unit() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    fs::write(at.join("rig.toml"), format!("{SERVO}[table]\nstroke = 0.2\ndrive_unit = \"V\"\nvolts_per_metre = 50\n"))
+        .unwrap();
+    let learn = "learn --velocity 0.2 --runs 1";
+    done(at, &format!("{learn} --table rig.toml --out a.csv"));
+    done(at, &format!("{learn} --table rig.toml --out b.csv --drive-unit mm --rate 2048"));
+    let (volts, mm) = (column(&at.join("a.csv"), 1), column(&at.join("b.csv"), 1));
+    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |p, v| p.max(v.abs()));
+    assert!((peak(&volts) / 50.0 / (peak(&mm) * 1e-3) - 1.0).abs() < 1e-3, "{} V, {} mm", peak(&volts), peak(&mm));
+    assert!(mm.len() > 2 * volts.len());
+    done(at, &format!("{learn} --out c.AT2"));
+    assert!(fs::read_to_string(at.join("c.AT2")).unwrap().starts_with("SHAKEDOWN DRIVE, NOT A RECORDED"));
+    done(at, &format!("{learn} --out d.rpc --drive-unit %"));
+    done(at, "run --record d.rpc");
+    for (line, said) in [
+        (format!("{learn} --out e.mat"), "e.mat"),
+        (format!("{learn} --rate 500"), "--out"),
+        (format!("{learn} --check-then a.csv --check-now b.csv"), "name the drive"),
+        ("qualify --standard ac156 --sds 0.5 --synthesise e.rpc".into(), "--velocity and --stroke"),
+        ("qualify --standard ac156 --sds 0.5 --synthesise e.txt".into(), ".csv, .rpc"),
+    ] {
+        let refused = run(at, &line);
+        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && message.contains(said), "{line}: {message}");
+    }
+    let qualify = "--standard ac156 --sds 0.2 --z-over-h 0";
+    done(at, &format!("qualify {qualify} --synthesise f.AT2"));
+    done(at, &format!("qualify f.AT2 {qualify}"));
+    done(at, &format!("qualify {qualify} --synthesise g.csv --velocity 0.5 --stroke 0.125 --json g.json"));
+    let text = fs::read_to_string(at.join("g.csv")).unwrap();
+    assert!(text.contains("# limit_velocity = 0.5") && text.contains("# unit = mm"), "{}", &text[..600]);
+    // What is held against the standard again is the drive, at the controller's rate.
+    done(at, &format!("qualify g.csv {qualify} --json again.json"));
+    let margin = |name: &str| json(at, name)["margin"].as_f64().unwrap();
+    assert!(
+        (margin("again.json") / margin("g.json") - 1.0).abs() < 5e-3,
+        "{} {}",
+        margin("again.json"),
+        margin("g.json")
+    );
+}
+
+const SERVO: &str = "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n";

@@ -211,9 +211,9 @@ pub(super) const FIGURES: &[Figure] = &[
     figure(HOSTS, "browser: results against the command line's; requests", "1e-9 relative; none", WEB),
     figure(
         LABORATORY,
-        "files of other software, against npTDMS, h5py, SciPy and ObsPy",
-        "within 1e-12",
-        "cargo build -p shakedown --example columns && python3 tests/readers/check.py",
+        "files of other software, against npTDMS, h5py, SciPy, ObsPy, pandas, rpc3-file, lvm_read; false metadata",
+        "within 1e-12; ten refused",
+        "cargo build -p shakedown --bin shakedown --example columns && python3 tests/readers/check.py",
     ),
     figure(
         LABORATORY,
@@ -222,7 +222,7 @@ pub(super) const FIGURES: &[Figure] = &[
         "cargo test -p shakedown-tests --test commands drives:: && cargo test --ignore-rust-version -p shakedown-replay --test paced drive",
     ),
     figure(LABORATORY, "learning: limits; error after one run over plain learning's", "kept; at most 0.5", LEARNING),
-    figure(LABORATORY, "softened payload found; false alarms, far bound", "at least 95; at most 2 %", LEARNING),
+    figure(LABORATORY, "softened payload found; false alarms, far bounds", "at least 95; at most 2 %", LEARNING),
     figure(LABORATORY, "response spectra against closed forms", "within 0.1 %", REQUIRED),
     figure(LABORATORY, "20 required spectra by 5 tables: neither met nor proven out of reach", "at most 5", REQUIRED),
     figure(LABORATORY, "concealed inner loops: gains at the median; in 90 %", "within 3; 10 %", INNER_LOOP),

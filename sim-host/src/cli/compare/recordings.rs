@@ -11,16 +11,7 @@ use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Table};
 
 /// Finds the first recording's motion in the second and holds the two against each other.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let (before, now) = (drive::signals(args, &args.first)?, drive::signals(args, &args.second)?);
-    let velocity = central_difference(&before.displacement, before.dt);
-    let acceleration = central_difference(&velocity, before.dt);
-    let motion = Motion { dt: before.dt, displacement: before.displacement, velocity, acceleration };
-    let recorded = Recorded { dt: now.dt, displacement: &now.displacement, acceleration: None, reference: None };
-    let refuse = |e: &dyn std::fmt::Display| {
-        Failure::Input(format!("{} and {}: {e}", args.first.display(), args.second.display()))
-    };
-    let found = played(&motion, &recorded).map_err(|e| refuse(&e))?;
-    let answer = stale(&found.wanted.displacement, &found.achieved.displacement, now.dt).map_err(|e| refuse(&e))?;
+    let answer = answered(args)?;
     let inputs = vec![args.first.clone(), args.second.clone()];
     let by: Vec<_> = answer
         .by_frequency
@@ -57,6 +48,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ("gain".into(), format!("{:+.2} %", 100.0 * answer.gain)),
     ];
     args.outputs.write_report(&mut Page { title, lead, key, sections, details, ..Page::default() }, &inputs)
+}
+
+/// The motion of the first recording, found in the second, and how the two answers differ.
+pub(super) fn answered(args: &Args) -> Result<Staleness, Failure> {
+    let (before, now) = (drive::signals(args, &args.first)?, drive::signals(args, &args.second)?);
+    let velocity = central_difference(&before.displacement, before.dt);
+    let acceleration = central_difference(&velocity, before.dt);
+    let motion = Motion { dt: before.dt, displacement: before.displacement, velocity, acceleration };
+    let recorded = Recorded { dt: now.dt, displacement: &now.displacement, acceleration: None, reference: None };
+    let refuse = |e: &dyn std::fmt::Display| {
+        Failure::Input(format!("{} and {}: {e}", args.first.display(), args.second.display()))
+    };
+    let found = played(&motion, &recorded).map_err(|e| refuse(&e))?;
+    stale(&found.wanted.displacement, &found.achieved.displacement, now.dt).map_err(|e| refuse(&e))
 }
 
 fn lead(answer: &Staleness) -> String {

@@ -2,6 +2,7 @@
 
 use super::calibration::say_overdue;
 use super::{failed, page, proof, setup};
+use crate::cli::checked::Checked;
 use crate::cli::output::{Outputs, print};
 use crate::cli::reference::resampled;
 use crate::cli::{Failure, progress};
@@ -42,6 +43,8 @@ pub(super) struct Run {
     /// Writes this setup first.
     #[arg(long, value_name = "SETUP.toml")]
     setup: Option<PathBuf>,
+    #[command(flatten)]
+    checked: Checked,
     /// Folder for `recording.csv` and `experiment.toml`; `recording.part.csv` while they come in.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -61,6 +64,7 @@ struct Planned {
 
 impl Run {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
+        self.checked.fresh(self.file.as_deref())?;
         let setup = match &self.setup {
             Some(file) => setup::read(file)?,
             None => session.setup().map_err(failed)?,

@@ -1,11 +1,12 @@
 //! What `learn` shows: the page and the JSON of the runs.
 
 use serde_json::json;
+use shakedown::closed_loop::learning::stale::Staleness;
 use shakedown::closed_loop::learning::{Learned, Peaks, Round};
 use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Table};
 
 /// The page: what was gained, what to do, the runs.
-pub(super) fn page(learned: &Learned, record: &str, section: Section) -> Page {
+pub(super) fn page(learned: &Learned, record: &str, section: Section, checked: Option<&Staleness>) -> Page {
     let e_a: Vec<f64> = learned.rounds.iter().map(|r| r.score.e_a.ratio).collect();
     let lead = match e_a[..] {
         [] => "Nothing was run: what is asked for is predicted to pass a limit of the table.".to_owned(),
@@ -41,13 +42,15 @@ pub(super) fn page(learned: &Learned, record: &str, section: Section) -> Page {
                 .into(),
         ],
     };
+    let since =
+        checked.map(|found| ("gain since the drive was learnt".to_owned(), format!("{:+.2} %", 100.0 * found.gain)));
     let key = e_a
         .last()
         .map(|e| vec![("E_a of the last run".to_owned(), format!("{e:.3}")), ("runs".into(), e_a.len().to_string())]);
     Page {
         title: format!("Learning {record}"),
         lead,
-        key: key.unwrap_or_default(),
+        key: key.unwrap_or_default().into_iter().chain(since).collect(),
         advice,
         sections,
         ..Page::default()
@@ -84,7 +87,7 @@ pub(super) fn section(learned: &Learned, record: &str) -> Section {
     Section { heading: format!("Learning {record}"), items }
 }
 
-pub(super) fn json(learned: &Learned) -> serde_json::Value {
+pub(super) fn json(learned: &Learned, checked: Option<&Staleness>) -> serde_json::Value {
     let peaks =
         |p: &Peaks| json!({"displacement": p.displacement, "velocity": p.velocity, "acceleration": p.acceleration});
     let round = |r: &Round| {
@@ -92,5 +95,6 @@ pub(super) fn json(learned: &Learned) -> serde_json::Value {
                "predicted": r.predicted.as_ref().map(peaks)})
     };
     json!({"runs": learned.rounds.iter().map(round).collect::<Vec<_>>(),
-           "refused": learned.refused.map(|r| r.to_string())})
+           "refused": learned.refused.map(|r| r.to_string()),
+           "checked": checked.map(|c| json!({"stale": c.stale, "change": c.change, "gain": c.gain, "delay_s": c.delay}))})
 }

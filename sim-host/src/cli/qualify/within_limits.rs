@@ -1,13 +1,15 @@
 //! A motion for a required spectrum within a table's limits, or the frequencies that no motion within them reaches.
 
+use super::super::described::Found;
 use super::super::failure::within;
-use super::super::output::{print, print_table, write_whole};
-use super::super::{described, present};
-use super::{Answer, Args, columns, page, value};
+use super::super::output::{print, print_table, sha256};
+use super::super::written::Shape;
+use super::super::{asked, described, present};
+use super::{Answer, Args, page, value};
 use crate::cli::Failure;
 use serde_json::json;
 use shakedown::motion::fit::Limits;
-use shakedown::motion::qualify::attain::{Attained, Unreachable, Way, attain_from};
+use shakedown::motion::qualify::attain::{Attained, Unreachable, attain_from};
 use shakedown::motion::qualify::{Judged, QualifyError, Required, Standard};
 use shakedown::motion::{Motion, STANDARD_GRAVITY};
 use shakedown::report::{Item, Page, Section, Table as Rows};
@@ -35,6 +37,8 @@ pub(super) struct Kept {
     /// The motion begins from this record, whose character it keeps where it can.
     #[arg(long, value_name = "FILE", requires = "synthesise")]
     from: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) shape: Shape,
 }
 
 impl Kept {
@@ -44,7 +48,7 @@ impl Kept {
         self.table.is_some() || self.from.is_some() || numbers.iter().any(Option::is_some)
     }
 
-    fn limits(&self) -> Result<(Limits, Vec<PathBuf>), Failure> {
+    fn limits(&self) -> Result<(Limits, Found), Failure> {
         let described = described::found(self.table.as_deref())?;
         let twin = crate::cli::table(described.path.as_deref())?;
         let velocity = self.velocity.unwrap_or_else(|| twin.velocity_limit());
@@ -59,20 +63,30 @@ impl Kept {
             stall: self.stall.or_else(|| twin.stall()),
             ..Limits::table(velocity, stroke)
         };
-        Ok((limits, described.path.into_iter().chain(self.from.clone()).collect()))
+        Ok((limits, described))
     }
 }
 
 /// Looks for the motion, writes it, or says why there is none.
 pub(super) fn run(args: &Args, standard: Standard, required: Required, lowest: f64) -> Result<(), Failure> {
-    let (limits, mut inputs) = args.within.limits()?;
-    inputs.extend(args.rrs.iter().cloned());
+    let (limits, described) = args.within.limits()?;
+    let inputs: Vec<PathBuf> = described.path.iter().chain(&args.within.from).chain(&args.rrs).cloned().collect();
+    let plan = args.synthesise.as_deref().map(|path| {
+        let mut shape = args.within.shape.clone();
+        shape.described(path, &described.table);
+        shape.plan("--synthesise", path, limits.stroke.unwrap_or(described::STROKE))
+    });
+    let plan = plan.transpose()?;
     let record = args.within.from.as_ref().map(|path| args.read(path)).transpose()?.map(|record| record.motion());
     let bar = crate::cli::progress::spinner(format!("looking for a motion for {}", standard.id));
     let found = attain_from(record.as_ref(), &standard, &required, lowest, &limits, args.seed.unwrap_or(1));
     bar.finish_and_clear();
     match found.map_err(|e: QualifyError| Failure::Work(format!("qualify: {e}")))? {
         Attained::Motion { motion, way, judged } => {
+            let way = way.name();
+            if let (Some(path), Some(plan)) = (&args.synthesise, &plan) {
+                plan.write("qualify", path, &motion, provenance(args, &standard, way, &judged, &limits)?)?;
+            }
             attained(args, &motion, way, judged, (standard, required, lowest), &limits, &inputs)
         }
         Attained::Impossible(proof) => impossible(args, &standard, &proof, &limits, &inputs),
@@ -100,26 +114,55 @@ fn named(limits: &Limits) -> serde_json::Value {
         .into()
 }
 
+/// Where the drive comes from and what it keeps.
+fn provenance(
+    args: &Args,
+    standard: &Standard,
+    way: &str,
+    judged: &Judged,
+    limits: &Limits,
+) -> Result<Vec<(String, String)>, Failure> {
+    let mut facts: Vec<(String, String)> = Vec::new();
+    let mut put = |key: &str, value: String| facts.push((key.to_owned(), value));
+    if let Some(path) = &args.within.from {
+        put("source", path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
+        put("source_sha256", sha256(path)?);
+    } else {
+        put("source", format!("generated for {}", standard.title));
+        put("seed", args.seed.unwrap_or(1).to_string());
+    }
+    if let Some(path) = &args.rrs {
+        put("required_spectrum_sha256", sha256(path)?);
+    }
+    put("method", way.to_owned());
+    for (name, limit) in limits.named() {
+        if let Some(limit) = limit {
+            put(&format!("limit_{name}"), limit.to_string());
+        }
+    }
+    put("margin", format!("{:.6}", judged.margin));
+    put("command_line", asked::line());
+    put("version", env!("CARGO_PKG_VERSION").into());
+    put("written", asked::utc());
+    Ok(facts)
+}
+
 fn attained(
     args: &Args,
     motion: &Motion,
-    way: Way,
+    way: &str,
     judged: Judged,
     (standard, required, lowest): (Standard, Required, f64),
     limits: &Limits,
     inputs: &[PathBuf],
 ) -> Result<(), Failure> {
     let (x, v) = motion.peaks_between();
-    let name = way.name().to_owned();
+    let name = way.to_owned();
     let answer =
         Answer { name, standard, required, judged, acceleration: motion.acceleration.clone(), dt: motion.dt, lowest };
-    if let Some(path) = &args.synthesise {
-        write_whole(path, columns(&answer).as_bytes())?;
-    }
     let mut page = page::page(&answer);
     let kept = format!(
-        "Within the table's limits by {}: {v:.3} of {} m/s, {x:.4} of {} m.",
-        way.name(),
+        "Within the table's limits by {way}: {v:.3} of {} m/s, {x:.4} of {} m.",
         limits.velocity,
         limits.stroke.unwrap_or(f64::INFINITY)
     );
@@ -131,7 +174,7 @@ fn attained(
     let mut json = value(&answer);
     if let Some(object) = json.as_object_mut() {
         object.insert("outcome".into(), "attained".into());
-        object.insert("way".into(), way.name().into());
+        object.insert("way".into(), way.into());
         object.insert("peak_velocity".into(), v.into());
         object.insert("peak_displacement".into(), x.into());
         object.insert("limits".into(), named(limits));

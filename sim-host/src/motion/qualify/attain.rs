@@ -2,13 +2,15 @@
 //!
 //! Three ways are tried, the most like an earthquake first: random motion as [`super::synthesise()`] makes it; the same with its velocity
 //! clipped and its spectrum corrected, again and again; and a sweep, whose amplitude at each frequency is what the limits leave and
-//! the required spectrum needs. A sweep asks of the table least for what it gives, for it shakes one oscillator at a time.
+//! the required spectrum needs. A sweep asks of the table least for what it gives, for it shakes one oscillator at a time; where a standard
+//! asks for steadiness, it is made several times. What such a motion lacks of the zero-period acceleration a burst above the band adds.
 //!
 //! Where all fail, [`bound`] says of each frequency what no motion within the limits can pass, of any length; one frequency at which
 //! that is less than what is required proves that none exists. Between the two a case is open, and called so.
 
 pub mod bound;
 mod random;
+mod rigid;
 mod sweep;
 
 use super::super::Motion;
@@ -138,6 +140,7 @@ pub fn attain_from(
             continue;
         }
         let motion = sweep::sweep(standard, required, lowest, MARGIN, limits, cycles)?;
+        let motion = if standard.stationary.is_some() { sweep::repeated(&motion) } else { motion };
         if let Some(found) = accept(motion, Way::Sweep, standard, required, lowest, limits, &mut best)? {
             return Ok(found);
         }
@@ -166,12 +169,13 @@ fn accept(
     if !inside {
         return Ok(None);
     }
-    let judged = judge(&motion.acceleration, motion.dt, &[], standard, required, lowest)?;
+    let whole = rigid::raised(&motion, standard, required, limits).unwrap_or(motion);
+    let judged = judge(&whole.acceleration, whole.dt, &[], standard, required, lowest)?;
     if judged.complies() {
-        return Ok(Some(Attained::Motion { motion, way, judged }));
+        return Ok(Some(Attained::Motion { motion: whole, way, judged }));
     }
     if best.as_ref().is_none_or(|(_, b)| judged.margin > b.margin) {
-        *best = Some((motion, judged));
+        *best = Some((whole, judged));
     }
     Ok(None)
 }

@@ -158,19 +158,19 @@ fn time_column(table: &Table, options: &Options) -> Option<usize> {
 }
 
 /// The first step of a time column that is not like most steps.
-fn uneven_step(time: &[f64]) -> Option<usize> {
+pub(super) fn uneven_step(time: &[f64]) -> Option<usize> {
     let usual = usual_step(time);
     time.windows(2).position(|w| (w[1] - w[0] - usual).abs() > JITTER * usual.abs())
 }
 
 /// The median step.
-fn usual_step(time: &[f64]) -> f64 {
+pub(super) fn usual_step(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     steps.sort_by(f64::total_cmp);
     steps.get(steps.len() / 2).copied().unwrap_or(0.0)
 }
 
-fn mean_step(time: &[f64]) -> f64 {
+pub(super) fn mean_step(time: &[f64]) -> f64 {
     let last = time.len().saturating_sub(1);
     if last == 0 { 0.0 } else { (time[last] - time[0]) / last as f64 }
 }
@@ -246,7 +246,12 @@ fn values(
         None => options.unit.ok_or_else(|| missing_unit(block))?,
     };
     let component = name.map_or_else(String::new, |n| n.name.clone());
-    Ok((column(block, table, chosen)?, component, unit))
+    let values = column(block, table, chosen)?;
+    let beyond = values.iter().map(|a| a * unit.in_si()).zip(&table.lines).find(|(a, _)| !super::credible(*a));
+    match beyond {
+        Some((found, &line)) => Err(block.at(line, super::incredible(found))),
+        None => Ok((values, component, unit)),
+    }
 }
 
 fn missing_unit(block: &Block) -> ReadError {

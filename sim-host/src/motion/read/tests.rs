@@ -295,3 +295,47 @@ fn what_could_be_read_in_two_ways_is_refused() {
     let text = message(from_text(&"1e300\n".repeat(20), &options));
     assert!(text.contains("9.8066e300") && text.len() < 300, "{text}");
 }
+
+/// A channel of a laboratory's recording is a record: its name, its unit and its times are the file's, or the person's.
+#[test]
+fn a_channel_of_a_recording_is_a_record() {
+    use crate::recording::binary::rpc::{RpcChannel, render};
+    let folder = tempfile::tempdir().unwrap();
+    let wave: Vec<f64> = (0..1024).map(|k| (f64::from(k) * 0.05).sin()).collect();
+    let channel = |name: &str, unit: &str| RpcChannel { name: name.into(), unit: unit.into(), values: wave.clone() };
+    let path = folder.path().join("a.rsp");
+    std::fs::write(
+        &path,
+        render(0.005, &[channel("LVDT", "mm"), channel("table", "g"), channel("raw", "")], &[]).unwrap(),
+    )
+    .unwrap();
+    let of = |name: &str, unit: Option<AccelerationUnit>| {
+        record(&path, &Options { channel: name.parse().unwrap(), unit, ..Options::default() })
+    };
+    let table = of("table", None).unwrap();
+    assert!((table.dt - 0.005).abs() < 1e-12 && table.component == "table");
+    assert!((table.acceleration[20] / 9.80665 - 1f64.sin()).abs() < 1e-4);
+    let raw = of("raw", Some(AccelerationUnit::MetrePerSecondSquared)).unwrap();
+    assert!((raw.acceleration[20] - 1f64.sin()).abs() < 1e-4);
+    for (channel, said) in [
+        ("", "several columns: 1 (LVDT), 2 (table), 3 (raw)"),
+        ("LVDT", "unit `mm`"),
+        ("raw", "give it with --unit"),
+        ("roof", "no channel `roof`"),
+    ] {
+        let text = of(channel, None).unwrap_err().to_string();
+        assert!(text.contains("a.rsp: ") && text.contains(said), "{text}");
+    }
+    let text = of("table", Some(AccelerationUnit::MetrePerSecondSquared)).unwrap_err().to_string();
+    assert!(text.contains("m/s2 (--unit) but g in the file"), "{text}");
+    let rows: String = (0..40).map(|k| format!("\t{}\n", k % 3)).collect();
+    let labview = format!(
+        "LabVIEW Measurement\nSeparator\tTab\nX_Columns\tNo\n***End_of_Header***\nY_Unit_Label\tm/s^2\nX0\t0\nDelta_X\t0.01\n\
+         ***End_of_Header***\nX_Value\tacc\tComment\n{rows}"
+    );
+    let path = folder.path().join("a.lvm");
+    std::fs::write(&path, labview).unwrap();
+    let read = record(&path, &Options::default()).unwrap();
+    assert!((read.dt - 0.01).abs() < 1e-12 && read.acceleration[2] == 2.0, "{read:?}");
+    assert!(read.facts.iter().any(|f| f.value.contains("times from the header")), "{:?}", read.facts);
+}

@@ -37,6 +37,11 @@ impl Source {
         Self::from_bytes(path, content)
     }
 
+    /// No text, to point at a file that is none.
+    pub(super) fn named(path: &Path) -> Self {
+        Self { path: path.to_owned(), text: String::new(), encoding: Encoding::Utf8 }
+    }
+
     /// Takes bytes already at hand.
     pub(super) fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, ReadError> {
         let error = |problem| ReadError { file: path.to_owned(), line: None, column: None, problem: Box::new(problem) };

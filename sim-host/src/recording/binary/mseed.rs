@@ -10,6 +10,8 @@ use crate::recording::table::MAX_VALUES;
 use miniseed_rs::{MseedReader, MseedRecord, NanoTime, Samples};
 use std::collections::BTreeMap;
 
+mod order;
+
 /// How far a record's start may lie off the grid of the first, in samples.
 const OFF_GRID: f64 = 0.3;
 /// Shortest record, bytes: more of them than fit into the file are none.
@@ -33,6 +35,8 @@ struct Source {
 
 /// Reads a file.
 pub fn parse(bytes: &[u8]) -> Result<Content, Flaw> {
+    let turned = order::big_endian(bytes);
+    let bytes = turned.as_ref();
     let mut sources: BTreeMap<String, Source> = BTreeMap::new();
     let (mut read, mut kept) = (0usize, 0usize);
     let mut first: Option<NanoTime> = None;

@@ -1,5 +1,7 @@
+use super::read as read_csv;
 use super::*;
 use crate::files::layout::Stated;
+use crate::recording::unit::Unit;
 use proptest::prelude::*;
 
 fn table(text: &str, wanted: &[&str]) -> Result<Table, String> {
@@ -124,6 +126,35 @@ fn other_software_is_read_as_it_writes() {
     let table = read(labview.as_bytes(), &["Weg", "Kraft"]);
     assert_eq!((table.columns[0].as_slice(), table.columns[1].as_slice()), (&expected[..], &[3.0, 4.0][..]));
     assert!(table.notes[0].contains("LabVIEW"), "{:?}", table.notes);
+}
+
+/// Units from the header; times of the header's, one column of them, or one for each channel; remarks; a block more.
+#[test]
+fn labview_states_units_and_times() {
+    let head = |columns: &str| {
+        format!(
+            "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\t{columns}\n***End_of_Header***\t\n\t\n"
+        )
+    };
+    let read = |text: &str, wanted: &[&str]| read_csv(text.as_bytes(), Path::new("a.lvm"), wanted, &Stated::default());
+    let block = "Channels\t2\nSamples\t2\t2\nY_Unit_Label\tNewtons\tm/s^2\nX_Dimension\tTime\tTime\nX0\t0.5\t0.5\n\
+        Delta_X\t0.25\t0.25\n***End_of_Header***\t\t\nX_Value\tF\ta\tComment\n\t1\t2\n\t3\t4\tlost\n";
+    let table = read(&(head("No") + block + "\n" + block), &["X_Value", "F", "a"]).unwrap();
+    assert_eq!(table.columns, [[0.5, 0.75], [1.0, 3.0], [2.0, 4.0]]);
+    let units: Vec<_> = table.headings.iter().filter_map(|h| h.unit.as_deref().and_then(Unit::in_header)).collect();
+    assert_eq!(units.iter().map(|u| u.symbol).collect::<Vec<_>>(), ["s", "N", "m/s2"]);
+    assert!(table.notes.join("; ").contains("in steps of 0.25 s"), "{:?}", table.notes);
+    let several = "Channels\t2\nY_Unit_Label\tVolts\t\tg\t\nX_Dimension\tTime\t\tTime\n***End_of_Header***\n\
+        X_Value\tu\tX_Value\ta\tComment\n0.0\t1\t0.0\t2\n0.1\t3\t0.2\t4\n";
+    let table = read(&(head("Multi") + several), &["X_Value of a", "a", "u"]).unwrap();
+    assert_eq!(table.columns, [[0.0, 0.2], [2.0, 4.0], [1.0, 3.0]]);
+    assert_eq!(table.headings[1].unit.as_deref(), Some("g"));
+    // A remark on every row, as programs of their own write it.
+    let told = block.replace("\t1\t2\n\t3\t4\tlost\n", "\t1\t2\tOK\n\t3\t4\tlost\n");
+    assert_eq!(read(&(head("No") + &told), &["F", "a"]).unwrap().columns, [[1.0, 3.0], [2.0, 4.0]]);
+    // Times that differ from channel to channel are none of the rows'.
+    let uneven = (head("No") + block).replace("Delta_X\t0.25\t0.25", "Delta_X\t0.25\t0.5");
+    assert!(read(&uneven, &["X_Value"]).is_err() && read(&uneven, &["F"]).is_ok());
 }
 
 #[test]

@@ -22,7 +22,9 @@ const HIGHEST: f64 = 6.0;
 /// Share of a limit that a sweep uses: the change of frequency within a cycle, and what differences of samples round.
 const ROOM: f64 = 0.975;
 /// Longest sweep, s; the first is tried however long it is.
-pub(super) const LONGEST: f64 = 300.0;
+pub(super) const LONGEST: f64 = 900.0;
+/// How often a sweep is made where a motion is to be steady: each third of it then holds whole sweeps.
+const TIMES: usize = 6;
 /// Fades at either end, s.
 const FADE: f64 = 2.0;
 
@@ -84,6 +86,16 @@ pub(super) fn sweep(
     let motion = best.map_or(motion, |(_, motion)| motion);
     let used = super::used(&motion, limits);
     Ok(if used > 1.0 && used < 1.05 { motion.scaled(0.999 / used) } else { motion })
+}
+
+/// The same sweep again and again; it begins and ends at rest.
+pub(super) fn repeated(motion: &Motion) -> Motion {
+    Motion {
+        dt: motion.dt,
+        displacement: motion.displacement.repeat(TIMES),
+        velocity: motion.velocity.repeat(TIMES),
+        acceleration: motion.acceleration.repeat(TIMES),
+    }
 }
 
 /// The largest level within the limits at a frequency, Hz.

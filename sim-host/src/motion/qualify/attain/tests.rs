@@ -32,3 +32,17 @@ fn a_table_too_slow_for_random_motion_is_swept() {
     let Attained::Motion { motion, way, judged } = &found else { panic!("{found:?}") };
     assert!(*way != Way::Random && judged.complies() && used(motion, &limits) <= 1.0, "{way:?}");
 }
+
+/// A floor asks for much acceleration beside its spectrum: a burst above the band gives it, on a table that has room for it.
+#[test]
+fn the_zero_period_is_raised_where_the_spectrum_is_reached() {
+    let standard = STANDARDS[0];
+    let site = Site { s_ds: 0.4, z_over_h: 1.0, code: Code::Asce16, direction: Direction::Horizontal, high: false };
+    let required = standard.required(&site).unwrap();
+    let limits = Limits { stall: Some(40.0), ..Limits::table(1.0, 0.25) };
+    let found = attain(&standard, &required, standard.band.0, &limits, 1).unwrap();
+    let Attained::Motion { motion, judged, .. } = &found else { panic!("{}", found.word()) };
+    assert!(judged.complies() && used(motion, &limits) <= 1.0);
+    let least = standard.zero_period * required.zero_period();
+    assert!((crate::motion::peak(&motion.acceleration) / least - 1.0).abs() < 0.05);
+}

@@ -1,0 +1,117 @@
+//! What a motion lacks of the zero-period acceleration, added above the band: a short burst, which asks little of speed and stroke.
+//!
+//! ```text
+//! x(t) = X w(t) cos(2 pi f t),   w a squared Hann window of a few cycles,   f above the standard's highest frequency
+//! ```
+//! It begins and ends at rest where it began, so the rest of the motion stays as it is. It is laid where the motion's own acceleration
+//! is large already, on the first of such places at which the limits are kept.
+
+use super::super::super::fit::Limits;
+use super::super::super::{Motion, peak};
+use super::super::{Required, Standard};
+use std::f64::consts::{PI, TAU};
+
+/// Frequency over the highest of the standard's band.
+const ABOVE: f64 = 1.12;
+/// Cycles of the burst.
+const CYCLES: f64 = 8.0;
+/// Places that are tried.
+const PLACES: usize = 24;
+/// The peak over what is asked: what rounding leaves.
+const OVER: f64 = 1.002;
+
+/// The motion with its peak acceleration raised to what the standard asks of it; none where it has that, or no place leaves the limits
+/// room for it.
+pub(super) fn raised(motion: &Motion, standard: &Standard, required: &Required, limits: &Limits) -> Option<Motion> {
+    let wanted = OVER * standard.zero_period * required.zero_period();
+    if peak(&motion.acceleration) >= wanted {
+        return None;
+    }
+    let burst = Burst::new(motion.dt, ABOVE * standard.band.1);
+    let candidates = places(&motion.acceleration, burst.reach);
+    candidates.into_iter().map(|at| burst.laid(motion, at, wanted)).find(|made| super::used(made, limits) <= 1.0)
+}
+
+/// The samples at which a burst may lie: the largest accelerations first, none within a burst of another.
+fn places(acceleration: &[f64], reach: usize) -> Vec<usize> {
+    let inside = reach..acceleration.len().saturating_sub(reach);
+    let mut order: Vec<usize> = inside.collect();
+    order.sort_by(|a, b| acceleration[*b].abs().total_cmp(&acceleration[*a].abs()));
+    let mut kept: Vec<usize> = Vec::new();
+    for at in order {
+        if kept.iter().all(|k| k.abs_diff(at) > reach) {
+            kept.push(at);
+        }
+        if kept.len() == PLACES {
+            break;
+        }
+    }
+    kept
+}
+
+/// Displacement, velocity and acceleration of a burst whose acceleration peaks at 1 in its middle.
+struct Burst {
+    /// Samples to either side of the middle.
+    reach: usize,
+    samples: Vec<[f64; 3]>,
+}
+
+impl Burst {
+    fn new(dt: f64, frequency: f64) -> Self {
+        let half = 0.5 * CYCLES / frequency;
+        let reach = (half / dt).ceil() as usize;
+        let w = TAU * frequency;
+        let at = |k: usize| {
+            let t = (k as f64 - reach as f64) * dt;
+            if t.abs() >= half {
+                return [0.0; 3];
+            }
+            // w = cos^4(p), p = pi t / (2 half), and its derivatives.
+            let (p, q) = (0.5 * PI * t / half, 0.5 * PI / half);
+            let (s, c) = p.sin_cos();
+            let window = [c.powi(4), -4.0 * q * c.powi(3) * s, q * q * (12.0 * c * c * s * s - 4.0 * c.powi(4))];
+            let (sine, cosine) = (w * t).sin_cos();
+            let carrier = [cosine, -w * sine, -w * w * cosine];
+            [
+                window[0] * carrier[0],
+                window[1] * carrier[0] + window[0] * carrier[1],
+                window[2] * carrier[0] + 2.0 * window[1] * carrier[1] + window[0] * carrier[2],
+            ]
+        };
+        let mut samples: Vec<[f64; 3]> = (0..=2 * reach).map(at).collect();
+        let middle = samples[reach][2];
+        samples.iter_mut().flatten().for_each(|value| *value /= middle);
+        Self { reach, samples }
+    }
+
+    /// The motion with the burst about a sample, where the acceleration becomes `wanted`, its sign kept.
+    fn laid(&self, motion: &Motion, at: usize, wanted: f64) -> Motion {
+        let mut made = motion.clone();
+        let own = motion.acceleration[at];
+        let size = wanted.copysign(own) - own;
+        for (k, [x, v, a]) in self.samples.iter().enumerate() {
+            let i = at + k - self.reach;
+            made.displacement[i] += size * x;
+            made.velocity[i] += size * v;
+            made.acceleration[i] += size * a;
+        }
+        made
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_burst_ends_where_it_began_and_is_one_motion() {
+        let (dt, burst) = (1.0 / 240.0, Burst::new(1.0 / 240.0, 37.0));
+        let of = |i: usize| burst.samples.iter().map(|s| s[i]).collect::<Vec<f64>>();
+        let (x, v, a) = (of(0), of(1), of(2));
+        assert!((a[burst.reach] - 1.0).abs() < 1e-12 && peak(&a) <= 1.0 + 1e-12);
+        assert!(x[0] == 0.0 && v[0] == 0.0 && x[x.len() - 1] == 0.0 && v[v.len() - 1] == 0.0);
+        // Sums over the whole burst, whose window is smooth: nothing is left of velocity or displacement.
+        assert!((a.iter().sum::<f64>() * dt).abs() < 1e-5 && (v.iter().sum::<f64>() * dt).abs() < 1e-7);
+        assert!(peak(&v) < 1.05 / (TAU * 37.0), "{}", peak(&v));
+    }
+}
