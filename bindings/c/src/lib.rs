@@ -9,7 +9,7 @@
 mod convert;
 pub mod guard;
 pub mod numbers;
-mod pointer;
+pub mod pointer;
 pub mod sample;
 pub mod settings;
 mod text;
