@@ -79,8 +79,7 @@ impl Table {
             return Err(format!("start {} m: expected a number", options.start));
         }
         let fitted = options.area_per_mass != 0.0;
-        let model =
-            SensorModel { area_per_mass: fitted.then_some(options.area_per_mass), ..SensorModel::default() };
+        let model = SensorModel { area_per_mass: fitted.then_some(options.area_per_mass), ..SensorModel::default() };
         model.validate().map_err(|e| e.to_string())?;
         Ok(Sensors::new(model))
     }
