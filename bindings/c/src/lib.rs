@@ -9,6 +9,7 @@
 mod convert;
 pub mod guard;
 pub mod numbers;
+#[doc(hidden)]
 pub mod pointer;
 pub mod sample;
 pub mod settings;

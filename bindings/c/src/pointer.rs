@@ -1,4 +1,8 @@
 //! The only place where C's pointers are followed, for the twin's interface as well.
+#![allow(
+    clippy::not_unsafe_ptr_arg_deref,
+    reason = "called by what C calls alone, whose word it is that a pointer leads to what it says"
+)]
 
 use crate::numbers::{SHAKEDOWN_MISALIGNED, SHAKEDOWN_NULL};
 
