@@ -1,5 +1,5 @@
 /* A table's loop as an STM32Cube project has it: a timer's interrupt, two converters, a relay, a key. Nothing is armed at
- * power-up: the key has to be seen off before it is taken for on. The same file runs on a host under fake_hal.c. */
+ * power-up or after a trip: the key has to be seen off before it is taken for on. The same file runs on a host under fake_hal.c. */
 #include "hal.h"
 #include "shakedown.h"
 
@@ -36,7 +36,9 @@ int loop_begin(void)
 static void key(uint8_t state)
 {
     int on = HAL_GPIO_ReadPin(KEY_PORT, KEY_PIN) == GPIO_PIN_SET;
-    if (!on)
+    if (state == SHAKEDOWN_STATE_TRIPPED)
+        key_was_off = 0;
+    else if (!on)
         key_was_off = 1;
     if (on && key_was_off && state == SHAKEDOWN_STATE_OFF)
         (void)shakedown_request(&table, SHAKEDOWN_REQUEST_ARM);

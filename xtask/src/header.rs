@@ -1,4 +1,4 @@
-//! The C header: written by cbindgen from `bindings/c`, committed, and compared.
+//! The C headers: written by cbindgen from `bindings/c` and `bindings/twin`, committed, and compared.
 
 use crate::output::say;
 use crate::shell::{Problem, command, metadata, read, run as execute, top, works};
@@ -6,36 +6,54 @@ use std::path::PathBuf;
 
 /// The version whose output is committed.
 const CBINDGEN: &str = "0.29.4";
-const HEADER: &str = "include/shakedown.h";
 
-/// The chore: writes the header, or with `check` says whether it is what would be written.
+/// A header: its folder below `bindings`, the package it is written from, its file.
+struct Header(&'static str, &'static str, &'static str);
+
+const HEADERS: [Header; 2] =
+    [Header("c", "shakedown-c", "shakedown.h"), Header("twin", "shakedown-twin", "shakedown_twin.h")];
+
+impl Header {
+    fn folder(&self) -> PathBuf {
+        top().join("bindings").join(self.0)
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder().join("include").join(self.2)
+    }
+
+    /// As cbindgen writes it.
+    fn written(&self) -> Result<String, Problem> {
+        let program = cbindgen()?.display().to_string();
+        let mut cbindgen = command(&[&program, "--quiet", "--config", "cbindgen.toml", "--crate", self.1]);
+        read(cbindgen.current_dir(self.folder()))
+    }
+}
+
+/// The chore: writes the headers, or with `check` says whether they are what would be written.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     match words {
-        [] => {
-            let text = written()?;
-            let path = top().join("bindings/c").join(HEADER);
-            std::fs::write(&path, text).map_err(|e| Problem::Failed(format!("{}: {e}", path.display())))
-        }
+        [] => HEADERS.iter().try_for_each(|header| {
+            let path = header.path();
+            std::fs::write(&path, header.written()?).map_err(|e| Problem::Failed(format!("{}: {e}", path.display())))
+        }),
         [word] if word == "check" => check(),
         [word, ..] => Err(Problem::Usage(format!("header takes `check` or nothing, not `{word}`"))),
     }
 }
 
-/// Whether the committed header is what cbindgen writes.
+/// Whether the committed headers are what cbindgen writes.
 pub(crate) fn check() -> Result<(), Problem> {
-    let path = top().join("bindings/c").join(HEADER);
-    let committed = std::fs::read_to_string(&path).map_err(|e| Problem::Failed(format!("{}: {e}", path.display())))?;
-    if committed != written()? {
-        return Err(Problem::Failed("the C header is not what its source says: run `cargo xtask header`".into()));
+    for header in HEADERS {
+        let path = header.path();
+        let failed = |e| Problem::Failed(format!("{}: {e}", path.display()));
+        if std::fs::read_to_string(&path).map_err(failed)? != header.written()? {
+            let name = header.2;
+            return Err(Problem::Failed(format!("{name} is not what its source says: run `cargo xtask header`")));
+        }
     }
-    say("the C header is what its source says");
+    say("the C headers are what their sources say");
     Ok(())
-}
-
-fn written() -> Result<String, Problem> {
-    let program = cbindgen()?.display().to_string();
-    let mut cbindgen = command(&[&program, "--quiet", "--config", "cbindgen.toml", "--crate", "shakedown-c"]);
-    read(cbindgen.current_dir(top().join("bindings/c")))
 }
 
 /// The program, installed below the target folder where this machine has none of the version.

@@ -9,7 +9,8 @@
 mod convert;
 pub mod guard;
 pub mod numbers;
-mod pointer;
+#[doc(hidden)]
+pub mod pointer;
 pub mod sample;
 pub mod settings;
 mod text;

@@ -46,8 +46,12 @@ for case in cases:
         continue
     verdict = st.diagnose(path)
     named = ", ".join(effect["id"] for effect in verdict["effects"]) or "nothing named"
-    judged = verdict["holdout"]
-    assert verdict["verdict"] != "bad-data" and judged, f"{name}: {verdict['verdict']}: {verdict['findings']}"
-    before, after = judged["before"]["chi2"], judged["after"]["chi2"]
-    print(f"{name}: {verdict['verdict']}, {named}; chi2 of the hold-out runs {before:.3g} -> {after:.3g}")
-    assert after <= 1.001 * before, name
+    assert verdict["verdict"] != "bad-data", f"{name}: {verdict['findings']}"
+    print(f"{name}: {verdict['verdict']}, {named}")
+    # The pulses' experiment holds no run out: `cargo xtask benchmarks` judges it as its task does.
+    if judged := verdict["holdout"]:
+        before, after = judged["before"]["chi2"], judged["after"]["chi2"]
+        print(f"  chi2 of the hold-out runs {before:.3g} -> {after:.3g}")
+        assert after <= 1.001 * before, name
+    else:
+        assert "holdout" not in path.read_text(), f"{name}: hold-out runs are not judged"

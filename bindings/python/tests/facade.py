@@ -74,6 +74,15 @@ def controller() -> None:
             raise AssertionError("a wrong array was taken")
 
 
+def readme() -> None:
+    """The README's example runs as it is printed there."""
+    text = (Path(__file__).parent.parent / "README.md").read_text()
+    names: dict[str, object] = {}
+    exec(text.split("```python\n")[1].split("```")[0], names)
+    command = names["command"]
+    assert isinstance(command, st.Command) and command.state == "running", command
+
+
 def interpreter_is_free() -> None:
     """Another thread goes on while a long run is computed."""
     samples, counted, done = np.zeros(2_000_000, st.SAMPLE), [0], threading.Event()
@@ -171,13 +180,14 @@ def experiments(shakedown: str, paths: list[str]) -> None:
 
 def main(shakedown: str, *paths: str) -> None:
     controller()
+    readme()
     interpreter_is_free()
     with tempfile.TemporaryDirectory() as folder:
         records(shakedown, Path(folder))
         loops(shakedown, Path(folder))
         work_ends(shakedown, Path(folder))
     experiments(shakedown, list(paths))
-    print(f"{5 + len(paths)} passed, 0 failed")
+    print(f"{6 + len(paths)} passed, 0 failed")
 
 
 if __name__ == "__main__":

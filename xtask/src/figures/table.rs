@@ -203,6 +203,12 @@ pub(super) const FIGURES: &[Figure] = &[
     figure(HOSTS, "wheel; page", "at most 15 MB; 6 MB", "cargo xtask hosts python && cargo xtask page"),
     figure(
         HOSTS,
+        "the twin's FMU, alone and in a loop with the core's, against `shakedown run`",
+        "the same bits",
+        "cargo xtask hosts fmu",
+    ),
+    figure(
+        HOSTS,
         "Python: a call of step over C; a run over Rust",
         "at most 1 us; 1.1",
         "cargo xtask hosts python && cargo xtask hosts cost",

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 /// Largest wheel, byte.
 const LARGEST: u64 = 15_000_000;
-/// Other versions of Python that the wheel is tested on, with a NumPy of theirs: the oldest and the newest.
-const OTHERS: [(&str, &str); 2] = [("3.10", "2.2.6"), ("3.13", "2.4.6")];
+/// Other versions of Python that the wheel is tested on, with a NumPy of theirs: the oldest, and the newest that is here.
+const OTHERS: [(&[&str], &str); 2] = [(&["3.10"], "2.2.6"), (&["3.14", "3.13"], "2.4.6")];
 
 pub(super) fn build(work: &Work) -> Result<(), Problem> {
     let python = python(work)?.display().to_string();
@@ -32,7 +32,7 @@ pub(super) fn build(work: &Work) -> Result<(), Problem> {
         execute(&mut command(&[&python, "-m", "mypy.stubtest", package]))?;
     }
     execute(command(&[&python, "-m", "mypy", "--strict"]).arg(bindings().join("python/python/shakedown_table")))?;
-    OTHERS.iter().try_for_each(|(version, numpy)| on(work, version, numpy, &wheel))
+    OTHERS.iter().try_for_each(|(versions, numpy)| on(work, versions, numpy, &wheel))
 }
 
 /// What the facade's test is given: the command line's binary, and the recordings that are at hand.
@@ -47,10 +47,12 @@ fn promises(work: &Work) -> Vec<PathBuf> {
     std::iter::once(work.release("shakedown")).chain(here).collect()
 }
 
-/// The promises again on another Python: the oldest that the wheel is for, and the newest.
-fn on(work: &Work, version: &str, numpy: &str, wheel: &Path) -> Result<(), Problem> {
-    let none = || Problem::Failed(format!("no Python {version} here, which the wheel is tested on"));
-    let found = interpreter(version).ok_or_else(none)?;
+/// The promises again on another Python: the first of these versions that is here.
+fn on(work: &Work, versions: &[&str], numpy: &str, wheel: &Path) -> Result<(), Problem> {
+    let wanted = versions.join(" or ");
+    let none = || Problem::Failed(format!("no Python {wanted} here, which the wheel is tested on: install one"));
+    let here = versions.iter().find_map(|version| Some((version, interpreter(version)?)));
+    let (version, found) = here.ok_or_else(none)?;
     let folder = work.target.join("tools").join(format!("venv-{version}"));
     let python = folder.join("bin/python").display().to_string();
     if !works(&[&python, "-c", "import numpy"]) {

@@ -25,6 +25,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("shakedown-second-opinion", &["shakedown-core", "shakedown-firmware"]),
     ("shakedown-tape", &["shakedown-core"]),
     ("shakedown-c", &["shakedown-core"]),
+    ("shakedown-twin", &["shakedown-core", "shakedown", "shakedown-c"]),
     ("shakedown-python", &["shakedown-core", "shakedown"]),
     ("xtask", &[]),
 ];

@@ -4,16 +4,13 @@
  * the simulation or between two steps. `request` is acted on at the step before which it has changed: 1 arm, 2 start, 3 hold,
  * 4 resume, 5 stop, 6 off, 7 reset, 8 trip; 0 asks for nothing. What stands above its lowest four bits is not read, so that
  * a number 16 higher asks for the same again. */
-#include "fmi3Functions.h"
+#include "fmu.h"
 #include "shakedown.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define TOKEN "{shakedown-core-1}"
-#define LONGEST 16384
 
 enum { TIME = 0, NUMBERS = 1, LIMIT_SWITCH = 10, RELAY_CONTACT, REQUEST, SETTINGS };
 enum { VALVE = 20, REFERENCE, VELOCITY_LIMIT, STATE, TRIP, RELAY, SATURATED, HELD, LIMITED, MISSING, CHANGES };
@@ -29,16 +26,8 @@ typedef struct {
     fmi3Int32 request, asked, request_code, settings_code;
     double start;
     uint64_t ticks;
-    fmi3InstanceEnvironment environment;
-    fmi3LogMessageCallback log;
+    listener_t listener;
 } fmu_t;
-
-static fmi3Status say(const fmu_t *fmu, fmi3Status status, const char *message)
-{
-    if (fmu->log)
-        fmu->log(fmu->environment, status, status == fmi3Warning ? "logStatusWarning" : "logStatusError", message);
-    return status;
-}
 
 /* Settings from a text over the defaults; what is refused leaves those there were. */
 static int32_t settle(fmu_t *fmu, const char *text)
@@ -58,27 +47,8 @@ static int32_t settle(fmu_t *fmu, const char *text)
 
 static int load(fmu_t *fmu, const char *resources)
 {
-    static char text[LONGEST];
-    char path[4096];
-    size_t length;
-    FILE *file;
-    if (!resources || snprintf(path, sizeof path, "%s/settings.toml", resources) >= (int)sizeof path)
-        return 0;
-    file = fopen(path, "rb");
-    if (!file)
-        return 0;
-    length = fread(text, 1, sizeof text - 1, file);
-    text[length] = 0;
-    fclose(file);
-    return length < sizeof text - 1 && settle(fmu, text) == SHAKEDOWN_OK;
-}
-
-const char *fmi3GetVersion(void) { return "3.0"; }
-
-fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count, const fmi3String categories[])
-{
-    (void)on, (void)count, (void)categories;
-    return instance ? fmi3OK : fmi3Error;
+    char text[LONGEST];
+    return read_resource(resources, "settings.toml", text) && settle(fmu, text) == SHAKEDOWN_OK;
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
@@ -89,10 +59,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     (void)name, (void)visible, (void)logging, (void)early, (void)required, (void)update;
     if (!token || strcmp(token, TOKEN) != 0 || events || count != 0 || !(fmu = calloc(1, sizeof *fmu)))
         return NULL;
-    fmu->environment = environment;
-    fmu->log = log;
+    fmu->listener = (listener_t) { environment, log };
     if (!load(fmu, resources)) {
-        say(fmu, fmi3Error, "resources/settings.toml cannot be read, or its settings are refused");
+        say(&fmu->listener, fmi3Error, "resources/settings.toml cannot be read, or its settings are refused");
         free(fmu);
         return NULL;
     }
@@ -120,14 +89,12 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
         return fmi3Error;
     code = shakedown_init(&fmu->table, sizeof fmu->table, &fmu->settings);
     if (code != SHAKEDOWN_OK)
-        return say(fmu, fmi3Error, shakedown_error(code));
+        return say(&fmu->listener, fmi3Error, shakedown_error(code));
     fmu->stepping = 1;
     fmu->ticks = 0;
     fmu->asked = fmu->request;
     return fmi3OK;
 }
-
-fmi3Status fmi3Terminate(fmi3Instance instance) { return instance ? fmi3OK : fmi3Error; }
 
 fmi3Status fmi3Reset(fmi3Instance instance)
 {
@@ -146,18 +113,13 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 now, fmi3Float64 step, 
     fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last)
 {
     fmu_t *fmu = instance;
-    double rate;
     int32_t code;
     (void)no_return;
     if (!fmu || !fmu->stepping)
         return fmi3Error;
-    rate = fmu->settings.rate;
     *event = *terminate = *early = fmi3False;
-    if (fabs(step * rate - 1.0) > 1e-6)
-        return say(fmu, fmi3Error, "the communication step is not one tick of the control rate");
-    /* Ticks are counted; the time is only held against them. */
-    if (fabs((now - fmu->start) * rate - (double)fmu->ticks) > 0.5)
-        return say(fmu, fmi3Error, "the time is not that of the next tick");
+    if (check_tick(&fmu->listener, fmu->settings.rate, now - fmu->start, step, fmu->ticks) != fmi3OK)
+        return fmi3Error;
     if (fmu->request != fmu->asked) {
         fmu->asked = fmu->request;
         fmu->request_code = SHAKEDOWN_OK;
@@ -166,7 +128,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 now, fmi3Float64 step, 
     }
     code = shakedown_step(&fmu->table, &fmu->sample, &fmu->command);
     if (code != SHAKEDOWN_OK)
-        return say(fmu, fmi3Error, shakedown_error(code));
+        return say(&fmu->listener, fmi3Error, shakedown_error(code));
     fmu->ticks++;
     *last = now + step;
     return fmi3OK;
@@ -180,12 +142,6 @@ static float *number(fmu_t *fmu, fmi3ValueReference reference)
         &s->pressure_difference, &s->reference_velocity, &s->reference_acceleration, &s->second_displacement };
     return reference >= NUMBERS && reference < NUMBERS + 9 ? places[reference - NUMBERS] : NULL;
 }
-
-#define EACH(count, given) \
-    fmu_t *fmu = instance; \
-    if (!fmu || (count) != (given)) \
-        return fmi3Error; \
-    for (size_t k = 0; k < (count); k++)
 
 fmi3Status fmi3SetFloat32(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
     const fmi3Float32 values[], size_t given)
@@ -303,7 +259,7 @@ fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference referen
             return fmi3Error;
         code = settle(fmu, values[k]);
         if (code != SHAKEDOWN_OK)
-            return say(fmu, fmi3Warning, shakedown_error(code));
+            return say(&fmu->listener, fmi3Warning, shakedown_error(code));
     }
     return fmi3OK;
 }
