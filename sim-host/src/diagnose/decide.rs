@@ -87,7 +87,7 @@ pub(super) fn weigh(
     mut after: Judged,
     sizes: Vec<Vec<Judged>>,
 ) -> Result<Decision, SimulateError> {
-    let others = sizes.into_iter().flatten().filter(|c| c.added != after.added);
+    let others = sizes.into_iter().flatten().filter(|c| c.added != after.added && !c.fit.model.is_redundant());
     let mut candidates: Vec<Judged> = std::iter::once(before.clone()).chain(others).collect();
     // A set that was fitted twice counts once, at its best.
     candidates.sort_by(|a, b| a.total().total_cmp(&b.total()));

@@ -40,8 +40,11 @@ pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) ->
     let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
     let ranking = Ranking::new(before, &all);
     all.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
-    let strange = all.first().is_some_and(strained);
-    let first = all.iter().position(|judged| !strange || sound(before, judged)).unwrap_or(0);
+    // Nor do two effects make sense of which one is a case of the other: they stand for something beside the one.
+    let redundant = |judged: &Judged| judged.fit.model.is_redundant();
+    let strange = all.first().is_some_and(|first| strained(first) || redundant(first));
+    let makes_sense = |judged: &Judged| sound(before, judged) && !redundant(judged);
+    let first = all.iter().position(|judged| !strange || makes_sense(judged)).unwrap_or(0);
     let best = all.remove(first);
     (best, all)
 }

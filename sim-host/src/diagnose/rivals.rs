@@ -27,8 +27,7 @@ pub(super) fn rivals(weighing: &Weighing, accepted: &Fit, search: &Search) -> Re
     let mut tasks = Vec::new();
     for placed in ours {
         let rest = accepted.model.without(placed.entry.id);
-        let doubles = rest.candidates().into_iter().filter(|double| double.id != placed.entry.id);
-        for double in doubles.filter(|double| alike(placed.entry, double)) {
+        for double in accepted.model.candidates().into_iter().filter(|double| alike(placed.entry, double)) {
             tasks.push((rest.clone(), double));
         }
     }

@@ -175,10 +175,7 @@ fn doubles(best: &Fit, singles: &[Fit], known: &[Fit], stated: &[&'static str]) 
     let others = || singles.iter().take(DOUBLES).filter_map(|single| single.model.effects.iter().find(new));
     let swapped = |id| {
         let rest = best.model.without(id);
-        let open = rest.candidates();
-        others()
-            .filter(move |placed| open.iter().any(|e| e.id == placed.entry.id))
-            .map(move |placed| rest.with(placed.clone()))
+        others().map(move |placed| rest.with(placed.clone()))
     };
     let unknown = |model: &Model| known.iter().all(|fit| fit.model.ids() != model.ids());
     best.model.ids_beside(stated).into_iter().flat_map(swapped).filter(unknown).collect()

@@ -180,11 +180,15 @@ impl Model {
 
     /// The effects that a model of this kind may be missing.
     pub fn candidates(&self) -> Vec<&'static Entry> {
-        let own = |e: &Entry, p: &Placed| {
-            p.entry.id == e.id || e.contains.contains(&p.entry.id) || p.entry.contains.contains(&e.id)
-        };
-        let fits = |e: &&Entry| e.kinds.contains(&self.kind) && !self.effects.iter().any(|p| own(e, p));
+        let present = self.ids();
+        let fits = |e: &&Entry| e.kinds.contains(&self.kind) && !present.contains(&e.id);
         ENTRIES.iter().chain(&self.library).copied().filter(fits).collect()
+    }
+
+    /// True where the equation of one of its effects is a case of another's.
+    pub fn is_redundant(&self) -> bool {
+        let ids = self.ids();
+        self.effects.iter().any(|p| p.entry.contains.iter().any(|id| ids.contains(id)))
     }
 
     /// Every shared value, in a fixed order: own, scale, effects.

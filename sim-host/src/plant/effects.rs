@@ -187,7 +187,7 @@ pub struct Entry {
     pub test: &'static str,
     /// How fast the simulated answer converges as integration steps are halved.
     pub order: Order,
-    /// Effects whose equation is a case of its own: no model has both.
+    /// Effects whose equation is a case of its own: both together stand for something else.
     pub contains: &'static [&'static str],
     /// How a law counters it: notes its parameters, in the order of the entry, where the tracking law's settings have a place
     /// for them; none where they have not.
