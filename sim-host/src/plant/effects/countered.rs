@@ -68,18 +68,14 @@ impl Countered {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::model::{Placed, Yardsticks};
     use crate::plant::effects::ENTRIES;
 
     /// An effect that says how a law counters it is countered, however many details its form has.
     #[test]
     fn every_effect_that_can_be_countered_is() {
         for entry in ENTRIES.iter().filter(|entry| entry.counter.is_some()) {
-            let Some(placed) = Placed::start(entry, 0, &Yardsticks::TYPICAL) else {
-                panic!("{} has no start", entry.id)
-            };
-            let parameters: Vec<f64> =
-                placed.values.iter().map(|v| if v.value == 0.0 { 0.01 } else { v.value }).collect();
+            let starts = entry.parameters.iter().map(|p| p.starts.first().copied().filter(|&start| start != 0.0));
+            let parameters: Vec<f64> = starts.map(|start| start.unwrap_or(0.01)).collect();
             assert_ne!(Countered::of([(entry.id, &parameters[..])]), Countered::default(), "{}", entry.id);
         }
     }
