@@ -87,7 +87,7 @@ fn table(payload: [f64; 3], friction: f64, gain: f64, null: f64) -> Twin {
     Twin {
         plant: Paper { b0: paper.b0 * gain, b1: paper.b1 * gain, ..paper },
         effects: vec![
-            placed("null_bias", &[null]),
+            placed("null_bias", &[null, 0.0]),
             placed("coulomb_friction", &[friction, 2e-5]),
             placed("payload_resonance", &[ratio, frequency, damping, 0.0]),
         ],

@@ -27,7 +27,7 @@ const BEFORE: Table = Table { b0: 138.0, null: 2e-4, friction: 0.25, frequency: 
 fn experiment(folder: &TempDir, name: &str, table: Table, seed: u64) -> Experiment {
     let placed = |id, parameters: &[f64]| Placed { id, parameters: parameters.to_vec() };
     let effects = [
-        placed("null_bias", &[table.null]),
+        placed("null_bias", &[table.null, 0.0]),
         placed("coulomb_friction", &[table.friction, 2e-5]),
         placed("payload_resonance", &[0.3, table.frequency, 0.03, 0.0]),
     ];

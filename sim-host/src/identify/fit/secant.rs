@@ -60,15 +60,16 @@ impl<'a> Base<'a> {
         Ok(self.explained(&self.change(tangent)?, true))
     }
 
-    /// The model with nothing free but the one parameter of the effect it has beyond the fit; none where that has
+    /// The model with nothing free but the one free parameter of the effect it has beyond the fit; none where that has
     /// several.
     fn narrow(&self, model: &Model) -> Option<Model> {
         let known = self.fit.model.ids();
+        let new = model.effects.iter().position(|placed| !known.contains(&placed.entry.id))?;
+        let mut free = (0..).zip(&model.effects[new].values).filter(|(_, value)| value.free).map(|(i, _)| i);
+        let (Some(only), None): (Option<usize>, _) = (free.next(), free.next()) else { return None };
         let mut narrow = model.clone();
         narrow.values_mut().for_each(|value| value.free = false);
-        let new = narrow.effects.iter_mut().find(|placed| !known.contains(&placed.entry.id))?;
-        let [value] = new.values.as_mut_slice() else { return None };
-        value.free = true;
+        narrow.effects[new].values[only].free = true;
         Some(narrow)
     }
 

@@ -214,7 +214,7 @@ fn effects_on_a_rigid_mass_have_their_units() {
     let cases: [(&str, &[f64], f64, f64); 3] = [
         ("valve_deadband", &[0.2, 0.01, 0.0], 0.5, 20.0 * 0.3),
         ("valve_deadband", &[0.2, 0.01, 0.0], -0.1, 0.0),
-        ("null_bias", &[3.0], 0.5, 10.0 + 3.0),
+        ("null_bias", &[3.0, 0.0], 0.5, 10.0 + 3.0),
     ];
     for (id, parameters, command, force) in cases {
         let expected = 0.5 * force / 10.0;
