@@ -246,4 +246,14 @@ mod tests {
         biased.own_mut("b0").unwrap().value = 150.0;
         assert_eq!(biased.without("null_bias").own, biased.own);
     }
+
+    #[test]
+    fn a_law_beside_one_that_contains_it_is_redundant() {
+        let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed).to_vec();
+        let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new() };
+        let placed = |id: &str| Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+        let friction = stated.with(placed("stribeck_friction"));
+        assert!(!friction.is_redundant() && !friction.with(placed("viscous_friction")).is_redundant());
+        assert!(friction.with(placed("coulomb_friction")).is_redundant());
+    }
 }

@@ -29,6 +29,20 @@ fn what_differs_stands_beside_a_gross_effect_where_it_completes_it() {
     assert!(stands(&before, &present, &all, false), "nothing of a rest that no noise is");
 }
 
+/// What takes most of the rest away on both kinds of stretches stands for a four hundredth of the whole, alike or not; what takes less
+/// does not.
+#[test]
+fn what_takes_most_of_the_rest_stands_for_little_of_the_whole() {
+    let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let (before, scarcely) = (leaving(500.0, &template), leaving(1000.0, &template));
+    let present = Judged { added: vec!["flow_softening", "spring"], ..leaving(3.0, &template) };
+    let larger = |chi2| Judged { added: vec!["flow_softening", "supply_droop", "spring"], ..leaving(chi2, &template) };
+    assert!(stands(&before, &present, &larger(1.5), false));
+    assert!(!stands(&before, &present, &larger(1.68), false), "a third of the rest is left");
+    assert!(!stands(&scarcely, &present, &larger(1.5), false), "a six hundredth of the whole");
+}
+
 #[test]
 fn an_effect_that_alone_explains_much_is_not_told_apart() {
     let alone = Alone(vec![("command_delay", 0.98), ("valve_lag", 0.9), ("null_bias", 0.01)]);
