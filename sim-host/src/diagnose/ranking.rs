@@ -36,14 +36,7 @@ fn looks(judged: &Judged) -> impl Iterator<Item = (f64, f64, f64)> {
 impl Ranking {
     /// Among these models of an experiment, of which the stated one, refitted, leaves what it leaves.
     pub(super) fn new<'a>(before: &Judged, models: impl IntoIterator<Item = &'a Judged>) -> Self {
-        // A channel that shows little of the mismatch shows little of a form's error, but not as much less: between its own excess and
-        // that of all channels.
-        let all = (before.hold.chi2 - 1.0).max(0.0);
-        let shown = |(i, (chi2, ..)): (usize, (f64, f64, f64))| {
-            let own = (chi2 - 1.0).max(0.0);
-            CALIBRATION.form_least * if i == 0 { own } else { own.max((own * all).sqrt()) }
-        };
-        let forms = looks(before).enumerate().map(shown).collect();
+        let forms = looks(before).map(|(chi2, ..)| CALIBRATION.form_least * (chi2 - 1.0).max(0.0)).collect();
         let mut floors: Vec<f64> = looks(before).map(|(chi2, ..)| chi2.min(1.0)).collect();
         let mut colour = before.hold.colour;
         for judged in models {
