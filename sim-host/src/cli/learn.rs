@@ -5,11 +5,11 @@ mod page;
 use super::checked::Checked;
 use super::described::{self, Found};
 use super::failure::within;
-use super::output::{Outputs, print, sha256};
+use super::output::{Outputs, print};
 use super::places::place;
 use super::source::{Source, plausible};
-use super::written::{Plan, Shape};
-use super::{Failure, asked, present, progress};
+use super::written::{Plan, Shape, provenance};
+use super::{Failure, present, progress};
 use clap::builder::PossibleValuesParser;
 use shakedown::closed_loop::learning::stale::check_motion;
 use shakedown::closed_loop::learning::{Learned, Learning, Limits, learn_from};
@@ -192,17 +192,10 @@ fn origin(
     controller: &str,
     setup: &Setup,
 ) -> Result<Vec<(String, String)>, Failure> {
-    let mut facts: Vec<(String, String)> = Vec::new();
+    let made = format!("generated {}", record.name);
+    let mut facts = provenance::source(args.source.record.as_deref(), made, args.source.seed)?;
+    facts.extend(provenance::learnt_on(described.path.as_deref(), controller, setup.rate())?);
     let mut put = |key: &str, value: String| facts.push((key.to_owned(), value));
-    if let Some(path) = &args.source.record {
-        put("source", path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
-        put("source_sha256", sha256(path)?);
-    } else {
-        put("source", format!("generated {}", record.name));
-        put("seed", args.source.seed.unwrap_or(1).to_string());
-    }
-    put("model_sha256", described.path.as_deref().map_or_else(|| Ok("the paper's table".into()), sha256)?);
-    put("controller", format!("{controller} at {} Hz", setup.rate()));
     put("fit", args.fit.clone());
     put(
         "conditioning",
@@ -261,16 +254,7 @@ fn write(
 }
 
 /// A displacement, m, as a drive.
-fn written(
-    path: &Path,
-    plan: &Plan,
-    values: Vec<f64>,
-    dt: f64,
-    mut facts: Vec<(String, String)>,
-) -> Result<(), Failure> {
-    facts.push(("command_line".into(), asked::line()));
-    facts.push(("version".into(), env!("CARGO_PKG_VERSION").into()));
-    facts.push(("written".into(), asked::utc()));
+fn written(path: &Path, plan: &Plan, values: Vec<f64>, dt: f64, facts: Vec<(String, String)>) -> Result<(), Failure> {
     let unit = DriveUnit { symbol: "m".into(), in_si: 1.0 };
     let motion = Drive { quantity: Quantity::Displacement, dt, values, unit, facts: Vec::new() }.motion();
     plan.write("learn", path, &motion, facts).map(|_| ())

@@ -3,9 +3,10 @@
 mod page;
 mod trace;
 
-use super::output::{Outputs, sha256, tell};
+use super::output::{Outputs, tell};
 use super::places::place;
 use super::source::{Source, Text, plausible};
+use super::written::provenance;
 use super::{Failure, described, failure, indices, present, progress};
 use clap::ValueEnum;
 use serde_json::json;
@@ -248,13 +249,9 @@ fn drive(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Option<Playe
 
 /// Says where a learnt drive was learnt on another table or by another controller, before it is played.
 fn say_stale(drive: &Drive, scenario: &Scenario, setup: &Setup) -> Result<(), Failure> {
-    let table = || scenario.table.as_deref().map_or_else(|| Ok("the paper's table".to_owned()), sha256);
-    let controller = || Ok(format!("{} at {} Hz", page::controller(scenario), setup.rate()));
-    let now: [(&str, &dyn Fn() -> Result<String, Failure>); 2] =
-        [("model_sha256", &table), ("controller", &controller)];
-    for (key, now) in now {
-        let Some(then) = drive.fact(key) else { continue };
-        let now = now()?;
+    let learnt_on = provenance::learnt_on(scenario.table.as_deref(), page::controller(scenario), setup.rate())?;
+    for (key, now) in learnt_on {
+        let Some(then) = drive.fact(&key) else { continue };
         if then != now {
             tell(&format!(
                 "warning: the drive is stale: it was learnt with {key} = {then}, and now it is {now}; learn it again before it is played \

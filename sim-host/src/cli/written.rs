@@ -1,5 +1,7 @@
 //! The drive that a command writes: its quantity, unit and rate from the options, its form from the file's name.
 
+pub(crate) mod provenance;
+
 use super::Failure;
 use super::failure::within;
 use super::output::{announce, tell};
@@ -137,7 +139,7 @@ impl Shape {
 }
 
 impl Plan {
-    /// Writes the drive that a motion is, with its provenance; gives what a page and the JSON say of it.
+    /// Writes the drive that a motion is, with these facts and what made it; gives what a page and the JSON say of it.
     pub(crate) fn write(
         &self,
         command: &str,
@@ -147,6 +149,7 @@ impl Plan {
     ) -> Result<Vec<(String, String)>, Failure> {
         let mut drive = Drive::of(motion, self.quantity, self.unit.clone(), self.rate);
         drive.facts = facts;
+        drive.facts.extend(provenance::made());
         announce(path);
         drive.write(path, self.form).map_err(|e| {
             let text = format!("{command}: {e}");

@@ -22,9 +22,11 @@ pub(super) struct Calibration {
     pub(super) worth: f64,
     /// Share of the stated model's excess that one more effect must take away: simple forms leave about as much of a real one.
     pub(super) noticeable: f64,
-    /// The same of one that takes away most of what is left on either kind of runs, and the share that it may leave there: what a
-    /// simple form leaves looks seldom that much like another effect.
-    pub(super) telling: (f64, f64),
+    /// The same of one that takes away most of what is left on either kind of runs: what a simple form leaves looks seldom that much like
+    /// another effect.
+    pub(super) telling: f64,
+    /// Share of what is left that such an effect may leave.
+    pub(super) told: f64,
     /// Share of the stated model's excess that an effect may explain alone to be told from another that explains it: one that is
     /// nothing like it may stand beside it for less than what is noticeable, where it explains nearly all that is left.
     pub(super) distinct: f64,
@@ -72,7 +74,8 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     explained: 0.9,
     worth: 0.65,
     noticeable: 0.018,
-    telling: (0.0025, 0.3),
+    telling: 0.0025,
+    told: 0.3,
     distinct: 0.3,
     hidden: 0.15,
     credible: 0.15,

@@ -63,7 +63,7 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinc
         && worse < LOST * better
         && (present.added.is_empty() || held_gain > (CALIBRATION.worth * left).max(LEAST_GAIN))
         && (held_gain > CALIBRATION.noticeable * excess
-            || (held_gain > CALIBRATION.telling.0 * excess && leaves_at_most(CALIBRATION.telling.1, present, larger))
+            || (held_gain > CALIBRATION.telling * excess && leaves_at_most(CALIBRATION.told, present, larger))
             || (distinct && held_gain > CALIBRATION.hidden && completes(present, larger))
             || settles(present, larger))
         && held_gain > CALIBRATION.credible * (larger.hold.chi2 - 1.0)

@@ -249,8 +249,7 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], most_left: f64) -> 
             return Some(Refusal::NoSkill { channel: channel.name(), r2: 1.0 - found * found });
         }
     }
-    let lacks =
-        before.hold.chi2 - 1.0 > CALIBRATION.negligible + CHANCE * (2.0 / before.hold.samples.max(1) as f64).sqrt();
+    let lacks = rest_beyond_noise(before);
     let share_left = (named.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9);
     if lacks && share_left > most_left {
         return Some(Refusal::NoGain { share_left });

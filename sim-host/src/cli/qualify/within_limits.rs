@@ -3,8 +3,8 @@
 use super::super::described::Found;
 use super::super::failure::within;
 use super::super::output::{print, print_table, sha256};
-use super::super::written::Shape;
-use super::super::{asked, described, present};
+use super::super::written::{Shape, provenance};
+use super::super::{described, present};
 use super::{Answer, Args, page, value};
 use crate::cli::Failure;
 use serde_json::json;
@@ -85,7 +85,7 @@ pub(super) fn run(args: &Args, standard: Standard, required: Required, lowest: f
         Attained::Motion { motion, way, judged } => {
             let way = way.name();
             if let (Some(path), Some(plan)) = (&args.synthesise, &plan) {
-                plan.write("qualify", path, &motion, provenance(args, &standard, way, &judged, &limits)?)?;
+                plan.write("qualify", path, &motion, facts(args, &standard, way, &judged, &limits)?)?;
             }
             attained(args, &motion, way, judged, (standard, required, lowest), &limits, &inputs)
         }
@@ -115,35 +115,22 @@ fn named(limits: &Limits) -> serde_json::Value {
 }
 
 /// Where the drive comes from and what it keeps.
-fn provenance(
+fn facts(
     args: &Args,
     standard: &Standard,
     way: &str,
     judged: &Judged,
     limits: &Limits,
 ) -> Result<Vec<(String, String)>, Failure> {
-    let mut facts: Vec<(String, String)> = Vec::new();
+    let made = format!("generated for {}", standard.title);
+    let mut facts = provenance::source(args.within.from.as_deref(), made, args.seed)?;
     let mut put = |key: &str, value: String| facts.push((key.to_owned(), value));
-    if let Some(path) = &args.within.from {
-        put("source", path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
-        put("source_sha256", sha256(path)?);
-    } else {
-        put("source", format!("generated for {}", standard.title));
-        put("seed", args.seed.unwrap_or(1).to_string());
-    }
     if let Some(path) = &args.rrs {
         put("required_spectrum_sha256", sha256(path)?);
     }
     put("method", way.to_owned());
-    for (name, limit) in limits.named() {
-        if let Some(limit) = limit {
-            put(&format!("limit_{name}"), limit.to_string());
-        }
-    }
+    provenance::limits(limits).for_each(|(key, value)| put(&key, value));
     put("margin", format!("{:.6}", judged.margin));
-    put("command_line", asked::line());
-    put("version", env!("CARGO_PKG_VERSION").into());
-    put("written", asked::utc());
     Ok(facts)
 }
 
