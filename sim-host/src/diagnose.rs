@@ -14,6 +14,7 @@ pub mod decide;
 mod finish;
 pub mod judged;
 mod leftover;
+mod line;
 pub mod locate;
 mod next_test;
 mod noise;

@@ -95,7 +95,7 @@ fn within(mut location: Location, conclusion: &Conclusion, (runs, predicted): (&
         return location;
     }
     for placed in &conclusion.after.fit.model.effects {
-        let values: Vec<f64> = placed.values.iter().map(|v| v.value).collect();
+        let values = placed.numbers();
         let Some((along, from, to)) = window(placed.entry, &values) else { continue };
         if along == Along::Time {
             location.time = windows(runs, predicted, from, to);

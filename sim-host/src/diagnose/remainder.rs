@@ -1,5 +1,6 @@
 //! What the library does not hold, modelled: the curve that foresees best, in the coordinate it follows.
 
+use super::finish::without;
 use super::judged::{Judged, disbelief};
 use super::split::Weighing;
 use crate::identify::fit::{Effort, Fit};
@@ -18,7 +19,7 @@ const LOST: f64 = 0.5;
 const LOOK: Effort = Effort { steps: 4, tolerance: 1e-3 };
 const FULL: Effort = Effort { steps: 10, tolerance: 1e-4 };
 /// Share of what the best curve alone leaves that names beside a curve must leave at most to be needed.
-pub(super) const NEEDED: f64 = 0.4;
+const NEEDED: f64 = 0.4;
 /// Curves that are taken further than a look.
 const FINALISTS: usize = 3;
 /// Share of a curve's variation at which one simple term stands for it.
@@ -86,10 +87,8 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
     };
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));
-    let alone = all.iter().filter(|j| j.added.is_empty()).map(|j| j.hold.chi2).fold(f64::INFINITY, f64::min);
-    let names_needed = all.first().is_some_and(|best| {
-        !best.added.is_empty() && best.hold.chi2 - 1.0 < NEEDED * (alone.min(before.hold.chi2) - 1.0)
-    });
+    let alone = all.iter().filter(|j| j.added.is_empty()).map(|j| j.hold.chi2).fold(before.hold.chi2, f64::min);
+    let names_needed = all.first().map_or(Ok(false), |best| needed(weighing, best, alone))?;
     let mut all = all.into_iter();
     let Some(judged) = all.next() else { return Ok(None) };
     let (better, worse) = gains(&best.hold.blocks, &judged.hold.blocks);
@@ -99,6 +98,17 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
     }
     let rival = all.next().map(|second| second.fit);
     Ok(described(before, &judged).map(|remainder| Curved { remainder, judged, names_needed, rival }))
+}
+
+/// Whether the effects beside a curve or an equation cannot be left to it: without them it leaves far more, fitted on from where it stands
+/// as well as found anew (`alone`, chi2 on the runs held back).
+pub(super) fn needed(weighing: &Weighing, judged: &Judged, alone: f64) -> Result<bool, SimulateError> {
+    let left = |chi2: f64| (chi2 - 1.0).max(0.0);
+    if judged.added.is_empty() || left(judged.hold.chi2) >= NEEDED * left(alone) {
+        return Ok(false);
+    }
+    let less = without(judged, &judged.added, weighing)?;
+    Ok(left(judged.hold.chi2) < NEEDED * left(less.hold.chi2))
 }
 
 /// A curve at zero, its knots held loosely to it: what no run reaches stays there.

@@ -1,9 +1,7 @@
 //! What a model leaves of a run, by channel and by frequency.
 
 use crate::identify::data::{Channel, Run};
-use crate::identify::evaluate::{Predicted, predict};
-use crate::identify::fit::Fit;
-use crate::plant::simulate::SimulateError;
+use crate::identify::evaluate::Predicted;
 use realfft::RealFftPlanner;
 
 /// Residual of a channel in units of its noise.
@@ -43,34 +41,4 @@ pub(super) fn spectrum(series: &[f64], size: usize) -> Vec<f64> {
         *p /= f64::max(segments, 1.0);
     }
     power
-}
-
-/// Power over the median of the neighbourhood from which a bin is a line: one of 10^9 bins of white noise exceeds it.
-const PROMINENT: f64 = 30.0;
-
-/// The strongest line in the accelerometer's residual, Hz: where a hum would start from.
-pub(super) fn strongest_line(runs: &[Run], baseline: &Fit) -> Result<f64, SimulateError> {
-    let Some((run, local)) = runs.iter().zip(&baseline.locals).max_by_key(|(r, _)| r.len()) else { return Ok(50.0) };
-    let predicted = predict(&baseline.model, run, local)?;
-    let Some(series) = residual(run, &predicted, Channel::Acceleration) else { return Ok(50.0) };
-    let size = run.len().next_power_of_two().max(16);
-    let mut padded = series;
-    padded.resize(size, 0.0);
-    let power = spectrum(&padded, size);
-    let hz = 1.0 / (size as f64 * run.dt);
-    let lowest = (5.0 / hz) as usize;
-    // A line stands above its own neighbourhood, a resonance does not.
-    let neighbourhood = ((1.0 / hz) as usize).max(4);
-    let prominence = |i: usize| {
-        let around = &power[i.saturating_sub(neighbourhood)..(i + neighbourhood).min(power.len())];
-        let mut sorted = around.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        power[i] / sorted[sorted.len() / 2].max(1e-300)
-    };
-    let bins = || lowest.min(power.len())..power.len();
-    // Among lines the strongest, for a harmonic may rise higher above its quieter neighbourhood.
-    let lines: Vec<usize> = bins().filter(|&i| prominence(i) > PROMINENT).collect();
-    let strongest = lines.into_iter().max_by(|&a, &b| power[a].total_cmp(&power[b]));
-    let line = strongest.or_else(|| bins().max_by(|&a, &b| prominence(a).total_cmp(&prominence(b))));
-    Ok(line.map_or(50.0, |i| i as f64 * hz))
 }

@@ -78,7 +78,7 @@ fn strangers(
 }
 
 /// True where the library says that one is mistaken for the other.
-fn alike(a: &Entry, b: &Entry) -> bool {
+pub(super) fn alike(a: &Entry, b: &Entry) -> bool {
     a.mistaken_for.contains(&b.id) || b.mistaken_for.contains(&a.id)
 }
 

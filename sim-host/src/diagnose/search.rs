@@ -54,7 +54,7 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
     let (prepared, runs) = (weighing.training.prepared(), weighing.fitted());
     options.say("fitting the stated model", 0.02);
     let baseline = fit_stated(prepared)?;
-    let yardsticks = Yardsticks { line: super::residual::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
+    let yardsticks = Yardsticks { line: super::line::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
     let stated = prepared.model.ids();
     let mut search = Search { baseline, grown: Vec::new(), yardsticks };
     let mut parents = vec![search.baseline.clone()];

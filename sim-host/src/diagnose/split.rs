@@ -233,7 +233,7 @@ mod tests {
             .measured
             .iter()
             .map(|m| m.values.iter().enumerate().map(|(k, value)| value - shown(k) * m.noise).collect());
-        let predicted = [Predicted { channels: channels.collect() }];
+        let predicted = [Predicted { channels: channels.collect(), displacement: Vec::new() }];
         let whole = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), yardsticks };
         let opened = reopened(&whole, &holdout, &predicted);
         let uses = [&opened.weighing.fitted()[1], &opened.weighing.weighed()[1], &opened.test.0[0]].map(finite);

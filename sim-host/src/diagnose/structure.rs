@@ -214,7 +214,7 @@ mod tests {
             motion: None,
             filter: None,
         };
-        structure(&[run], &[Predicted { channels: vec![model] }])
+        structure(&[run], &[Predicted { channels: vec![model], displacement: Vec::new() }])
     }
 
     #[test]

@@ -98,6 +98,8 @@ fn initial_slope(run: &Run) -> Option<f64> {
 pub struct Predicted {
     /// One series a measured channel, in the order of [`Run::measured`].
     pub channels: Vec<Vec<f64>>,
+    /// The table's displacement at each sample, m, whether or not it was measured: the prescribed one where a run prescribes it.
+    pub displacement: Vec<f64>,
 }
 
 /// Simulates a run and gives the prediction of each of its channels.
@@ -107,7 +109,9 @@ pub fn predict(model: &Model, run: &Run, local: &Local) -> Result<Predicted, Sim
         .measured
         .iter()
         .map(|m| (0..run.len()).map(|k| shown(&trace, m.channel, k, scale, offset).unwrap_or(f64::NAN)).collect());
-    Ok(Predicted { channels: channels.collect() })
+    let channels = channels.collect();
+    let displacement = run.motion.as_ref().map_or(trace.displacement, |motion| motion.displacement.clone());
+    Ok(Predicted { channels, displacement })
 }
 
 /// What a comparison with the channels that `counted` lets through asks of a simulation.
@@ -200,7 +204,7 @@ fn shown<S: Scalar>(trace: &Trace<S>, channel: Channel, k: usize, scale: S, offs
 }
 
 /// Residuals of a run in units of noise, measured less simulated, channel by channel; what was not measured is left out.
-pub(super) fn residuals(model: &Model, run: &Run, local: &Local) -> Result<Vec<f64>, SimulateError> {
+pub(crate) fn residuals(model: &Model, run: &Run, local: &Local) -> Result<Vec<f64>, SimulateError> {
     let (trace, scale, offset) = trace::<f64>(model, run, local, wanted(run, |m| m.judged), |value| value.value)?;
     let mut residuals = Vec::new();
     compared(run, &trace, scale, offset, |_, measured, inverse, model| {

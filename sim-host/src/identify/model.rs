@@ -83,6 +83,11 @@ pub struct Model {
 }
 
 impl Placed {
+    /// Its parameters' values, in the order of the entry.
+    pub fn numbers(&self) -> Vec<f64> {
+        self.values.iter().map(|value| value.value).collect()
+    }
+
     /// An effect at the `index`-th combination of its starting values; none past the last.
     pub fn start(entry: &'static Entry, index: usize, yardsticks: &Yardsticks) -> Option<Self> {
         let mut rest = index;
@@ -165,7 +170,7 @@ impl Model {
 
     /// Its effects' identifiers, each with its parameters' values.
     pub fn placements(&self) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
-        self.effects.iter().map(|p| (p.entry.id, p.values.iter().map(|v| v.value).collect()))
+        self.effects.iter().map(|p| (p.entry.id, p.numbers()))
     }
 
     /// The identifiers of its effects.

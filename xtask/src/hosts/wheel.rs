@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Largest wheel, byte.
 const LARGEST: u64 = 15_000_000;
 /// Other versions of Python that the wheel is tested on, with a NumPy of theirs: the oldest, and the newest that is here.
-const OTHERS: [(&[&str], &str); 2] = [(&["3.10"], "2.2.6"), (&["3.14", "3.13"], "2.4.6")];
+const OTHERS: [(&[&str], &str); 2] = [(&["3.10"], "2.2.6"), (&["3.15", "3.14", "3.13"], "2.5.5")];
 
 pub(super) fn build(work: &Work) -> Result<(), Problem> {
     let python = python(work)?.display().to_string();

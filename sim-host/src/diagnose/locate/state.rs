@@ -58,7 +58,6 @@ pub(super) fn shares(runs: &[Run], predicted: &[Predicted]) -> Vec<StateShare> {
 fn coordinate(variable: &str, run: &Run, predicted: &Predicted) -> Option<Vec<f64>> {
     if let Some(motion) = &run.motion {
         match variable {
-            "displacement" => return Some(motion.displacement.clone()),
             "acceleration" => return Some(motion.acceleration.clone()),
             "reference" => return None,
             _ => {}
@@ -71,12 +70,12 @@ fn coordinate(variable: &str, run: &Run, predicted: &Predicted) -> Option<Vec<f6
         if let Some(motion) = &run.motion {
             return Some(motion.velocity.clone());
         }
-        let Some(x) = series(Channel::Displacement) else { return series(Channel::Velocity) };
+        let x = &predicted.displacement;
         let n = x.len();
         Some((0..n).map(|k| (x[(k + 1).min(n - 1)] - x[k.saturating_sub(1)]) / (2.0 * run.dt)).collect::<Vec<_>>())
     };
     match variable {
-        "displacement" => series(Channel::Displacement),
+        "displacement" => Some(predicted.displacement.clone()),
         "velocity" => velocity(),
         "acceleration" => series(Channel::Acceleration),
         "command" => series(Channel::Command),

@@ -2,12 +2,16 @@ use super::super::clock;
 use super::super::decide::tests::viscous;
 use super::super::split::{Split, split};
 use super::super::{decide, search};
+use super::ends::{PARTS, in_region_of, window};
+use super::promised::{either_sign, strengthened};
 use super::*;
 use crate::diagnose::Options;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
+use crate::identify::model::Model;
 use crate::identify::model::Yardsticks;
 use crate::identify::prepare::Prepared;
+use crate::plant::effects::regional::Along;
 use crate::plant::effects::{entry, regional};
 
 /// Three runs of a truth, of which the stated model with no value free is doubted.
@@ -35,7 +39,7 @@ fn an_effect_that_acts_in_a_part_of_the_runs_is_named_with_its_window() {
     let decision = decided(prepared(&truth));
     assert_eq!(decision.after.added, ["viscous_friction"], "{:?}", decision.unlisted);
     let placed = &decision.after.fit.model.effects[0];
-    let values: Vec<f64> = placed.values.iter().map(|v| v.value).collect();
+    let values = placed.numbers();
     let (along, from, to) = regional::window(placed.entry, &values).expect("a window");
     assert!(along == Along::Time && (from - 4.0).abs() < 0.2 && (to - 10.0).abs() < 0.2, "{from} to {to}");
 }
@@ -77,4 +81,38 @@ fn a_clock_at_another_rate_is_found_and_corrected() {
     clock::settle(&mut off, Some(&finding));
     let corrected = decided(off);
     assert!(corrected.after.added.is_empty() && !corrected.unlisted, "{:?}", corrected.after.added);
+}
+
+/// Only the accelerometer was recorded, and the region ends within the outermost tenth of what the runs reach.
+#[test]
+fn a_region_of_a_displacement_that_was_not_recorded_is_found() {
+    let plain = viscous(60.0, 0.0, (-0.2, 2.0));
+    let whole: Vec<f64> = (0..=PARTS).map(|i| 0.2 * i as f64 / PARTS as f64 - 0.1).collect();
+    let truth = model(TRUTH).with(window(&plain, Along::Displacement, (0.004, 0.08), &whole).unwrap());
+    let mut prepared = prepared(&truth);
+    let highest = prepared.fit.iter().flat_map(|run| run.measured[0].values.iter()).copied().fold(0.0, f64::max);
+    assert!(highest > 0.09, "{highest}");
+    for run in &mut prepared.fit {
+        run.measured.retain(|m| m.channel == crate::identify::data::Channel::Acceleration);
+    }
+    let decision = decided(prepared);
+    assert_eq!(decision.after.added, ["viscous_friction"], "{:?}", decision.unlisted);
+    let placed = &decision.after.fit.model.effects[0];
+    let values = placed.numbers();
+    let (along, from, to) = regional::window(placed.entry, &values).expect("a window");
+    assert_eq!(along, Along::Displacement);
+    assert!((from - 0.004).abs() < 0.001 && (to - 0.08).abs() < 0.002, "{from} to {to} of {highest}");
+}
+
+/// Another law of the same thing keeps the region, and has the values that it starts from elsewhere.
+#[test]
+fn a_double_is_put_into_the_same_region() {
+    let start = |id, i| Placed::start(entry(id).unwrap(), i, &Yardsticks::TYPICAL).unwrap();
+    let whole: Vec<f64> = (0..=PARTS).map(|i| i as f64).collect();
+    let coulomb = window(&start("coulomb_friction", 0), Along::Time, (2.5, 6.5), &whole).unwrap();
+    let plain = start("stribeck_friction", 1);
+    let double = in_region_of(&coulomb, plain.clone()).unwrap();
+    assert_eq!(regional::window(double.entry, &double.numbers()), Some((Along::Time, 2.5, 6.5)));
+    assert_eq!(double.numbers()[..plain.values.len()], plain.numbers());
+    assert!(in_region_of(&start("coulomb_friction", 0), plain).is_none(), "no region to be put into");
 }

@@ -38,6 +38,33 @@ impl<'a> Base<'a> {
         Ok(step.map(|step| Self { fit, rows, step }))
     }
 
+    /// What `model` changes.
+    pub fn chord(&self, model: &Model, runs: &[Run]) -> Result<Chord, SimulateError> {
+        let locals = matching(self.fit.locals.clone(), model, runs);
+        let new = runs.iter().zip(&locals).map(|(run, local)| residuals(model, run, local));
+        let less = |(rows, new): (&Rows, Result<Vec<f64>, SimulateError>)| -> Result<Vec<f64>, SimulateError> {
+            Ok(rows.residuals.iter().zip(new?).map(|(old, new)| old - new).collect())
+        };
+        let rows = self.rows.iter().zip(new).map(less).collect::<Result<Vec<_>, _>>()?;
+        let change = self.change(|i| Ok(rows[i].clone()))?;
+        Ok(Chord { rows, change })
+    }
+
+    /// Products of several changes, each with each and with what the fit leaves, the fit's own parameters moving with them; none
+    /// where that cannot be told.
+    pub fn products(&self, chords: &[Chord]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
+        let dot = |a: &Chord, b: &Chord| -> f64 {
+            a.rows.iter().flatten().zip(b.rows.iter().flatten()).map(|(a, b)| a * b).sum()
+        };
+        let solve = |chord: &Chord| self.fit.normal.solve(chord.change.along.clone(), PROMISED, &self.fit.held());
+        let taken = chords.iter().map(solve).collect::<Option<Vec<_>>>()?;
+        let with = |a: &Chord| -> Vec<f64> {
+            chords.iter().zip(&taken).map(|(b, taken)| dot(a, b) - a.change.along.dot(taken)).collect()
+        };
+        let left = |a: &Chord| a.change.towards - a.change.along.dot(&self.step);
+        Some((chords.iter().map(with).collect(), chords.iter().map(left).collect()))
+    }
+
     /// Squares that `model` promises, some strength of what it changes and a step of the fit's own parameters being taken;
     /// none where that cannot be told. A change that is not `signed` counts in its own direction only.
     pub fn promised(&self, model: &Model, signed: bool, runs: &[Run]) -> Result<Option<f64>, SimulateError> {
@@ -102,7 +129,15 @@ impl<'a> Base<'a> {
     }
 }
 
+/// What a model changes of every row, kept to be summed up with other changes.
+#[derive(Debug)]
+pub struct Chord {
+    rows: Vec<Vec<f64>>,
+    change: Change,
+}
+
 /// A change of every row, against the residuals and against the fit's own parameters.
+#[derive(Debug)]
 struct Change {
     squares: f64,
     towards: f64,

@@ -153,11 +153,18 @@ pub fn stated<'a>(id: &str, keys: impl Iterator<Item = &'a str>) -> Option<&'sta
     form.map_or(Some(plain), |(along, shape)| regional(plain, along, shape))
 }
 
+/// Where the further parameters of a regional effect's entry begin among its values, and what form these say it has; none for
+/// another effect.
+pub fn form(entry: &Entry, values: &[f64]) -> Option<(usize, Along, Shape)> {
+    let place = entry.parameters.iter().position(|p| p.key == CODE)?;
+    let (along, shape) = decoded(*values.get(place)?)?;
+    Some((place, along, shape))
+}
+
 /// The window of a regional effect's entry and values: along what, from where, to where; none for another effect.
 pub fn window(entry: &Entry, values: &[f64]) -> Option<(Along, f64, f64)> {
-    let place = entry.parameters.iter().position(|p| p.key == CODE)?;
-    match (decoded(*values.get(place)?)?, values.get(place + 2..)?) {
-        ((along, Shape::Window), &[from, to]) => Some((along, from, to)),
+    match (form(entry, values)?, values) {
+        ((_, along, Shape::Window), &[.., from, to]) => Some((along, from, to)),
         _ => None,
     }
 }

@@ -1,0 +1,83 @@
+//! Where a region begins and ends.
+
+use crate::identify::data::Run;
+use crate::identify::evaluate::Predicted;
+use crate::identify::model::{Placed, Value};
+use crate::plant::effects::regional::{Along, Shape, code, form, regional};
+
+/// Parts that the range of a variable is cut into.
+pub(super) const PARTS: usize = 10;
+/// Width of a window's ends, as a share of the range.
+const EDGE: f64 = 0.01;
+/// Ranges beyond what was seen at which a window that has no end there ends: other runs move farther.
+const BEYOND: f64 = 10.0;
+
+fn fixed(value: f64) -> Value {
+    Value { free: false, ..open(value, f64::NEG_INFINITY, f64::INFINITY) }
+}
+
+fn open(value: f64, low: f64, high: f64) -> Value {
+    Value { value, low, high, positive: false, free: true, prior: None }
+}
+
+/// An effect with the values found for it alone, in a window. One that reaches an end of what was seen has no end there: it lies beyond,
+/// where nothing could fit it.
+pub(super) fn window(placed: &Placed, along: Along, (from, to): (f64, f64), ends: &[f64]) -> Option<Placed> {
+    let entry = regional(placed.entry, along, Shape::Window)?;
+    let (low, high) = (ends[0], ends[PARTS]);
+    let range = high - low;
+    let end = |value| open(value, low - 0.2 * range, high + 0.2 * range);
+    let from = if from <= low { fixed(low - BEYOND * range) } else { end(from) };
+    let to = if to >= high { fixed(high + BEYOND * range) } else { end(to) };
+    let further = [fixed(code(along, Shape::Window)), fixed(EDGE * range), from, to];
+    Some(Placed { entry, values: placed.values.iter().copied().chain(further).collect() })
+}
+
+pub(super) fn sloped(placed: &Placed, along: Along, change: f64, scale: f64) -> Option<Placed> {
+    let entry = regional(placed.entry, along, Shape::Slope)?;
+    let further = [fixed(code(along, Shape::Slope)), fixed(scale), open(change, -30.0, 100.0)];
+    Some(Placed { entry, values: placed.values.iter().copied().chain(further).collect() })
+}
+
+/// Where the parts of a variable's range begin and end: of time even ones, of states such as hold a tenth of the samples each.
+pub(super) fn parts(along: Along, runs: &[Run], predicted: &[Predicted]) -> Option<Vec<f64>> {
+    let share = |i: usize| i as f64 / PARTS as f64;
+    if along == Along::Time {
+        let longest = runs.iter().map(|run| run.len() as f64 * run.dt).fold(0.0, f64::max);
+        return Some((0..=PARTS).map(|i| longest * share(i)).collect());
+    }
+    let mut values: Vec<f64> = Vec::new();
+    for (run, predicted) in runs.iter().zip(predicted) {
+        let x = &predicted.displacement;
+        match along {
+            Along::Displacement => values.extend(x),
+            _ => values.extend(x.windows(3).map(|w| (w[2] - w[0]) / (2.0 * run.dt))),
+        }
+    }
+    if along == Along::Speed {
+        for v in &mut values {
+            *v = v.abs();
+        }
+    }
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    let mut ends: Vec<f64> = (0..=PARTS).map(|i| values[(share(i) * last as f64) as usize]).collect();
+    let least = 1e-3 * (ends[PARTS] - ends[0]);
+    for i in 1..=PARTS {
+        ends[i] = ends[i].max(ends[i - 1] + least);
+    }
+    (least > 0.0).then_some(ends)
+}
+
+/// True for an effect that acts in a window.
+pub(super) fn is_window(placed: &Placed) -> bool {
+    form(placed.entry, &placed.numbers()).is_some_and(|(.., shape)| shape == Shape::Window)
+}
+
+/// An effect in the region of another.
+pub(super) fn in_region_of(other: &Placed, plain: Placed) -> Option<Placed> {
+    let (place, along, shape) = form(other.entry, &other.numbers())?;
+    let entry = regional(plain.entry, along, shape)?;
+    Some(Placed { entry, values: plain.values.into_iter().chain(other.values[place..].iter().copied()).collect() })
+}

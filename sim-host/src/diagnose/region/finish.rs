@@ -1,0 +1,118 @@
+//! Brings a form that acts in a region to its end, and holds it against what it is mistaken for.
+
+use super::super::judged::Judged;
+use super::super::rivals::alike;
+use super::super::search::Search;
+use super::super::split::Weighing;
+use super::ends::{in_region_of, is_window};
+use super::fitted;
+use super::promised::{strength, strengthened};
+use crate::identify::data::Run;
+use crate::identify::evaluate::{Local, residuals};
+use crate::identify::fit::{Effort, Fit};
+use crate::identify::model::{Model, Placed, Value};
+use crate::plant::effects::Entry;
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+
+/// Width of sharper ends over that of softer ones, and how often they are sharpened.
+const SHARPER: f64 = 0.2;
+const SHARPENED: usize = 3;
+/// Widths of a window's end by which it is shifted, and how often all are tried.
+const SHIFTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
+const ROUNDS: usize = 4;
+/// How far the best are taken.
+const FULL: Effort = Effort { steps: 14, tolerance: 1e-5 };
+
+/// A form fitted to the end, a window once its ends are near where they belong: first with soft ends, along which a fit finds its
+/// way, then with sharper ones as long as these leave less.
+pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<Judged, SimulateError> {
+    let runs = weighing.fitted();
+    let mut best = shifted(fit, runs)?;
+    best.improve(runs, FULL)?;
+    for _ in 0..SHARPENED {
+        let mut model = best.model.clone();
+        let Some(own) = model.effects.iter_mut().find(|p| is_window(p)) else { break };
+        let scale = own.values.len() - 3;
+        own.values[scale].value *= SHARPER;
+        let mut sharp = shifted(Fit::resume(model, best.locals.clone(), runs)?, runs)?;
+        sharp.improve(runs, FULL)?;
+        if sharp.squares >= best.squares {
+            break;
+        }
+        best = sharp;
+    }
+    Judged::of(best, weighing)
+}
+
+/// The fit with each open end of its window where it leaves least among places nearby: only the samples at an end say where it
+/// is to be, and a step that looks at these alone halts at the first that it would lose.
+fn shifted(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
+    let mut model = fit.model.clone();
+    let Some(own) = model.effects.iter().position(is_window) else { return Ok(fit) };
+    let count = model.effects[own].values.len();
+    let width = model.effects[own].values[count - 3].value;
+    let mut least = squares(&model, runs, &fit.locals)?;
+    let first = least;
+    for _ in 0..ROUNDS {
+        let before = least;
+        for end in [count - 2, count - 1] {
+            let Value { value, low, high, free, .. } = model.effects[own].values[end];
+            let places = SHIFTS.iter().flat_map(|shift| [-shift, *shift]).map(|shift| value + shift * width);
+            let places: Vec<f64> = places.filter(|place| free && (low..=high).contains(place)).collect();
+            let tried = places.into_par_iter().map(|place| -> Result<(f64, f64), SimulateError> {
+                let mut moved = model.clone();
+                moved.effects[own].values[end].value = place;
+                Ok((squares(&moved, runs, &fit.locals)?, place))
+            });
+            let tried = tried.collect::<Result<Vec<_>, _>>()?;
+            if let Some(&(left, place)) = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|t| t.0 < least) {
+                (least, model.effects[own].values[end].value) = (left, place);
+            }
+        }
+        if least >= before {
+            break;
+        }
+    }
+    if least < first { Fit::resume(model, fit.locals, runs) } else { Ok(fit) }
+}
+
+fn squares(model: &Model, runs: &[Run], locals: &[Local]) -> Result<f64, SimulateError> {
+    let one = |(run, local)| residuals(model, run, local).map(|rows| rows.iter().map(|r| r * r).sum::<f64>());
+    runs.iter().zip(locals).map(one).sum()
+}
+
+/// What a regional effect is mistaken for, in the same region: what explains little of whole runs, and was not looked at for that,
+/// may be the law of a part.
+pub(super) fn doubles(weighing: &Weighing, search: &Search, leader: &Judged) -> Result<Vec<Judged>, SimulateError> {
+    let stated = search.baseline.model.ids();
+    let own = leader.fit.model.effects.iter().find(|p| !stated.contains(&p.entry.id));
+    let Some(own) = own else { return Ok(Vec::new()) };
+    let double = |entry: &'static Entry| -> Result<Option<Judged>, SimulateError> {
+        let starts = (0..).map_while(|i| Placed::start(entry, i, &search.yardsticks));
+        let starts = starts.chain(after(own, entry, search));
+        let starts: Vec<Placed> = starts.filter_map(|plain| in_region_of(own, plain)).collect();
+        let look = |placed| fitted(weighing, &search.baseline, placed);
+        let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
+        let best = looks.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares));
+        best.map(|fit| finished(weighing, fit)).transpose()
+    };
+    let known = search.baseline.model.candidates();
+    let doubles: Vec<&'static Entry> = known.into_iter().filter(|other| alike(own.entry, other)).collect();
+    let fits = doubles.into_par_iter().map(double).collect::<Result<Vec<_>, _>>()?;
+    Ok(fits.into_iter().flatten().collect())
+}
+
+/// A double with the values of what another has too, and what is of its strength's unit in the proportion of a start: one law goes on
+/// from where the other has come to.
+fn after(other: &Placed, entry: &'static Entry, search: &Search) -> Option<Placed> {
+    let placed = Placed::start(entry, 0, &search.yardsticks)?;
+    let first = strength(&placed)?;
+    let known = |key| other.entry.parameters.iter().position(|p| p.key == key).map(|i| other.values[i].value);
+    let factor = known(entry.parameters[first].key)? / placed.values[first].value;
+    let mut placed = strengthened(&placed, factor);
+    for (value, parameter) in placed.values.iter_mut().zip(entry.parameters) {
+        value.value = known(parameter.key).unwrap_or(value.value).clamp(value.low, value.high);
+    }
+    Some(placed)
+}

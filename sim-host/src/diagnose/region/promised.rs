@@ -1,0 +1,158 @@
+//! What one linear step promises of every form that an effect may have in a region.
+
+use super::super::search::Search;
+use super::ends::{PARTS, parts, sloped, window};
+use crate::identify::data::Run;
+use crate::identify::evaluate::predict;
+use crate::identify::fit::secant::Base;
+use crate::identify::model::Placed;
+use crate::plant::effects::regional::{Along, Shape, regional};
+use crate::plant::effects::{Parameter, Role};
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+
+/// Effects that are looked at, those that alone explain most first: all of short runs, fewer of long ones.
+const LOOKED_AT: usize = 20;
+/// Samples of which all are looked at.
+const SHORT: usize = 40_000;
+/// Effects that are fitted, each in the forms that promise about as much as its best.
+const FITTED: usize = 6;
+const AS_GOOD: f64 = 0.9;
+/// Share of the squares beyond the noise that an effect must explain everywhere for its values there to be worth starting from.
+const TELLING: f64 = 0.1;
+/// Share of the squares beyond the noise that a form must promise to take away to be fitted.
+const PROMISING: f64 = 0.3;
+
+/// A form that one linear step promises something of.
+struct Start {
+    placed: Placed,
+    /// Squares that it takes away.
+    gain: f64,
+}
+
+/// The forms that are worth a fit: of the effects that promise most, those that promise about as much as an effect's best.
+pub(super) fn promising(runs: &[Run], search: &Search) -> Result<Vec<Placed>, SimulateError> {
+    let mut starts = starts(runs, search)?;
+    starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let excess = search.baseline.squares - search.baseline.rows as f64;
+    starts.retain(|start| start.gain > PROMISING * excess);
+    let mut best: Vec<(&'static str, f64)> = Vec::new();
+    for start in &starts {
+        if best.iter().all(|(id, _)| *id != start.placed.entry.id) {
+            best.push((start.placed.entry.id, start.gain));
+        }
+    }
+    best.truncate(FITTED);
+    let near =
+        |start: &Start| best.iter().any(|&(id, gain)| id == start.placed.entry.id && start.gain > AS_GOOD * gain);
+    Ok(starts.into_iter().filter(near).map(|start| start.placed).collect())
+}
+
+/// Every form of every effect looked at, with what a linear step promises of it.
+fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
+    let Some(base) = Base::of(&search.baseline, runs)? else { return Ok(Vec::new()) };
+    let samples: usize = runs.iter().map(Run::len).sum();
+    let looks = (LOOKED_AT * SHORT / samples.max(1)).clamp(4, LOOKED_AT);
+    let stated = |(run, local)| predict(&search.baseline.model, run, local);
+    let shown = runs.iter().zip(&search.baseline.locals).map(stated).collect::<Result<Vec<_>, _>>()?;
+    let ranges: Vec<(Along, Vec<f64>)> =
+        Along::ALL.into_iter().filter_map(|along| Some((along, parts(along, runs, &shown)?))).collect();
+    let singles = search.grown.first().map_or(&[][..], Vec::as_slice);
+    let excess = search.baseline.squares - search.baseline.rows as f64;
+    let known = search.baseline.model.ids();
+    let placed = singles.iter().filter_map(|fit| {
+        let own = fit.model.effects.iter().find(|p| !known.contains(&p.entry.id))?;
+        let per_run = own.entry.parameters.iter().any(|p| p.role == Role::PerRun);
+        // What explains little everywhere has values there that say little.
+        let telling = search.baseline.squares - fit.squares > TELLING * excess;
+        let typical = if telling { None } else { Placed::start(own.entry, 0, &search.yardsticks) };
+        let possible = !per_run && regional(own.entry, Along::Time, Shape::Window).is_some();
+        possible.then(|| [Some(own.clone()), typical].into_iter().flatten())
+    });
+    let looked_at: Vec<Placed> = placed.take(looks).flatten().collect();
+    let tasks: Vec<(&Placed, &(Along, Vec<f64>))> =
+        looked_at.iter().flat_map(|placed| ranges.iter().map(move |range| (placed, range))).collect();
+    let each = tasks.into_par_iter().map(|(placed, (along, ends))| -> Result<Vec<Start>, SimulateError> {
+        let part = |i: usize| window(placed, *along, (ends[i], ends[i + 1]), ends);
+        let Some(parts) = (0..PARTS).map(part).collect::<Option<Vec<_>>>() else { return Ok(Vec::new()) };
+        let chord = |part| base.chord(&search.baseline.model.with(part), runs);
+        let chords = parts.into_iter().map(chord).collect::<Result<Vec<_>, _>>()?;
+        Ok(base.products(&chords).map_or_else(Vec::new, |products| promised(placed, *along, ends, &products)))
+    });
+    Ok(each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+}
+
+/// The best window and the best slope by the products of what each part changes, with each other and with what is left.
+fn promised(placed: &Placed, along: Along, ends: &[f64], (gram, along_left): &(Vec<Vec<f64>>, Vec<f64>)) -> Vec<Start> {
+    let of = |weights: &[f64; PARTS], other: &[f64; PARTS]| -> f64 {
+        (0..PARTS).map(|i| (0..PARTS).map(|j| weights[i] * other[j] * gram[i][j]).sum::<f64>()).sum()
+    };
+    let with_left = |weights: &[f64; PARTS]| (0..PARTS).map(|i| weights[i] * along_left[i]).sum::<f64>();
+    let mut starts = Vec::new();
+    let inner = |first: usize, last: usize| std::array::from_fn(|i| f64::from((first..=last).contains(&i)));
+    let spans = (0..PARTS).flat_map(|first| (first..PARTS).map(move |last| (first, last)));
+    let windows = spans.filter(|(first, last)| last - first + 1 < PARTS).map(|(first, last)| {
+        let weights = inner(first, last);
+        let (own, c) = (of(&weights, &weights), with_left(&weights));
+        let strength = c / own.max(f64::MIN_POSITIVE);
+        (if strength > 0.0 || either_sign(placed) { c * strength } else { 0.0 }, first, last)
+    });
+    if let Some((gain, first, last)) = windows.filter(|(gain, ..)| gain.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0))
+    {
+        let weights = inner(first, last);
+        let placed = &strengthened(placed, with_left(&weights) / of(&weights, &weights));
+        let (from, to) = (ends[first], ends[last + 1]);
+        starts.extend(window(placed, along, (from, to), ends).map(|placed| Start { placed, gain }));
+        // It may end within the outermost part as well as beyond it.
+        let within = (
+            if first == 0 { 0.5 * (ends[0] + ends[1]) } else { from },
+            if last + 1 == PARTS { 0.5 * (ends[last] + ends[PARTS]) } else { to },
+        );
+        if within != (from, to) {
+            starts.extend(window(placed, along, within, ends).map(|placed| Start { placed, gain }));
+        }
+    }
+    let scale = ends[PARTS].abs().max(ends[0].abs()).max(f64::MIN_POSITIVE);
+    let (even, rising): ([f64; PARTS], [f64; PARTS]) =
+        ([1.0; PARTS], std::array::from_fn(|i| 0.5 * (ends[i] + ends[i + 1]) / scale));
+    let (a, b, d) = (of(&even, &even), of(&even, &rising), of(&rising, &rising));
+    let (p, q, det) = (with_left(&even), with_left(&rising), a * d - b * b);
+    if det > 1e-9 * a * d {
+        let (level, slope) = ((d * p - b * q) / det, (a * q - b * p) / det);
+        let gain = level * p + slope * q;
+        let change = (slope / level).clamp(-3.0, 10.0);
+        if (level > 0.0 || either_sign(placed)) && gain.is_finite() && change.is_finite() {
+            let placed = &strengthened(placed, level);
+            starts.extend(sloped(placed, along, change, scale).map(|placed| Start { placed, gain }));
+        }
+    }
+    starts
+}
+
+/// The parameter that says how strong an effect is: its first free one.
+pub(super) fn strength(placed: &Placed) -> Option<usize> {
+    placed.values.iter().position(|value| value.free)
+}
+
+/// True where an effect may be turned round: found over the whole of a run it may have the sign that it has not in a part.
+pub(super) fn either_sign(placed: &Placed) -> bool {
+    strength(placed).is_some_and(|first| !placed.values[first].positive && placed.values[first].low < 0.0)
+}
+
+/// An effect with a strength so many times as large: what it does is in proportion to the distance of its first parameter from
+/// none, but for a frequency, to which it is in proportion the other way. What is of the same unit grows with it.
+pub(super) fn strengthened(placed: &Placed, factor: f64) -> Placed {
+    let mut placed = placed.clone();
+    let factor = factor.signum() * factor.abs().clamp(0.1, 30.0);
+    let Some(first) = strength(&placed) else { return placed };
+    let entry = placed.entry;
+    let Parameter { key, unit, .. } = entry.parameters[first];
+    let none = if key == "gain" { 1.0 } else { 0.0 };
+    let factor = if key == "frequency" { 1.0 / factor } else { factor };
+    for (i, (value, parameter)) in placed.values.iter_mut().zip(entry.parameters).enumerate() {
+        if i == first || (value.free && unit != "1" && parameter.unit == unit) {
+            value.value = (none + factor * (value.value - none)).clamp(value.low, value.high);
+        }
+    }
+    placed
+}
