@@ -5,7 +5,8 @@ use crate::shell::{Problem, command, metadata, read, run as execute, works};
 use std::path::PathBuf;
 
 /// What goes to the registry, in the order in which one needs another.
-const PUBLISHED: [&str; 3] = ["shakedown-core", "shakedown-truth", "shakedown"];
+const PUBLISHED: [&str; 5] =
+    ["shakedown-core", "shakedown-rehearsal", "shakedown-firmware", "shakedown-truth", "shakedown"];
 /// The version that judges interfaces.
 const SEMVER_CHECKS: &str = "0.51.0";
 
