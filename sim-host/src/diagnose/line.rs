@@ -22,6 +22,9 @@ const TRIED: usize = 8;
 /// Share of the power around it that one sine takes away where it is a line: one that breathes by a fifth leaves a fiftieth, a
 /// sine takes less than half of a resonance of two hundredths damping in two hundred of its periods.
 const LINE: f64 = 0.65;
+/// Parts of a series of which the loudest may have a line, and the fewest samples of one.
+const PARTS: usize = 10;
+const SHORTEST: usize = 256;
 /// Steps of a bin in which the frequency is looked for on either side of a peak.
 const STEPS: i32 = 10;
 
@@ -30,11 +33,27 @@ pub(super) fn strongest_line(runs: &[Run], baseline: &Fit) -> Result<f64, Simula
     let Some((run, local)) = runs.iter().zip(&baseline.locals).max_by_key(|(r, _)| r.len()) else { return Ok(MAINS) };
     let predicted = predict(&baseline.model, run, local)?;
     let Some(series) = residual(run, &predicted, Channel::Acceleration) else { return Ok(MAINS) };
-    Ok(strongest(&series, run.dt).unwrap_or(MAINS))
+    Ok(of_all_or_a_part(&series, run.dt).unwrap_or(MAINS))
 }
 
-/// The strongest line of a series, Hz; where none is one, the peak that is nearest to it. Samples that are not finite are missing.
-fn strongest(series: &[f64], dt: f64) -> Option<f64> {
+/// The strongest line of a series, or of its loudest part where the whole has none: what hums for a while is no line of the whole.
+fn of_all_or_a_part(series: &[f64], dt: f64) -> Option<f64> {
+    let whole = strongest(series, dt);
+    if whole.is_some_and(|(_, is_line)| is_line) {
+        return whole.map(|(frequency, _)| frequency);
+    }
+    let length = (series.len() / PARTS).max(SHORTEST);
+    let power = |part: &[f64]| part.iter().filter(|x| x.is_finite()).map(|x| x * x).sum::<f64>();
+    let parts =
+        (0..series.len()).step_by((length / 2).max(1)).map(|from| &series[from..(from + length).min(series.len())]);
+    let loudest = parts.max_by(|a, b| power(a).total_cmp(&power(b)));
+    let part = loudest.and_then(|part| strongest(part, dt)).filter(|(_, is_line)| *is_line);
+    part.or(whole).map(|(frequency, _)| frequency)
+}
+
+/// The strongest line of a series, Hz, and true; where none is one, the peak that is nearest to it. Samples that are not finite are
+/// missing.
+fn strongest(series: &[f64], dt: f64) -> Option<(f64, bool)> {
     let power = padded_spectrum(series);
     let hz = 0.5 / (dt * (power.len() - 1) as f64);
     let (lowest, around) = ((LOWEST / hz) as usize, ((AROUND / hz) as usize).max(4));
@@ -67,7 +86,8 @@ fn strongest(series: &[f64], dt: f64) -> Option<f64> {
     let tried: Vec<(f64, f64, f64)> = tried.collect();
     // Among lines the strongest, for a harmonic may stand higher above its quieter neighbours.
     let line = tried.iter().filter(|(_, share, _)| *share > LINE).max_by(|a, b| a.2.total_cmp(&b.2));
-    line.or_else(|| tried.iter().max_by(|a, b| a.1.total_cmp(&b.1))).map(|&(frequency, ..)| frequency)
+    let nearest = || tried.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    line.map(|&(frequency, ..)| (frequency, true)).or_else(|| nearest().map(|&(frequency, ..)| (frequency, false)))
 }
 
 fn padded_spectrum(series: &[f64]) -> Vec<f64> {
@@ -127,7 +147,7 @@ mod tests {
     #[test]
     fn a_line_is_found_within_a_twentieth_of_a_bin_whatever_is_held_back() {
         for frequency in [59.966, 50.02, 17.3, 119.91] {
-            let found = strongest(&series(frequency, 20.0), 1e-3).unwrap();
+            let found = of_all_or_a_part(&series(frequency, 20.0), 1e-3).unwrap();
             assert!((found - frequency).abs() < 0.006, "{found} for {frequency}");
         }
     }
@@ -138,12 +158,24 @@ mod tests {
         let power = padded_spectrum(&series);
         let tallest = (40..power.len()).max_by(|&a, &b| power[a].total_cmp(&power[b])).unwrap();
         assert!((tallest as f64 / 8.192 - 22.0).abs() < 2.0, "the resonance is to stand higher");
-        let found = strongest(&series, 1e-3).unwrap();
+        let found = of_all_or_a_part(&series, 1e-3).unwrap();
         assert!((found - 50.02).abs() < 0.02, "{found}");
     }
 
     #[test]
+    fn what_hums_for_a_while_is_found() {
+        // A resonance is a line to a part that is shorter than it rings: it must not be as strong.
+        let mut series: Vec<f64> = series(50.02, 0.0).into_iter().map(|x| 0.2 * x).collect();
+        for (k, x) in series.iter_mut().enumerate().filter(|(k, _)| (3000..4300).contains(k)) {
+            *x += 30.0 * (TAU * 50.02e-3 * k as f64).sin();
+        }
+        assert!(!strongest(&series, 1e-3).unwrap().1, "no line of the whole");
+        let found = of_all_or_a_part(&series, 1e-3).unwrap();
+        assert!((found - 50.02).abs() < 0.1, "{found}");
+    }
+
+    #[test]
     fn nothing_is_no_line() {
-        assert_eq!(strongest(&[f64::NAN; 100], 1e-3), None);
+        assert_eq!(of_all_or_a_part(&[f64::NAN; 1000], 1e-3), None);
     }
 }

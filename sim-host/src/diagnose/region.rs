@@ -7,6 +7,7 @@
 
 mod ends;
 mod finish;
+mod per_run;
 mod promised;
 
 use super::calibration::CALIBRATION;
@@ -27,6 +28,13 @@ use rayon::prelude::*;
 const FINISHED: usize = 3;
 /// How far a form is taken from its start.
 const LOOK: Effort = Effort { steps: 8, tolerance: 1e-4 };
+
+/// A form that one linear step promises something of.
+struct Start {
+    placed: Placed,
+    /// Squares that it takes away.
+    gain: f64,
+}
 
 /// The decision with an effect that acts in a region in the place of what was accepted, where that explains more for its price.
 pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -> Result<Decision, SimulateError> {

@@ -173,7 +173,7 @@ fn dealt(missed: &[Vec<f64>]) -> Vec<Vec<Role>> {
 }
 
 /// Samples of a stretch.
-fn stretch_length(run: &Run) -> usize {
+pub(super) fn stretch_length(run: &Run) -> usize {
     ((STRETCH / run.dt) as usize).min(run.len() / STRETCHES).max(1)
 }
 

@@ -204,7 +204,7 @@ fn shown<S: Scalar>(trace: &Trace<S>, channel: Channel, k: usize, scale: S, offs
 }
 
 /// Residuals of a run in units of noise, measured less simulated, channel by channel; what was not measured is left out.
-pub(crate) fn residuals(model: &Model, run: &Run, local: &Local) -> Result<Vec<f64>, SimulateError> {
+pub(super) fn residuals(model: &Model, run: &Run, local: &Local) -> Result<Vec<f64>, SimulateError> {
     let (trace, scale, offset) = trace::<f64>(model, run, local, wanted(run, |m| m.judged), |value| value.value)?;
     let mut residuals = Vec::new();
     compared(run, &trace, scale, offset, |_, measured, inverse, model| {

@@ -224,7 +224,7 @@ fn priors(model: &Model) -> impl Iterator<Item = (usize, f64, f64)> {
 }
 
 /// What a fit makes small, without its derivatives.
-fn squares(model: &Model, locals: &[Local], runs: &[Run]) -> Result<f64, SimulateError> {
+pub(crate) fn squares(model: &Model, locals: &[Local], runs: &[Run]) -> Result<f64, SimulateError> {
     let of = |(run, local): (&Run, &Local)| Ok(residuals(model, run, local)?.iter().map(|r| r * r).sum::<f64>());
     let parts = runs.par_iter().zip(locals).map(of).collect::<Result<Vec<f64>, _>>()?;
     let sum = parts.iter().sum::<f64>() + priors(model).map(|(_, away, _)| away * away).sum::<f64>();

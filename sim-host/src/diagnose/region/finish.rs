@@ -2,16 +2,16 @@
 
 use super::super::judged::Judged;
 use super::super::rivals::alike;
-use super::super::search::Search;
-use super::super::split::Weighing;
+use super::super::search::{CHANCE, Search};
+use super::super::split::{Weighing, stretch_length};
 use super::ends::{in_region_of, is_window};
 use super::fitted;
 use super::promised::{strength, strengthened};
 use crate::identify::data::Run;
-use crate::identify::evaluate::{Local, residuals};
-use crate::identify::fit::{Effort, Fit};
-use crate::identify::model::{Model, Placed, Value};
+use crate::identify::fit::{Effort, Fit, squares};
+use crate::identify::model::{Placed, Value};
 use crate::plant::effects::Entry;
+use crate::plant::effects::regional::{Along, form};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -21,6 +21,8 @@ const SHARPENED: usize = 3;
 /// Widths of a window's end by which it is shifted, and how often all are tried.
 const SHIFTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 const ROUNDS: usize = 4;
+/// Places on either side of an end, within the length of a stretch, at which it may lie unseen.
+const UNSEEN: i32 = 8;
 /// How far the best are taken.
 const FULL: Effort = Effort { steps: 14, tolerance: 1e-5 };
 
@@ -42,7 +44,40 @@ pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<Judged, Simulate
         }
         best = sharp;
     }
-    Judged::of(best, weighing)
+    unseen(best, weighing)
+}
+
+/// The form with each open end where it foresees best among places that the runs fitted do not tell apart: what is held back of them lies
+/// in stretches, and an end within one is a choice that the stretches held back make, as they make every other.
+fn unseen(best: Fit, weighing: &Weighing) -> Result<Judged, SimulateError> {
+    let runs = weighing.fitted();
+    let mut judged = Judged::of(best, weighing)?;
+    let Some(own) = judged.fit.model.effects.iter().position(is_window) else { return Ok(judged) };
+    let numbers = judged.fit.model.effects[own].numbers();
+    let along_time =
+        form(judged.fit.model.effects[own].entry, &numbers).is_some_and(|(_, along, _)| along == Along::Time);
+    let length = runs.iter().map(|run| stretch_length(run) as f64 * run.dt).fold(0.0, f64::max);
+    if !along_time {
+        return Ok(judged);
+    }
+    let least = judged.fit.squares;
+    for end in [numbers.len() - 2, numbers.len() - 1] {
+        let Value { value, low, high, free, .. } = judged.fit.model.effects[own].values[end];
+        let places = (-UNSEEN..=UNSEEN).map(|i| value + length * f64::from(i) / f64::from(UNSEEN));
+        for place in places.filter(|place| free && (low..=high).contains(place)) {
+            let mut model = judged.fit.model.clone();
+            model.effects[own].values[end].value = place;
+            let fit = Fit::resume(model, judged.fit.locals.clone(), runs)?;
+            if fit.squares > least + CHANCE {
+                continue;
+            }
+            let other = Judged::of(fit, weighing)?;
+            if other.hold.chi2 < judged.hold.chi2 {
+                judged = other;
+            }
+        }
+    }
+    Ok(judged)
 }
 
 /// The fit with each open end of its window where it leaves least among places nearby: only the samples at an end say where it
@@ -52,7 +87,7 @@ fn shifted(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
     let Some(own) = model.effects.iter().position(is_window) else { return Ok(fit) };
     let count = model.effects[own].values.len();
     let width = model.effects[own].values[count - 3].value;
-    let mut least = squares(&model, runs, &fit.locals)?;
+    let mut least = squares(&model, &fit.locals, runs)?;
     let first = least;
     for _ in 0..ROUNDS {
         let before = least;
@@ -63,7 +98,7 @@ fn shifted(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
             let tried = places.into_par_iter().map(|place| -> Result<(f64, f64), SimulateError> {
                 let mut moved = model.clone();
                 moved.effects[own].values[end].value = place;
-                Ok((squares(&moved, runs, &fit.locals)?, place))
+                Ok((squares(&moved, &fit.locals, runs)?, place))
             });
             let tried = tried.collect::<Result<Vec<_>, _>>()?;
             if let Some(&(left, place)) = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|t| t.0 < least) {
@@ -75,11 +110,6 @@ fn shifted(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
         }
     }
     if least < first { Fit::resume(model, fit.locals, runs) } else { Ok(fit) }
-}
-
-fn squares(model: &Model, runs: &[Run], locals: &[Local]) -> Result<f64, SimulateError> {
-    let one = |(run, local)| residuals(model, run, local).map(|rows| rows.iter().map(|r| r * r).sum::<f64>());
-    runs.iter().zip(locals).map(one).sum()
 }
 
 /// What a regional effect is mistaken for, in the same region: what explains little of whole runs, and was not looked at for that,

@@ -1,6 +1,7 @@
 //! What one linear step promises of every form that an effect may have in a region.
 
 use super::super::search::Search;
+use super::Start;
 use super::ends::{PARTS, parts, sloped, window};
 use crate::identify::data::Run;
 use crate::identify::evaluate::predict;
@@ -22,13 +23,6 @@ const AS_GOOD: f64 = 0.9;
 const TELLING: f64 = 0.1;
 /// Share of the squares beyond the noise that a form must promise to take away to be fitted.
 const PROMISING: f64 = 0.3;
-
-/// A form that one linear step promises something of.
-struct Start {
-    placed: Placed,
-    /// Squares that it takes away.
-    gain: f64,
-}
 
 /// The forms that are worth a fit: of the effects that promise most, those that promise about as much as an effect's best.
 pub(super) fn promising(runs: &[Run], search: &Search) -> Result<Vec<Placed>, SimulateError> {
@@ -62,11 +56,10 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
     let known = search.baseline.model.ids();
     let placed = singles.iter().filter_map(|fit| {
         let own = fit.model.effects.iter().find(|p| !known.contains(&p.entry.id))?;
-        let per_run = own.entry.parameters.iter().any(|p| p.role == Role::PerRun);
         // What explains little everywhere has values there that say little.
         let telling = search.baseline.squares - fit.squares > TELLING * excess;
         let typical = if telling { None } else { Placed::start(own.entry, 0, &search.yardsticks) };
-        let possible = !per_run && regional(own.entry, Along::Time, Shape::Window).is_some();
+        let possible = !per_run(own) && regional(own.entry, Along::Time, Shape::Window).is_some();
         possible.then(|| [Some(own.clone()), typical].into_iter().flatten())
     });
     let looked_at: Vec<Placed> = placed.take(looks).flatten().collect();
@@ -79,7 +72,19 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
         let chords = parts.into_iter().map(chord).collect::<Result<Vec<_>, _>>()?;
         Ok(base.products(&chords).map_or_else(Vec::new, |products| promised(placed, *along, ends, &products)))
     });
-    Ok(each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+    let mut starts: Vec<Start> = each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+    let sized = search.baseline.model.candidates().into_iter();
+    for placed in sized.filter_map(|entry| Placed::start(entry, 0, &search.yardsticks)).filter(per_run) {
+        for (along, ends) in &ranges {
+            starts.extend(super::per_run::start(&base, (&search.baseline.model, runs), &placed, (*along, ends))?);
+        }
+    }
+    Ok(starts)
+}
+
+/// True where the size belongs to each run.
+fn per_run(placed: &Placed) -> bool {
+    placed.entry.parameters.iter().any(|p| p.role == Role::PerRun)
 }
 
 /// The best window and the best slope by the products of what each part changes, with each other and with what is left.

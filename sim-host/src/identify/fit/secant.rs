@@ -65,6 +65,17 @@ impl<'a> Base<'a> {
         Some((chords.iter().map(with).collect(), chords.iter().map(left).collect()))
     }
 
+    /// The same products for each run by itself, the fit's own parameters held.
+    pub fn products_of_runs(&self, chords: &[Chord]) -> Vec<(Vec<Vec<f64>>, Vec<f64>)> {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let of = |(i, rows): (usize, &Rows)| {
+            let with = |a: &Chord| chords.iter().map(|b| dot(&a.rows[i], &b.rows[i])).collect();
+            let left = chords.iter().map(|a| dot(&a.rows[i], &rows.residuals));
+            (chords.iter().map(with).collect(), left.collect())
+        };
+        self.rows.iter().enumerate().map(of).collect()
+    }
+
     /// Squares that `model` promises, some strength of what it changes and a step of the fit's own parameters being taken;
     /// none where that cannot be told. A change that is not `signed` counts in its own direction only.
     pub fn promised(&self, model: &Model, signed: bool, runs: &[Run]) -> Result<Option<f64>, SimulateError> {

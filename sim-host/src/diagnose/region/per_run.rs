@@ -1,0 +1,76 @@
+//! Windows of effects whose size belongs to each run: a hum that comes and goes with a machine nearby.
+//!
+//! Such an effect has no strength that all runs share. Its sizes enter linearly, so that what a window takes away follows from a small
+//! regression in each run.
+
+use super::Start;
+use super::ends::{PARTS, window};
+use crate::identify::data::Run;
+use crate::identify::fit::secant::{Base, Chord};
+use crate::identify::model::{Model, Placed};
+use crate::plant::effects::Role;
+use crate::plant::effects::regional::Along;
+use crate::plant::simulate::SimulateError;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// The window that takes most away; none where no run shows any.
+pub(super) fn start(
+    base: &Base<'_>,
+    (model, runs): (&Model, &[Run]),
+    placed: &Placed,
+    (along, ends): (Along, &[f64]),
+) -> Result<Option<Start>, SimulateError> {
+    let sizes = (0..).zip(placed.entry.parameters).filter(|(_, p)| p.role == Role::PerRun).map(|(i, _)| i);
+    let sizes: Vec<usize> = sizes.collect();
+    let one = |(part, size): (usize, usize)| -> Result<Option<Chord>, SimulateError> {
+        let mut alone = placed.clone();
+        alone.values[size].value = 1.0;
+        let inside = window(&alone, along, (ends[part], ends[part + 1]), ends);
+        inside.map(|inside| base.chord(&model.with(inside), runs)).transpose()
+    };
+    let each: Vec<(usize, usize)> = (0..PARTS).flat_map(|part| sizes.iter().map(move |&size| (part, size))).collect();
+    let chords = each.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    let Some(chords) = chords.into_iter().collect::<Option<Vec<Chord>>>() else { return Ok(None) };
+    let products = base.products_of_runs(&chords);
+    let gain = |first: usize, last: usize| -> f64 {
+        products.iter().filter_map(|of_run| taken_away(of_run, sizes.len(), (first, last))).sum()
+    };
+    let spans = (0..PARTS).flat_map(|first| (first..PARTS).map(move |last| (first, last)));
+    let spans =
+        spans.filter(|(first, last)| last - first + 1 < PARTS).map(|(first, last)| (gain(first, last), first, last));
+    let best = spans.filter(|(gain, ..)| gain.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0));
+    let at = best.and_then(|(gain, first, last)| {
+        let placed = window(placed, along, (ends[first], ends[last + 1]), ends)?;
+        Some(Start { placed, gain })
+    });
+    Ok(at)
+}
+
+/// Squares that one run's sizes take away in a window, each part of which changes the rows by as many chords as there are sizes.
+fn taken_away((gram, left): &(Vec<Vec<f64>>, Vec<f64>), sizes: usize, (first, last): (usize, usize)) -> Option<f64> {
+    let chords = |size: usize| (first..=last).map(move |part| part * sizes + size);
+    let matrix = DMatrix::from_fn(sizes, sizes, |a, b| {
+        chords(a).map(|i| chords(b).map(|j| gram[i][j]).sum::<f64>()).sum::<f64>()
+    });
+    let towards = DVector::from_fn(sizes, |a, _| chords(a).map(|i| left[i]).sum::<f64>());
+    let values = matrix.cholesky()?.solve(&towards);
+    Some(values.dot(&towards))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two parts with two sizes each: the second part holds 3 of the first size and 4 of the second, the first nothing.
+    #[test]
+    fn a_window_takes_away_what_its_parts_hold() {
+        let gram = (0..4).map(|i| (0..4).map(|j| if i == j { 1.0 } else { 0.0 }).collect()).collect();
+        let of_run = (gram, vec![0.0, 0.0, 3.0, 4.0]);
+        assert_eq!(taken_away(&of_run, 2, (0, 0)), Some(0.0));
+        assert!((taken_away(&of_run, 2, (1, 1)).unwrap() - 25.0).abs() < 1e-12);
+        assert!((taken_away(&of_run, 2, (0, 1)).unwrap() - 12.5).abs() < 1e-12, "one size for both");
+        let nothing = (vec![vec![0.0; 4]; 4], vec![0.0; 4]);
+        assert_eq!(taken_away(&nothing, 2, (0, 1)), None, "a run that shows nothing of it");
+    }
+}
