@@ -85,11 +85,12 @@ struct Played {
     answers: Vec<u8>,
 }
 
-/// The chore: every host, or those named; or `cost`, or `notebooks`.
+/// The chore: every host, or those named; or `cost`, `notebooks` or `examples`.
 pub(crate) fn run(wanted: &[String]) -> Result<(), Problem> {
     match wanted {
         [word] if word == "cost" => return costs(),
         [word] if word == "notebooks" => return notebooks(),
+        [word] if word == "examples" => return examples(),
         _ => {}
     }
     let names: Vec<&str> = HOSTS.iter().map(|host| host.name).collect();

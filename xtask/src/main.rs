@@ -62,7 +62,7 @@ const CHORES: &[Chore] = &[
     Chore { name: "hil", does: "tests the board's own code, emulated and on a board with a probe", run: hil::run },
     Chore {
         name: "hosts",
-        does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...|cost|notebooks]",
+        does: "plays one tape to the core in Rust, on the emulated target, in C, ...: the same bits [HOST...|cost|notebooks|examples]",
         run: hosts::run,
     },
     Chore { name: "page", does: "builds the page that does the host tool's work in a browser", run: hosts::page::run },
