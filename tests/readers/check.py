@@ -288,7 +288,8 @@ def rpc_of_others(bench, folder, numpy):
         content = path.read_bytes()
         keys = {content[k:k + 32].rstrip(b"\0"): content[k + 32:k + 128].rstrip(b"\0") for k in range(0, 512, 128)}
         start = 512 * int(keys[b"NUM_HEADER_BLOCKS"])
-        head = content[:start].replace(b"BINARY_IEEE_LITTLE_END", b"BINARY_IEEE_BIG_END\0\0\0")
+        # The first key, whose value is BINARY or BINARY_IEEE_LITTLE_END by that library's version.
+        head = content[:32] + b"BINARY_IEEE_BIG_END".ljust(96, b"\0") + content[128:start]
         turned = folder / f"turned-{word}.rsp"
         turned.write_bytes(head + numpy.frombuffer(content[start:], "<i2" if word == "h" else "<f4").byteswap().tobytes())
         for file in (path, turned):

@@ -1,5 +1,7 @@
-//! Records of version 2 whose headers are little-endian, turned: the library reads the other order alone. Samples are in the order
-//! that blockette 1000 states, which it knows.
+//! Records of version 2 whose headers or compressed samples are little-endian, turned: the library reads the other order alone. Plain
+//! samples are in the order that blockette 1000 states, which it knows; of little-endian Steim frames it reads wrong values.
+//!
+//! Source of the frames: FDSN, "SEED Reference Manual", version 2.4, appendix B.
 
 use super::MOST_BLOCKETTES;
 use std::borrow::Cow;
@@ -11,20 +13,52 @@ const HEADER: usize = 48;
 /// Years of a header in the right order.
 const YEARS: std::ops::RangeInclusive<u16> = 1900..=2100;
 
-/// The same bytes with every header big-endian.
+/// Encodings of blockette 1000 whose samples come in frames of so many bytes, of words of four.
+const STEIM: [u8; 2] = [10, 11];
+const FRAME: usize = 64;
+
+/// The same bytes with every header big-endian, and every compressed sample.
 pub(super) fn big_endian(bytes: &[u8]) -> Cow<'_, [u8]> {
     let mut turned = Cow::Borrowed(bytes);
     let mut at = 0;
     while let Some(record) = bytes.get(at..).filter(|r| r.len() >= HEADER && !r.starts_with(b"MS")) {
         let little = is_little(record);
-        let Some((length, blockettes)) = blockettes(record, little) else { break };
+        let Some((length, blockettes, samples)) = blockettes(record, little) else { break };
+        let data = word(record, 44, little).map_or(length, usize::from);
+        let frames = samples.is_some_and(|at| record[at + 1] == 0 && STEIM.contains(&record[at]));
         if little {
             let record = &mut turned.to_mut()[at..];
             NUMBERS.iter().chain(&blockettes).for_each(|(place, width)| record[*place..place + width].reverse());
         }
+        if let Some(samples) = samples.filter(|_| frames) {
+            let record = &mut turned.to_mut()[at..];
+            let end = length.min(record.len());
+            let first = record[samples] == STEIM[0];
+            record
+                .get_mut(data..end)
+                .into_iter()
+                .flat_map(|data| data.chunks_exact_mut(FRAME))
+                .for_each(|f| turn(f, first));
+            record[samples + 1] = 1;
+        }
         at += length;
     }
     turned
+}
+
+/// Turns a frame: its first word says of each of the others what numbers it holds. In the first version of the compression pairs of
+/// two bytes are numbers, in the second they are parts of a word.
+fn turn(frame: &mut [u8], first: bool) {
+    frame[..4].reverse();
+    let control = u32::from_be_bytes([frame[0], frame[1], frame[2], frame[3]]);
+    for (k, word) in frame.chunks_exact_mut(4).enumerate().skip(1) {
+        match (control >> (30 - 2 * k)) & 3 {
+            // Four numbers of one byte.
+            1 => {}
+            2 if first => word.chunks_exact_mut(2).for_each(<[u8]>::reverse),
+            _ => word.reverse(),
+        }
+    }
 }
 
 fn word(record: &[u8], at: usize, little: bool) -> Option<u16> {
@@ -38,10 +72,11 @@ fn is_little(record: &[u8]) -> bool {
     !year(false) && year(true)
 }
 
-/// A record's length by its blockette 1000, and where its blockettes have numbers of several bytes; none where it has no such blockette
-/// or a blockette lies beyond it.
-fn blockettes(record: &[u8], little: bool) -> Option<(usize, Vec<(usize, usize)>)> {
+/// A record's length by its blockette 1000, where its blockettes have numbers of several bytes, and where the encoding of its samples is
+/// stated, their order behind it; none where it has no such blockette or a blockette lies beyond it.
+fn blockettes(record: &[u8], little: bool) -> Option<(usize, Vec<(usize, usize)>, Option<usize>)> {
     let (mut at, mut numbers, mut length) = (usize::from(word(record, 46, little)?), Vec::new(), None);
+    let mut samples = None;
     for _ in 0..MOST_BLOCKETTES {
         let (kind, next) = (word(record, at, little)?, usize::from(word(record, at + 2, little)?));
         record.get(at..at + 8)?;
@@ -49,7 +84,10 @@ fn blockettes(record: &[u8], little: bool) -> Option<(usize, Vec<(usize, usize)>
         match kind {
             // The rate as a float.
             100 => numbers.push((at + 4, 4)),
-            1000 => length = 1usize.checked_shl(u32::from(record[at + 6])).filter(|n| *n >= HEADER),
+            1000 => {
+                length = 1usize.checked_shl(u32::from(record[at + 6])).filter(|n| *n >= HEADER);
+                samples = Some(at + 4);
+            }
             _ => {}
         }
         if next <= at {
@@ -57,12 +95,35 @@ fn blockettes(record: &[u8], little: bool) -> Option<(usize, Vec<(usize, usize)>
         }
         at = next;
     }
-    length.map(|length| (length, numbers))
+    length.map(|length| (length, numbers, samples))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A frame of the first version: its first and last value, two numbers of two bytes, four of one, one of four.
+    #[test]
+    fn a_frame_is_turned_number_by_number() {
+        let words = |control: u32, pair: [u8; 4]| {
+            let mut frame = vec![0; FRAME];
+            for (k, word) in
+                [control.to_be_bytes(), [0, 0, 1, 2], [0, 0, 3, 4], pair, [9, 8, 7, 6], [5, 4, 3, 2]].iter().enumerate()
+            {
+                frame[4 * k..4 * k + 4].copy_from_slice(word);
+            }
+            frame
+        };
+        let control = (2 << 24) | (1 << 22) | (3 << 20);
+        for (first, pair) in [(true, [2, 1, 4, 3]), (false, [4, 3, 2, 1])] {
+            let mut little = words(control, pair);
+            for at in [0, 4, 8, 20] {
+                little[at..at + 4].reverse();
+            }
+            turn(&mut little, first);
+            assert_eq!(little, words(control, [1, 2, 3, 4]), "{first}");
+        }
+    }
 
     #[test]
     fn a_header_is_turned_once() {
