@@ -8,8 +8,7 @@ use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::predict;
 use crate::identify::fit::Fit;
 use crate::plant::simulate::SimulateError;
-use nalgebra::{Matrix2, Vector2};
-use std::f64::consts::TAU;
+use crate::recording::signal::{Sine, quantile};
 
 /// Where a hum starts when the residual shows nothing, Hz.
 const MAINS: f64 = 50.0;
@@ -19,8 +18,8 @@ const AROUND: f64 = 1.0;
 const NEIGHBOURS: f64 = 5.0;
 /// Peaks of the spectrum that are tried, those that stand highest above their neighbours first.
 const TRIED: usize = 8;
-/// Share of the power around it that one sine takes away where it is a line: one that breathes by a fifth leaves a fiftieth, a
-/// sine takes less than half of a resonance of two hundredths damping in two hundred of its periods.
+/// Share of the power around it that one sine takes away where it is a line: of one that breathes by a fifth
+/// a fiftieth is left, of a resonance with a damping of 0.02, over two hundred of its periods, more than half.
 const LINE: f64 = 0.65;
 /// Parts of a series of which the loudest may have a line, and the fewest samples of one.
 const PARTS: usize = 10;
@@ -56,38 +55,45 @@ fn of_all_or_a_part(series: &[f64], dt: f64) -> Option<f64> {
 fn strongest(series: &[f64], dt: f64) -> Option<(f64, bool)> {
     let power = padded_spectrum(series);
     let hz = 0.5 / (dt * (power.len() - 1) as f64);
-    let (lowest, around) = ((LOWEST / hz) as usize, ((AROUND / hz) as usize).max(4));
-    let neighbours = (NEIGHBOURS / hz) as usize + 4;
-    let peak = |&i: &usize| power[i] >= power[i - 1] && power[i] >= power[i + 1];
-    let stands = |i: usize| {
-        let mut around = power[i.saturating_sub(neighbours)..(i + neighbours).min(power.len())].to_vec();
-        let middle = around.len() / 2;
-        (power[i] / around.select_nth_unstable_by(middle, f64::total_cmp).1.max(f64::MIN_POSITIVE), i)
-    };
-    let blocks =
-        (lowest.max(1)..power.len() - 1).step_by(around).map(|from| from..(from + around).min(power.len() - 1));
-    let strongest = |block: std::ops::Range<usize>| block.filter(peak).max_by(|&a, &b| power[a].total_cmp(&power[b]));
-    let mut peaks: Vec<(f64, usize)> = blocks.filter_map(strongest).map(stands).collect();
-    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // A side band is not tried for the line that it belongs to.
-    let mut apart: Vec<usize> = Vec::new();
-    for (_, peak) in peaks {
-        if apart.len() < TRIED && apart.iter().all(|a| a.abs_diff(peak) > around) {
-            apart.push(peak);
-        }
-    }
-    let tried = apart.into_iter().filter_map(|peak| {
-        let (frequency, without) = one_sine(series, dt, (peak as f64 * hz, hz))?;
-        let band =
-            |power: &[f64]| power[peak.saturating_sub(around)..(peak + around).min(power.len())].iter().sum::<f64>();
-        let left = band(&padded_spectrum(&without)) / band(&power).max(f64::MIN_POSITIVE);
-        Some((frequency, 1.0 - left, power[peak]))
+    let around = ((AROUND / hz) as usize).max(4);
+    let tried = peaks(&power, hz, around).into_iter().filter_map(|peak| {
+        let near = |i| (peak as f64 + f64::from(i) / f64::from(STEPS)) * hz;
+        let sine = Sine::best(series, dt, (-STEPS..=STEPS).map(near))?;
+        let without = padded_spectrum(&sine.taken_off(series, dt));
+        let band = peak.saturating_sub(around)..(peak + around).min(power.len());
+        let sum = |power: &[f64]| power[band.clone()].iter().sum::<f64>();
+        Some((sine.frequency, 1.0 - sum(&without) / sum(&power).max(f64::MIN_POSITIVE), power[peak]))
     });
     let tried: Vec<(f64, f64, f64)> = tried.collect();
     // Among lines the strongest, for a harmonic may stand higher above its quieter neighbours.
     let line = tried.iter().filter(|(_, share, _)| *share > LINE).max_by(|a, b| a.2.total_cmp(&b.2));
     let nearest = || tried.iter().max_by(|a, b| a.1.total_cmp(&b.1));
     line.map(|&(frequency, ..)| (frequency, true)).or_else(|| nearest().map(|&(frequency, ..)| (frequency, false)))
+}
+
+/// The peaks of a spectrum, bins of `hz` wide, that stand highest above their neighbours; none within `around` bins of another, for a side
+/// band is not tried for the line that it belongs to.
+fn peaks(power: &[f64], hz: f64, around: usize) -> Vec<usize> {
+    let (first, last) = (((LOWEST / hz) as usize).max(1), power.len() - 1);
+    let neighbours = (NEIGHBOURS / hz) as usize + 4;
+    let is_peak = |&i: &usize| power[i] >= power[i - 1] && power[i] >= power[i + 1];
+    let highest = |from: usize| {
+        let block = from..(from + around).min(last);
+        block.filter(is_peak).max_by(|&a, &b| power[a].total_cmp(&power[b]))
+    };
+    let stands = |i: usize| {
+        let beside = &power[i.saturating_sub(neighbours)..(i + neighbours).min(power.len())];
+        (power[i] / quantile(beside, 0.5).max(f64::MIN_POSITIVE), i)
+    };
+    let mut peaks: Vec<(f64, usize)> = (first..last).step_by(around).filter_map(highest).map(stands).collect();
+    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut apart: Vec<usize> = Vec::new();
+    for (_, peak) in peaks {
+        if apart.len() < TRIED && apart.iter().all(|a| a.abs_diff(peak) > around) {
+            apart.push(peak);
+        }
+    }
+    apart
 }
 
 fn padded_spectrum(series: &[f64]) -> Vec<f64> {
@@ -97,35 +103,12 @@ fn padded_spectrum(series: &[f64]) -> Vec<f64> {
     spectrum(&padded, size)
 }
 
-/// The frequency (Hz) near a bin of a width (Hz) whose sine takes most away, and what it leaves.
-fn one_sine(series: &[f64], dt: f64, (near, width): (f64, f64)) -> Option<(f64, Vec<f64>)> {
-    let fit = |frequency: f64| {
-        let (mut matrix, mut right) = (Matrix2::zeros(), Vector2::zeros());
-        for (k, x) in series.iter().enumerate().filter(|(_, x)| x.is_finite()) {
-            let row = wave(frequency, dt, k);
-            matrix += row * row.transpose();
-            right += row * *x;
-        }
-        let weights = matrix.try_inverse()? * right;
-        Some((weights.dot(&right), weights, frequency))
-    };
-    let tried = (-STEPS..=STEPS).map(|i| near + f64::from(i) / f64::from(STEPS) * width);
-    let (_, weights, frequency) = tried.filter_map(fit).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let without = series.iter().enumerate().map(|(k, x)| x - weights.dot(&wave(frequency, dt, k)));
-    Some((frequency, without.collect()))
-}
-
-/// Sine and cosine at a sample.
-fn wave(frequency: f64, dt: f64, sample: usize) -> Vector2<f64> {
-    let (sine, cosine) = (TAU * frequency * sample as f64 * dt).sin_cos();
-    Vector2::new(sine, cosine)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
+    use std::f64::consts::TAU;
 
     /// A resonance that noise drives beside a hum that breathes, in stretches of which each third is missing.
     fn series(frequency: f64, hum: f64) -> Vec<f64> {

@@ -14,7 +14,7 @@ use super::calibration::CALIBRATION;
 use super::decide::weigh;
 use super::judged::{Decision, Judged};
 use super::ranking::Ranking;
-use super::search::Search;
+use super::search::{Search, best_of_each_set};
 use super::split::Weighing;
 use super::standing::{outside, stands};
 use crate::identify::fit::{Effort, Fit};
@@ -44,14 +44,7 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     let starts = promising(weighing.fitted(), search)?;
     let fits = starts.into_par_iter().map(|placed| fitted(weighing, &search.baseline, placed));
     let mut fits = fits.collect::<Result<Vec<_>, _>>()?;
-    fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
-    let mut seen: Vec<Vec<&'static str>> = Vec::new();
-    fits.retain(|fit| {
-        let set = fit.model.ids();
-        let new = !seen.contains(&set);
-        seen.push(set);
-        new
-    });
+    best_of_each_set(&mut fits);
     let best = fits.into_par_iter().take(FINISHED).map(|fit| finished(weighing, fit));
     let mut found = best.collect::<Result<Vec<_>, _>>()?;
     let ranking = Ranking::new(&decision.before, &found);

@@ -88,7 +88,7 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));
     let alone = all.iter().filter(|j| j.added.is_empty()).map(|j| j.hold.chi2).fold(before.hold.chi2, f64::min);
-    let names_needed = all.first().map_or(Ok(false), |best| needed(weighing, best, alone))?;
+    let names_needed = all.first().map_or(Ok(false), |best| names_needed(weighing, best, alone))?;
     let mut all = all.into_iter();
     let Some(judged) = all.next() else { return Ok(None) };
     let (better, worse) = gains(&best.hold.blocks, &judged.hold.blocks);
@@ -102,7 +102,7 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
 
 /// Whether the effects beside a curve or an equation cannot be left to it: without them it leaves far more, fitted on from where it stands
 /// as well as found anew (`alone`, chi2 on the runs held back).
-pub(super) fn needed(weighing: &Weighing, judged: &Judged, alone: f64) -> Result<bool, SimulateError> {
+pub(super) fn names_needed(weighing: &Weighing, judged: &Judged, alone: f64) -> Result<bool, SimulateError> {
     let left = |chi2: f64| (chi2 - 1.0).max(0.0);
     if judged.added.is_empty() || left(judged.hold.chi2) >= NEEDED * left(alone) {
         return Ok(false);

@@ -19,7 +19,7 @@ mod sizes;
 mod writing;
 
 use super::judged::{Judged, disbelief};
-use super::remainder::{Curved, Remainder, needed, remainder};
+use super::remainder::{Curved, Remainder, names_needed, remainder};
 use super::split::Weighing;
 use super::standing::SURE;
 use crate::identify::fit::{Effort, Fit};
@@ -103,7 +103,7 @@ pub(super) fn unlisted(
     {
         return Ok(Some(curve.clone().into()));
     }
-    let names_needed = needed(weighing, &term.judged, alone)?;
+    let names_needed = names_needed(weighing, &term.judged, alone)?;
     let (remainder, rival) = curve.map_or((None, None), |c| (Some(c.remainder), Some(c.judged.fit)));
     Ok(Some(Modelled { remainder, judged: term.judged.clone(), term: Some(term), names_needed, rival }))
 }

@@ -1,8 +1,9 @@
 //! Small signal processing for checks and noise floors: filling gaps, removing trends, averaged spectra.
 
+use nalgebra::{Matrix2, Vector2};
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Root mean square of the values that are finite; NaN where none is.
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
@@ -168,6 +169,47 @@ pub fn segment_length(samples: usize, longest: usize) -> usize {
     1 << (usize::BITS - 1 - wanted.leading_zeros())
 }
 
+/// A sine as fitted to samples: `sine sin(2 pi f t) + cosine cos(2 pi f t)`, t from the first sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sine {
+    /// f, Hz.
+    pub frequency: f64,
+    /// Weight of the sine, in the samples' unit.
+    pub sine: f64,
+    /// Weight of the cosine, in the samples' unit.
+    pub cosine: f64,
+}
+
+impl Sine {
+    /// Of these frequencies (Hz) the one whose sine takes most from samples `dt` (s) apart, by least squares over those that are
+    /// finite; none where too few are.
+    pub fn best(samples: &[f64], dt: f64, frequencies: impl Iterator<Item = f64>) -> Option<Self> {
+        let fit = |frequency: f64| {
+            let (mut matrix, mut right) = (Matrix2::zeros(), Vector2::zeros());
+            for (k, x) in samples.iter().enumerate().filter(|(_, x)| x.is_finite()) {
+                let (sine, cosine) = (TAU * frequency * k as f64 * dt).sin_cos();
+                let row = Vector2::new(sine, cosine);
+                matrix += row * row.transpose();
+                right += row * *x;
+            }
+            let weights: Vector2<f64> = matrix.try_inverse()? * right;
+            Some((weights.dot(&right), Self { frequency, sine: weights[0], cosine: weights[1] }))
+        };
+        frequencies.filter_map(fit).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, sine)| sine)
+    }
+
+    /// Its value at a sample.
+    pub fn at(&self, sample: usize, dt: f64) -> f64 {
+        let (sine, cosine) = (TAU * self.frequency * sample as f64 * dt).sin_cos();
+        self.sine * sine + self.cosine * cosine
+    }
+
+    /// The samples without it.
+    pub fn taken_off(&self, samples: &[f64], dt: f64) -> Vec<f64> {
+        samples.iter().enumerate().map(|(k, x)| x - self.at(k, dt)).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -184,6 +226,19 @@ mod tests {
         let mut line: Vec<f64> = (0..50).map(|k| 3.0 - 0.2 * f64::from(k)).collect();
         detrend(&mut line);
         assert!(line.iter().all(|x| x.abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_sine_is_fitted_and_taken_off_whatever_is_missing() {
+        let wave = Sine { frequency: 50.3, sine: 2.0, cosine: -0.7 };
+        let mut samples: Vec<f64> = (0..800).map(|k| wave.at(k, 1e-3)).collect();
+        samples[300..420].fill(f64::NAN);
+        let found = Sine::best(&samples, 1e-3, (0..10).map(|i| 50.0 + 0.1 * f64::from(i))).unwrap();
+        assert!((found.frequency - 50.3).abs() < 1e-9 && (found.sine - 2.0).abs() < 1e-9, "{found:?}");
+        let left = found.taken_off(&samples, 1e-3);
+        assert!(left.iter().filter(|x| x.is_finite()).all(|x| x.abs() < 1e-9));
+        assert_eq!(left.iter().filter(|x| x.is_nan()).count(), 120);
+        assert_eq!(Sine::best(&[f64::NAN; 9], 1e-3, std::iter::once(50.0)), None);
     }
 
     #[test]

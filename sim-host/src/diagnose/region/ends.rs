@@ -2,7 +2,7 @@
 
 use crate::identify::data::Run;
 use crate::identify::evaluate::Predicted;
-use crate::identify::model::{Placed, Value};
+use crate::identify::model::{Model, Placed, Value};
 use crate::plant::effects::regional::{Along, Shape, code, form, regional};
 
 /// Parts that the range of a variable is cut into.
@@ -70,9 +70,34 @@ pub(super) fn parts(along: Along, runs: &[Run], predicted: &[Predicted]) -> Opti
     (least > 0.0).then_some(ends)
 }
 
-/// True for an effect that acts in a window.
-pub(super) fn is_window(placed: &Placed) -> bool {
-    form(placed.entry, &placed.numbers()).is_some_and(|(.., shape)| shape == Shape::Window)
+/// The first and the last part of every row of neighbouring parts but the whole.
+pub(super) fn spans() -> impl Iterator<Item = (usize, usize)> {
+    let all = (0..PARTS).flat_map(|first| (first..PARTS).map(move |last| (first, last)));
+    all.filter(|(first, last)| last - first + 1 < PARTS)
+}
+
+/// Where a model's effect that acts in a window has what says so.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Window {
+    /// Which of the model's effects it is.
+    pub(super) effect: usize,
+    /// Along what it acts.
+    pub(super) along: Along,
+    /// Which of its values is the width of the ends.
+    pub(super) width: usize,
+    /// Which are the ends.
+    pub(super) ends: [usize; 2],
+}
+
+impl Window {
+    /// The first of a model's; none where no effect acts in one.
+    pub(super) fn of(model: &Model) -> Option<Self> {
+        model.effects.iter().enumerate().find_map(|(effect, placed)| {
+            let (place, along, shape) = form(placed.entry, &placed.numbers())?;
+            let ends = [place + 2, place + 3];
+            (shape == Shape::Window).then_some(Self { effect, along, width: place + 1, ends })
+        })
+    }
 }
 
 /// An effect in the region of another.

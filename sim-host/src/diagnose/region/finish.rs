@@ -4,14 +4,14 @@ use super::super::judged::Judged;
 use super::super::rivals::alike;
 use super::super::search::{CHANCE, Search};
 use super::super::split::{Weighing, stretch_length};
-use super::ends::{in_region_of, is_window};
+use super::ends::{Window, in_region_of};
 use super::fitted;
 use super::promised::{strength, strengthened};
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit, squares};
 use crate::identify::model::{Placed, Value};
 use crate::plant::effects::Entry;
-use crate::plant::effects::regional::{Along, form};
+use crate::plant::effects::regional::Along;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -32,11 +32,10 @@ pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<Judged, Simulate
     let runs = weighing.fitted();
     let mut best = shifted(fit, runs)?;
     best.improve(runs, FULL)?;
+    let Some(Window { effect, width, .. }) = Window::of(&best.model) else { return Judged::of(best, weighing) };
     for _ in 0..SHARPENED {
         let mut model = best.model.clone();
-        let Some(own) = model.effects.iter_mut().find(|p| is_window(p)) else { break };
-        let scale = own.values.len() - 3;
-        own.values[scale].value *= SHARPER;
+        model.effects[effect].values[width].value *= SHARPER;
         let mut sharp = shifted(Fit::resume(model, best.locals.clone(), runs)?, runs)?;
         sharp.improve(runs, FULL)?;
         if sharp.squares >= best.squares {
@@ -52,25 +51,21 @@ pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<Judged, Simulate
 fn unseen(best: Fit, weighing: &Weighing) -> Result<Judged, SimulateError> {
     let runs = weighing.fitted();
     let mut judged = Judged::of(best, weighing)?;
-    let Some(own) = judged.fit.model.effects.iter().position(is_window) else { return Ok(judged) };
-    let numbers = judged.fit.model.effects[own].numbers();
-    let along_time =
-        form(judged.fit.model.effects[own].entry, &numbers).is_some_and(|(_, along, _)| along == Along::Time);
-    let length = runs.iter().map(|run| stretch_length(run) as f64 * run.dt).fold(0.0, f64::max);
-    if !along_time {
+    let Some(window) = Window::of(&judged.fit.model).filter(|window| window.along == Along::Time) else {
         return Ok(judged);
-    }
+    };
+    let length = runs.iter().map(|run| stretch_length(run) as f64 * run.dt).fold(0.0, f64::max);
     let least = judged.fit.squares;
-    for end in [numbers.len() - 2, numbers.len() - 1] {
-        let Value { value, low, high, free, .. } = judged.fit.model.effects[own].values[end];
+    for end in window.ends {
+        let Value { value, low, high, free, .. } = judged.fit.model.effects[window.effect].values[end];
         let places = (-UNSEEN..=UNSEEN).map(|i| value + length * f64::from(i) / f64::from(UNSEEN));
         for place in places.filter(|place| free && (low..=high).contains(place)) {
             let mut model = judged.fit.model.clone();
-            model.effects[own].values[end].value = place;
-            let fit = Fit::resume(model, judged.fit.locals.clone(), runs)?;
-            if fit.squares > least + CHANCE {
+            model.effects[window.effect].values[end].value = place;
+            if squares(&model, &judged.fit.locals, runs)? > least + CHANCE {
                 continue;
             }
+            let fit = Fit::resume(model, judged.fit.locals.clone(), runs)?;
             let other = Judged::of(fit, weighing)?;
             if other.hold.chi2 < judged.hold.chi2 {
                 judged = other;
@@ -84,14 +79,13 @@ fn unseen(best: Fit, weighing: &Weighing) -> Result<Judged, SimulateError> {
 /// is to be, and a step that looks at these alone halts at the first that it would lose.
 fn shifted(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
     let mut model = fit.model.clone();
-    let Some(own) = model.effects.iter().position(is_window) else { return Ok(fit) };
-    let count = model.effects[own].values.len();
-    let width = model.effects[own].values[count - 3].value;
+    let Some(Window { effect: own, width, ends, .. }) = Window::of(&model) else { return Ok(fit) };
+    let width = model.effects[own].values[width].value;
     let mut least = squares(&model, &fit.locals, runs)?;
     let first = least;
     for _ in 0..ROUNDS {
         let before = least;
-        for end in [count - 2, count - 1] {
+        for end in ends {
             let Value { value, low, high, free, .. } = model.effects[own].values[end];
             let places = SHIFTS.iter().flat_map(|shift| [-shift, *shift]).map(|shift| value + shift * width);
             let places: Vec<f64> = places.filter(|place| free && (low..=high).contains(place)).collect();

@@ -4,7 +4,7 @@
 //! regression in each run.
 
 use super::Start;
-use super::ends::{PARTS, window};
+use super::ends::{PARTS, spans, window};
 use crate::identify::data::Run;
 use crate::identify::fit::secant::{Base, Chord};
 use crate::identify::model::{Model, Placed};
@@ -36,10 +36,8 @@ pub(super) fn start(
     let gain = |first: usize, last: usize| -> f64 {
         products.iter().filter_map(|of_run| taken_away(of_run, sizes.len(), (first, last))).sum()
     };
-    let spans = (0..PARTS).flat_map(|first| (first..PARTS).map(move |last| (first, last)));
-    let spans =
-        spans.filter(|(first, last)| last - first + 1 < PARTS).map(|(first, last)| (gain(first, last), first, last));
-    let best = spans.filter(|(gain, ..)| gain.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0));
+    let windows = spans().map(|(first, last)| (gain(first, last), first, last));
+    let best = windows.filter(|(gain, ..)| gain.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0));
     let at = best.and_then(|(gain, first, last)| {
         let placed = window(placed, along, (ends[first], ends[last + 1]), ends)?;
         Some(Start { placed, gain })

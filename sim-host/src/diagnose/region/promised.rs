@@ -2,7 +2,7 @@
 
 use super::super::search::Search;
 use super::Start;
-use super::ends::{PARTS, parts, sloped, window};
+use super::ends::{PARTS, parts, sloped, spans, window};
 use crate::identify::data::Run;
 use crate::identify::evaluate::predict;
 use crate::identify::fit::secant::Base;
@@ -28,8 +28,7 @@ const PROMISING: f64 = 0.3;
 pub(super) fn promising(runs: &[Run], search: &Search) -> Result<Vec<Placed>, SimulateError> {
     let mut starts = starts(runs, search)?;
     starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let excess = search.baseline.squares - search.baseline.rows as f64;
-    starts.retain(|start| start.gain > PROMISING * excess);
+    starts.retain(|start| start.gain > PROMISING * excess(search));
     let mut best: Vec<(&'static str, f64)> = Vec::new();
     for start in &starts {
         if best.iter().all(|(id, _)| *id != start.placed.entry.id) {
@@ -52,12 +51,11 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
     let ranges: Vec<(Along, Vec<f64>)> =
         Along::ALL.into_iter().filter_map(|along| Some((along, parts(along, runs, &shown)?))).collect();
     let singles = search.grown.first().map_or(&[][..], Vec::as_slice);
-    let excess = search.baseline.squares - search.baseline.rows as f64;
     let known = search.baseline.model.ids();
     let placed = singles.iter().filter_map(|fit| {
         let own = fit.model.effects.iter().find(|p| !known.contains(&p.entry.id))?;
         // What explains little everywhere has values there that say little.
-        let telling = search.baseline.squares - fit.squares > TELLING * excess;
+        let telling = search.baseline.squares - fit.squares > TELLING * excess(search);
         let typical = if telling { None } else { Placed::start(own.entry, 0, &search.yardsticks) };
         let possible = !per_run(own) && regional(own.entry, Along::Time, Shape::Window).is_some();
         possible.then(|| [Some(own.clone()), typical].into_iter().flatten())
@@ -82,6 +80,11 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
     Ok(starts)
 }
 
+/// Squares that the stated model, refitted, leaves beyond the noise.
+fn excess(search: &Search) -> f64 {
+    search.baseline.squares - search.baseline.rows as f64
+}
+
 /// True where the size belongs to each run.
 fn per_run(placed: &Placed) -> bool {
     placed.entry.parameters.iter().any(|p| p.role == Role::PerRun)
@@ -95,8 +98,7 @@ fn promised(placed: &Placed, along: Along, ends: &[f64], (gram, along_left): &(V
     let with_left = |weights: &[f64; PARTS]| (0..PARTS).map(|i| weights[i] * along_left[i]).sum::<f64>();
     let mut starts = Vec::new();
     let inner = |first: usize, last: usize| std::array::from_fn(|i| f64::from((first..=last).contains(&i)));
-    let spans = (0..PARTS).flat_map(|first| (first..PARTS).map(move |last| (first, last)));
-    let windows = spans.filter(|(first, last)| last - first + 1 < PARTS).map(|(first, last)| {
+    let windows = spans().map(|(first, last)| {
         let weights = inner(first, last);
         let (own, c) = (of(&weights, &weights), with_left(&weights));
         let strength = c / own.max(f64::MIN_POSITIVE);

@@ -46,7 +46,7 @@ impl<'a> Base<'a> {
             Ok(rows.residuals.iter().zip(new?).map(|(old, new)| old - new).collect())
         };
         let rows = self.rows.iter().zip(new).map(less).collect::<Result<Vec<_>, _>>()?;
-        let change = self.change(|i| Ok(rows[i].clone()))?;
+        let change = self.change(|i| Ok(rows[i].as_slice()))?;
         Ok(Chord { rows, change })
     }
 
@@ -79,16 +79,12 @@ impl<'a> Base<'a> {
     /// Squares that `model` promises, some strength of what it changes and a step of the fit's own parameters being taken;
     /// none where that cannot be told. A change that is not `signed` counts in its own direction only.
     pub fn promised(&self, model: &Model, signed: bool, runs: &[Run]) -> Result<Option<f64>, SimulateError> {
-        let locals = matching(self.fit.locals.clone(), model, runs);
-        let chord = |i: usize| -> Result<Vec<f64>, SimulateError> {
-            let new = residuals(model, &runs[i], &locals[i])?;
-            Ok(self.rows[i].residuals.iter().zip(new).map(|(old, new)| old - new).collect())
-        };
-        let change = self.change(chord)?;
+        let change = self.chord(model, runs)?.change;
         if change.squares > NOTHING {
             return Ok(self.explained(&change, signed));
         }
         let Some(narrow) = self.narrow(model) else { return Ok(None) };
+        let locals = matching(self.fit.locals.clone(), model, runs);
         let tangent = |i: usize| -> Result<Vec<f64>, SimulateError> {
             let (mut rows, mut local) = (Rows::default(), locals[i].clone());
             local.values_mut().for_each(|value| value.free = false);
@@ -112,13 +108,13 @@ impl<'a> Base<'a> {
     }
 
     /// Sums up what changes each run's rows.
-    fn change(&self, of: impl Fn(usize) -> Result<Vec<f64>, SimulateError>) -> Result<Change, SimulateError> {
+    fn change<R: AsRef<[f64]>>(&self, of: impl Fn(usize) -> Result<R, SimulateError>) -> Result<Change, SimulateError> {
         let mut change = Change { squares: 0.0, towards: 0.0, along: DVector::zeros(self.step.len()) };
         let shared = self.fit.model.values().filter(|v| v.free).count();
         let mut first = shared;
         for (i, rows) in self.rows.iter().enumerate() {
             let width = rows.jacobian.len() / rows.residuals.len().max(1);
-            change.add(rows, &of(i)?, width, |i| if i < shared { i } else { first + i - shared });
+            change.add(rows, of(i)?.as_ref(), width, |i| if i < shared { i } else { first + i - shared });
             first += width.saturating_sub(shared);
         }
         Ok(change)

@@ -17,29 +17,35 @@ const YEARS: std::ops::RangeInclusive<u16> = 1900..=2100;
 const STEIM: [u8; 2] = [10, 11];
 const FRAME: usize = 64;
 
-/// The same bytes with every header big-endian, and every compressed sample.
+/// What a header says of its record.
+struct Header {
+    /// Bytes of the record.
+    length: usize,
+    /// Where its blockettes have numbers of several bytes: place and width.
+    numbers: Vec<(usize, usize)>,
+    /// Where the encoding of its samples is stated; their order is behind it.
+    encoding: usize,
+}
+
+/// The same bytes with every header and every compressed sample big-endian.
 pub(super) fn big_endian(bytes: &[u8]) -> Cow<'_, [u8]> {
     let mut turned = Cow::Borrowed(bytes);
     let mut at = 0;
     while let Some(record) = bytes.get(at..).filter(|r| r.len() >= HEADER && !r.starts_with(b"MS")) {
         let little = is_little(record);
-        let Some((length, blockettes, samples)) = blockettes(record, little) else { break };
-        let data = word(record, 44, little).map_or(length, usize::from);
-        let frames = samples.is_some_and(|at| record[at + 1] == 0 && STEIM.contains(&record[at]));
+        let Some(Header { length, numbers, encoding }) = header(record, little) else { break };
         if little {
             let record = &mut turned.to_mut()[at..];
-            NUMBERS.iter().chain(&blockettes).for_each(|(place, width)| record[*place..place + width].reverse());
+            NUMBERS.iter().chain(&numbers).for_each(|(place, width)| record[*place..place + width].reverse());
         }
-        if let Some(samples) = samples.filter(|_| frames) {
+        if STEIM.contains(&record[encoding]) && record[encoding + 1] == 0 {
+            let first = record[encoding] == STEIM[0];
+            let data = word(record, 44, little).map_or(length, usize::from)..length.min(record.len());
             let record = &mut turned.to_mut()[at..];
-            let end = length.min(record.len());
-            let first = record[samples] == STEIM[0];
-            record
-                .get_mut(data..end)
-                .into_iter()
-                .flat_map(|data| data.chunks_exact_mut(FRAME))
-                .for_each(|f| turn(f, first));
-            record[samples + 1] = 1;
+            record[encoding + 1] = 1;
+            for frame in record.get_mut(data).unwrap_or_default().chunks_exact_mut(FRAME) {
+                turn(frame, first);
+            }
         }
         at += length;
     }
@@ -72,11 +78,9 @@ fn is_little(record: &[u8]) -> bool {
     !year(false) && year(true)
 }
 
-/// A record's length by its blockette 1000, where its blockettes have numbers of several bytes, and where the encoding of its samples is
-/// stated, their order behind it; none where it has no such blockette or a blockette lies beyond it.
-fn blockettes(record: &[u8], little: bool) -> Option<(usize, Vec<(usize, usize)>, Option<usize>)> {
-    let (mut at, mut numbers, mut length) = (usize::from(word(record, 46, little)?), Vec::new(), None);
-    let mut samples = None;
+/// What a record's header says; none where it has no blockette 1000 or a blockette lies beyond it.
+fn header(record: &[u8], little: bool) -> Option<Header> {
+    let (mut at, mut numbers, mut stated) = (usize::from(word(record, 46, little)?), Vec::new(), None);
     for _ in 0..MOST_BLOCKETTES {
         let (kind, next) = (word(record, at, little)?, usize::from(word(record, at + 2, little)?));
         record.get(at..at + 8)?;
@@ -85,8 +89,8 @@ fn blockettes(record: &[u8], little: bool) -> Option<(usize, Vec<(usize, usize)>
             // The rate as a float.
             100 => numbers.push((at + 4, 4)),
             1000 => {
-                length = 1usize.checked_shl(u32::from(record[at + 6])).filter(|n| *n >= HEADER);
-                samples = Some(at + 4);
+                let length = 1usize.checked_shl(u32::from(record[at + 6])).filter(|n| *n >= HEADER);
+                stated = length.map(|length| (length, at + 4));
             }
             _ => {}
         }
@@ -95,34 +99,55 @@ fn blockettes(record: &[u8], little: bool) -> Option<(usize, Vec<(usize, usize)>
         }
         at = next;
     }
-    length.map(|length| (length, numbers, samples))
+    stated.map(|(length, encoding)| Header { length, numbers, encoding })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A frame of the first version: its first and last value, two numbers of two bytes, four of one, one of four.
+    /// A frame: its first and last value, a pair of bytes twice, four numbers of one byte, one of four.
+    fn frame(pairs: [u8; 4]) -> Vec<u8> {
+        let control: u32 = (2 << 24) | (1 << 22) | (3 << 20);
+        let words = [control.to_be_bytes(), [0, 0, 1, 2], [0, 0, 3, 4], pairs, [9, 8, 7, 6], [5, 4, 3, 2]];
+        let mut frame = words.concat();
+        frame.resize(FRAME, 0);
+        frame
+    }
+
+    /// The same little-endian, in the first version of the compression or the second.
+    fn little_frame(first: bool) -> Vec<u8> {
+        let mut frame = frame(if first { [2, 1, 4, 3] } else { [4, 3, 2, 1] });
+        for at in [0, 4, 8, 20] {
+            frame[at..at + 4].reverse();
+        }
+        frame
+    }
+
     #[test]
     fn a_frame_is_turned_number_by_number() {
-        let words = |control: u32, pair: [u8; 4]| {
-            let mut frame = vec![0; FRAME];
-            for (k, word) in
-                [control.to_be_bytes(), [0, 0, 1, 2], [0, 0, 3, 4], pair, [9, 8, 7, 6], [5, 4, 3, 2]].iter().enumerate()
-            {
-                frame[4 * k..4 * k + 4].copy_from_slice(word);
-            }
-            frame
-        };
-        let control = (2 << 24) | (1 << 22) | (3 << 20);
-        for (first, pair) in [(true, [2, 1, 4, 3]), (false, [4, 3, 2, 1])] {
-            let mut little = words(control, pair);
-            for at in [0, 4, 8, 20] {
-                little[at..at + 4].reverse();
-            }
+        for first in [true, false] {
+            let mut little = little_frame(first);
             turn(&mut little, first);
-            assert_eq!(little, words(control, [1, 2, 3, 4]), "{first}");
+            assert_eq!(little, frame([1, 2, 3, 4]), "{first}");
         }
+    }
+
+    /// Two records of a big-endian header and little-endian samples, of either version: each says afterwards what it holds.
+    #[test]
+    fn compressed_samples_are_turned_once() {
+        let record = |encoding: u8, order: u8, frame: Vec<u8>| {
+            let mut header = vec![b'0'; 64];
+            header[20..24].copy_from_slice(&[0x07, 0xb2, 0, 1]);
+            header[44..56].copy_from_slice(&[0, 64, 0, 48, 0x03, 0xe8, 0, 0, encoding, order, 7, 0]);
+            [header, frame].concat()
+        };
+        let little = [record(10, 0, little_frame(true)), record(11, 0, little_frame(false))].concat();
+        let big = [record(10, 1, frame([1, 2, 3, 4])), record(11, 1, frame([1, 2, 3, 4]))].concat();
+        assert_eq!(big_endian(&little).as_ref(), big);
+        assert!(matches!(big_endian(&big), Cow::Borrowed(_)));
+        let plain = record(3, 0, little_frame(true));
+        assert!(matches!(big_endian(&plain), Cow::Borrowed(_)), "the library knows the order of plain numbers");
     }
 
     #[test]
