@@ -53,6 +53,8 @@ use verdict::Conclusion;
 
 /// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
 const FAR: f64 = 0.4;
+/// Standard deviations from which it is told from the stated one.
+const CERTAIN: f64 = 3.0;
 /// Samples that a search fits at most, and the last fit: of longer recordings the stretches with the most motion.
 const SEARCHED: usize = 120_000;
 const FITTED: usize = 400_000;
@@ -182,8 +184,10 @@ fn far_from_stated(experiment: &Experiment, fit: &Fit) -> Vec<SetUpFinding> {
     let far = |(name, stated): (&'static str, f64)| {
         let unit = kind.parameters().iter().find(|p| p.key == name)?.unit;
         let quantity = fitted.get(name).filter(|_| experiment.model.fits(name))?;
-        let away = (quantity.value / stated).abs().ln().abs();
-        (away.is_nan() || away >= FAR)
+        // A value of the other sign has no logarithm.
+        let away = (quantity.value / stated).ln().abs();
+        let told = quantity.std.is_some_and(|std| (quantity.value - stated).abs() > CERTAIN * std);
+        (told && (away.is_nan() || away >= FAR))
             .then(|| SetUpFinding::model_value(name, stated, quantity.value, quantity.std, unit))
     };
     experiment.model.baseline.parameters().into_iter().filter_map(far).collect()

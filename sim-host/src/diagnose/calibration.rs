@@ -38,6 +38,8 @@ pub(super) struct Calibration {
     pub(super) negligible: f64,
     /// chi2 up to which what follows nothing is noise that was stated too small.
     pub(super) modest: f64,
+    /// The same of a channel whose noise nobody states: of a noise that swings slowly neighbouring samples show little.
+    pub(super) unstated: f64,
     /// Share of a named effect's excess beyond which what is left and follows the motion is said to be missing too.
     pub(super) simple: f64,
     /// Share of the stated model's excess that names must explain to be given where more is missing beside them.
@@ -81,6 +83,7 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     credible: 0.15,
     negligible: 0.06,
     modest: 2.5,
+    unstated: 25.0,
     simple: 0.03,
     most: 0.8,
     lead: 4.0,

@@ -102,14 +102,15 @@ pub(super) fn weigh(
     }
     let ranking = Ranking::new(&before, &candidates);
     candidates.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
-    let (mut unlisted, mut unlisted_probability) = beyond(accounted(weighing, &before, &after)?, &after);
-    let mut noise = Vec::new();
-    let modest = after.hold.chi2.max(after.fit.chi2()) < CALIBRATION.modest;
     let follows = follows(weighing, &after)?;
-    if unlisted && modest && !follows.is_certain() {
+    let quiet = follows.noise(&after);
+    let (mut unlisted, mut unlisted_probability) = beyond(accounted(weighing, &before, &after)?, &after, quiet);
+    let irregular = unlisted && follows.is_modest(&after) && !follows.is_certain();
+    if irregular {
         (unlisted, unlisted_probability) = (false, IRREGULAR);
-        noise = larger_noise(weighing, &after, CALIBRATION.negligible);
     }
+    let larger = irregular || (!unlisted && quiet > CALIBRATION.negligible);
+    let noise = if larger { larger_noise(weighing, &after, &follows, CALIBRATION.negligible) } else { Vec::new() };
     let mut ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
     let mut unnamed = false;
     if !unlisted && let Some(surer) = surer(weighing, &after, &candidates)? {
@@ -126,7 +127,8 @@ pub(super) fn weigh(
     if unlisted {
         after = before.clone();
     }
-    let more_missing = unnamed || follows.is_certain() && more_is_missing(&before, &after, CALIBRATION.negligible);
+    let more_missing =
+        unnamed || follows.is_certain() && more_is_missing(&before, &after, CALIBRATION.negligible, quiet);
     let mut decision =
         Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise };
     scatter(&mut decision);

@@ -2,6 +2,7 @@
 
 use super::calibration::CALIBRATION;
 use super::split::Weighing;
+use crate::identify::data::Channel;
 use crate::identify::fit::Fit;
 use crate::identify::judge::Score;
 use crate::identify::model::Model;
@@ -97,6 +98,16 @@ pub(super) fn disbelief(stated: &Model, fitted: &Model) -> f64 {
     let known = stated.own.iter().zip(&fitted.own).filter(|(stated, _)| stated.free && stated.value != 0.0);
     known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / CALIBRATION.stated_share).powi(2)).sum::<f64>()
         + clock
+}
+
+/// The channel of which a model explains nearly all that another lacks far beyond the noise, and what it leaves of that.
+pub(super) fn explains_a_channel(without: &Judged, with: &Judged) -> Option<(Channel, f64)> {
+    let share = |&(channel, before, _): &(Channel, f64, usize)| {
+        let &(_, after, _) = with.hold.channels.iter().find(|(of, ..)| *of == channel)?;
+        let left = (after - 1.0).max(0.0) / (before - 1.0);
+        (before > CALIBRATION.modest && left < 1.0 - CALIBRATION.explained).then_some((channel, left))
+    };
+    without.hold.channels.iter().filter_map(share).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Parameters that were fitted.

@@ -3,8 +3,9 @@
 use super::calibration::CALIBRATION;
 use super::judged::{Decision, Judged};
 use super::split::Weighing;
-use super::structure::{Structure, structure};
-use crate::identify::evaluate::predict;
+use super::structure::{Structure, structures};
+use crate::identify::data::{Channel, Run};
+use crate::identify::evaluate::{Predicted, predict};
 use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
@@ -14,6 +15,11 @@ impl Decision {
         let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
         let mut known = self.candidates.iter().chain(&self.partial).filter(|judged| judged.added == names);
         known.any(|judged| left(judged) < left(&self.before))
+    }
+
+    /// Names that stand beside a curve, as they were weighed without it.
+    pub(super) fn without_the_curve(&self, names: &[&'static str]) -> Option<&Judged> {
+        self.candidates.iter().chain(&self.partial).find(|judged| judged.added == names)
     }
 
     /// Names effects that explain a part and cannot be left to a curve; more is missing beside them.
@@ -32,30 +38,86 @@ impl Decision {
     }
 }
 
-/// True where named effects leave more than noise, an excess of chi2 that is `negligible`, and the simplicity of their equations.
-pub(super) fn more_is_missing(before: &Judged, after: &Judged, negligible: f64) -> bool {
-    let left = (after.hold.chi2 - 1.0).max(0.0);
-    let excess = (before.hold.chi2 - 1.0).max(1e-9);
+/// True where named effects leave more than noise, an excess of chi2 that is `negligible`, and the simplicity of their equations;
+/// `noise` of what is left is the noise of channels that follow nothing.
+pub(super) fn more_is_missing(before: &Judged, after: &Judged, negligible: f64, noise: f64) -> bool {
+    let left = (after.hold.chi2 - 1.0 - noise).max(0.0);
+    let excess = (before.hold.chi2 - 1.0 - noise).max(1e-9);
     !after.added.is_empty() && left > negligible && left > CALIBRATION.simple * excess
 }
 
+/// Which channels of what a model leaves follow the motion.
+pub(super) struct Followed {
+    structures: Vec<(Channel, Structure)>,
+    /// Channels whose noise nobody states.
+    estimated: Vec<Channel>,
+}
+
+impl Followed {
+    /// Of runs and their predictions.
+    pub(super) fn of(runs: &[Run], predicted: &[Predicted]) -> Self {
+        let measured = runs.iter().flat_map(|run| &run.measured);
+        let estimated = measured.filter(|m| m.judged && m.estimated).map(|m| m.channel).collect();
+        Self { structures: structures(runs, predicted), estimated }
+    }
+
+    /// True where what is left is no larger than noise may be: what follows the motion or not is then physics or noise.
+    pub(super) fn is_modest(&self, judged: &Judged) -> bool {
+        let overall = judged.hold.chi2.max(judged.fit.chi2());
+        let within = |(channel, chi2, _): &(Channel, f64, usize)| *chi2 < self.most(*channel);
+        overall < CALIBRATION.modest || (overall < CALIBRATION.unstated && judged.hold.channels.iter().all(within))
+    }
+
+    /// chi2 of a channel up to which what follows nothing is its noise.
+    fn most(&self, channel: Channel) -> f64 {
+        if self.estimated.contains(&channel) { CALIBRATION.unstated } else { CALIBRATION.modest }
+    }
+
+    /// True where something follows the motion beyond doubt.
+    pub(super) fn is_certain(&self) -> bool {
+        self.structures.iter().any(|(_, structure)| structure.is_certain())
+    }
+
+    /// True where what is left of a channel follows the motion beyond doubt.
+    fn is_certain_of(&self, channel: Channel) -> bool {
+        self.structures.iter().any(|(of, structure)| *of == channel && structure.is_certain())
+    }
+
+    /// Excess of chi2 that lies in channels of which nothing follows the motion, where it is modest: their noise was stated too small.
+    pub(super) fn noise(&self, judged: &Judged) -> f64 {
+        let motion = |channel| matches!(channel, Channel::Displacement | Channel::Acceleration);
+        let any = judged.hold.channels.iter().any(|(channel, ..)| motion(*channel));
+        let excess = |&(channel, chi2, rows): &(Channel, f64, usize)| {
+            let known = self.structures.iter().any(|(of, structure)| *of == channel && !structure.is_certain());
+            if known && chi2 < self.most(channel) { (chi2 - 1.0).max(0.0) * rows as f64 } else { 0.0 }
+        };
+        let counted = judged.hold.channels.iter().filter(|(channel, ..)| !any || motion(*channel));
+        counted.map(excess).sum::<f64>() / judged.hold.samples.max(1) as f64
+    }
+}
+
 /// What of a model's residuals follows the motion, on all runs at hand.
-pub(super) fn follows(weighing: &Weighing, judged: &Judged) -> Result<Structure, SimulateError> {
+pub(super) fn follows(weighing: &Weighing, judged: &Judged) -> Result<Followed, SimulateError> {
     let mut runs = weighing.fitted().to_vec();
     let fitted = runs.iter().zip(&judged.fit.locals).map(|(run, local)| predict(&judged.fit.model, run, local));
     let mut predicted = fitted.collect::<Result<Vec<_>, _>>()?;
     runs.extend(weighing.weighed().iter().cloned());
     predicted.extend(judged.hold.predicted.iter().cloned());
-    Ok(structure(&runs, &predicted))
+    Ok(Followed::of(&runs, &predicted))
 }
 
-/// The noise that stands for what a model leaves where that follows nothing, by channel; an excess of chi2 that is `negligible`
-/// is none.
-pub(super) fn larger_noise(weighing: &Weighing, judged: &Judged, negligible: f64) -> Vec<SetUpFinding> {
+/// The noise that stands for what a model leaves in the channels of which nothing follows the motion; an excess of chi2 that is
+/// `negligible` is none.
+pub(super) fn larger_noise(
+    weighing: &Weighing,
+    judged: &Judged,
+    follows: &Followed,
+    negligible: f64,
+) -> Vec<SetUpFinding> {
     let runs = weighing.weighed();
     let mut findings: Vec<SetUpFinding> = Vec::new();
     let channels = runs.first().map(super::residual::judged_channels).unwrap_or_default();
-    for channel in channels {
+    for channel in channels.into_iter().filter(|channel| !follows.is_certain_of(*channel)) {
         let (mut squares, mut count, mut stated) = (0.0, 0.0, 0.0);
         for (run, predicted) in runs.iter().zip(&judged.hold.predicted) {
             let residual = super::residual::residual(run, predicted, channel).unwrap_or_default();

@@ -99,16 +99,30 @@ fn scale(
 }
 
 /// Mean square of white noise with these samples' differences, and how many there are; none for too few.
+///
+/// A sensor's noise is about as large at all times. Where the differences come in bursts they are blows and turning points, and the noise
+/// is what the quietest stretches have.
 fn differences(series: &[Vec<f64>]) -> Option<(f64, f64)> {
-    let mut fourth: Vec<f64> = series.iter().flat_map(|r| r.windows(5).map(difference)).collect();
-    fourth.retain(|d| d.is_finite());
+    let each: Vec<Vec<f64>> = series.iter().map(|r| r.windows(5).map(difference).collect()).collect();
+    let mut fourth: Vec<f64> = each.iter().flatten().copied().filter(|d| d.is_finite()).collect();
     if fourth.len() < 200 {
         return None;
     }
-    // Impacts and turning points are not noise: the largest hundredth is left out.
     fourth.sort_unstable_by(f64::total_cmp);
+    // Impacts and turning points are not noise: the largest hundredth is left out.
     let kept = &fourth[..fourth.len() * 99 / 100];
-    Some((kept.iter().sum::<f64>() / kept.len() as f64 / TRIMMED / 70.0, fourth.len() as f64))
+    let all = kept.iter().sum::<f64>() / kept.len() as f64 / TRIMMED / 70.0;
+    Some((quiet(&each).map_or(all, |quiet| quiet.min(all)), fourth.len() as f64))
+}
+
+/// The same of the quietest stretches, where half of all are far louder; none where the noise is about as large at all times.
+fn quiet(each: &[Vec<f64>]) -> Option<f64> {
+    let stretches = each.iter().flat_map(|series| series.chunks_exact(BURST));
+    let mut powers: Vec<f64> = stretches.map(|d| d.iter().sum::<f64>() / BURST as f64 / 70.0).collect();
+    powers.retain(|power| power.is_finite());
+    powers.sort_unstable_by(f64::total_cmp);
+    let (low, middle) = (*powers.get(powers.len() / 10)?, *powers.get(powers.len() / 2)?);
+    (powers.len() >= FEWEST_STRETCHES && middle > LOUDER * low).then_some(low / QUIETEST)
 }
 
 /// Power of white noise that the upper half of the band holds between its lines: a hum is no noise, however large it is.
@@ -131,6 +145,12 @@ fn everywhere(residuals: &[Vec<f64>]) -> f64 {
 
 /// Mean square of a unit normal's squares without the largest hundredth.
 const TRIMMED: f64 = 0.924;
+/// Differences of a stretch, how many stretches say something, by how much half of them are louder than a tenth where noise is not what
+/// they hold, and where that tenth lies where a quarter of them has white noise of one alone.
+const BURST: usize = 50;
+const FEWEST_STRETCHES: usize = 20;
+const LOUDER: f64 = 4.0;
+const QUIETEST: f64 = 0.9;
 
 fn difference(w: &[f64]) -> f64 {
     (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2)
@@ -169,4 +189,42 @@ fn at_rest(run: &Run) -> Vec<bool> {
         moved[k + 1] = moved[k] + usize::from((run.input[k] - before).abs() > still * run.dt / WINDOW);
     }
     (0..n).map(|k| moved[(k + reach).min(n)] == moved[k.saturating_sub(4 * reach)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    fn white(seed: u64) -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        (0..6000)
+            .map(|_| (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0)
+            .collect()
+    }
+
+    /// Blows of a gap that opens and shuts are as broad as noise and many times its size: what the quietest stretches show is the noise.
+    #[test]
+    fn blows_are_no_noise() {
+        for seed in 0..20 {
+            let blow = |k: usize| if k % 60 < 3 && k > 1500 { 15.0 } else { 0.0 };
+            let struck: Vec<f64> = white(seed).iter().enumerate().map(|(k, e)| e * (1.0 + blow(k))).collect();
+            let (power, _) = differences(&[struck.clone()]).unwrap();
+            assert!((power.sqrt() - 1.0).abs() < 0.15, "{seed}: {}", power.sqrt());
+            assert!(everywhere(&[struck]).sqrt() > 2.0);
+        }
+    }
+
+    /// Noise that is about as large at all times is measured on all of it.
+    #[test]
+    fn steady_noise_is_measured_on_all_samples() {
+        for seed in 0..20 {
+            let (power, _) = differences(&[white(seed)]).unwrap();
+            assert!((power.sqrt() - 1.0).abs() < 0.04, "{seed}: {}", power.sqrt());
+            let grown: Vec<f64> =
+                white(seed).iter().enumerate().map(|(k, e)| e * if k % 400 < 200 { 1.3 } else { 1.0 }).collect();
+            assert!(quiet(&[grown.windows(5).map(difference).collect()]).is_none());
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! What the library does not hold, modelled: the curve that foresees best, in the coordinate it follows.
 
 use super::finish::without;
-use super::judged::{Judged, disbelief};
+use super::judged::{Judged, disbelief, explains_a_channel};
 use super::split::Weighing;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::gains;
@@ -87,7 +87,8 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
     };
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));
-    let alone = all.iter().filter(|j| j.added.is_empty()).map(|j| j.hold.chi2).fold(before.hold.chi2, f64::min);
+    let alone = all.iter().filter(|j| j.added.is_empty() && j.hold.chi2 < before.hold.chi2);
+    let alone = alone.min_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2)).unwrap_or(before);
     let names_needed = all.first().map_or(Ok(false), |best| names_needed(weighing, best, alone))?;
     let mut all = all.into_iter();
     let Some(judged) = all.next() else { return Ok(None) };
@@ -100,15 +101,17 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
     Ok(described(before, &judged).map(|remainder| Curved { remainder, judged, names_needed, rival }))
 }
 
-/// Whether the effects beside a curve or an equation cannot be left to it: without them it leaves far more, fitted on from where it stands
-/// as well as found anew (`alone`, chi2 on the runs held back).
-pub(super) fn names_needed(weighing: &Weighing, judged: &Judged, alone: f64) -> Result<bool, SimulateError> {
-    let left = |chi2: f64| (chi2 - 1.0).max(0.0);
-    if judged.added.is_empty() || left(judged.hold.chi2) >= NEEDED * left(alone) {
+/// Whether the effects beside a curve or an equation cannot be left to it: without them it leaves far more, fitted on from where it
+/// stands as well as found anew (`alone`); in all, or nearly all of what one channel lacks.
+pub(super) fn names_needed(weighing: &Weighing, judged: &Judged, alone: &Judged) -> Result<bool, SimulateError> {
+    let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
+    let in_all = |less: &Judged| left(judged) < NEEDED * left(less);
+    let needed = |less: &Judged| in_all(less) || explains_a_channel(less, judged).is_some();
+    if judged.added.is_empty() || !needed(alone) {
         return Ok(false);
     }
     let less = without(judged, &judged.added, weighing)?;
-    Ok(left(judged.hold.chi2) < NEEDED * left(less.hold.chi2))
+    Ok(needed(&less))
 }
 
 /// A curve at zero, its knots held loosely to it: what no run reaches stays there.

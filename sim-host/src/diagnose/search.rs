@@ -5,6 +5,7 @@ mod seedlings;
 
 use super::Options;
 use super::calibration::CALIBRATION;
+use super::judged::disbelief;
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
@@ -60,8 +61,9 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
     let mut parents = vec![search.baseline.clone()];
     let held_back = Foresight::of(weighing, &search.baseline)?;
     // A refit bends a model far from the truth to hide what is missing, and may hide it whole: values near those stated are a
-    // second start.
-    if explains(&search.baseline) && !held_back.reaches(&search.baseline)? {
+    // second start, and the only one where it hid all.
+    let bent = |fit: &Fit| disbelief(weighing.model(), &fit.model) > CHANCE;
+    if explains(&search.baseline) && (bent(&search.baseline) || !held_back.reaches(&search.baseline)?) {
         parents = fit_near(prepared, &search.baseline)?.map_or(parents, |near| vec![near]);
     } else {
         parents.extend(fit_from_near(prepared, &search.baseline)?);
@@ -86,13 +88,13 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
         let settled = left < SETTLED && best.chi2() < 1.0 + CALIBRATION.hidden;
-        if gain < CHANCE || ((explains(best) || settled) && held_back.reaches(best)?) {
+        if gain < CHANCE || (!bent(best) && (explains(best) || settled) && held_back.reaches(best)?) {
             break;
         }
         parents = grown.iter().take(BEAM).cloned().collect();
         if explains(best) {
-            // The runs fitted are explained and those held back are not: values far from what was stated may have taken
-            // in what is missing. Held near, they cannot.
+            // The runs fitted are explained, by values far from what was stated or unlike those held back: the values may have
+            // taken in what is missing. Held near, they cannot.
             let near = parents.iter().map(|fit| fit_near(prepared, fit)).collect::<Result<Vec<_>, _>>()?;
             parents = near.into_iter().flatten().collect();
         }

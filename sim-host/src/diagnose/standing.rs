@@ -122,15 +122,15 @@ pub(super) fn accounted(weighing: &Weighing, before: &Judged, after: &Judged) ->
 
 /// Whether what is left lies outside the library, and how probable that is.
 pub(super) fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
-    beyond(before.hold.chi2 - 1.0, after)
+    beyond(before.hold.chi2 - 1.0, after, 0.0)
 }
 
-/// The same where the effects account for an `excess` of chi2.
-pub(super) fn beyond(excess: f64, after: &Judged) -> (bool, f64) {
-    let left = after.hold.chi2 - 1.0;
+/// The same where the effects account for an `excess` of chi2, and `quiet` of it is the noise of channels that follow nothing.
+pub(super) fn beyond(excess: f64, after: &Judged, quiet: f64) -> (bool, f64) {
+    let left = after.hold.chi2 - 1.0 - quiet;
     let blur = 3.0 * (2.0 / after.hold.samples.max(1) as f64).sqrt();
     let noise = CALIBRATION.negligible + blur;
-    let allowed = if strained(after) { noise } else { noise.max((1.0 - CALIBRATION.explained) * excess) };
+    let allowed = if strained(after) { noise } else { noise.max((1.0 - CALIBRATION.explained) * (excess - quiet)) };
     let ratio = (left / allowed).max(1e-3);
     (left > allowed, 1.0 / (1.0 + (-3.0 * ratio.ln()).exp()) * if ratio < 0.3 { 0.5 } else { 1.0 })
 }

@@ -41,13 +41,12 @@ const CERTAIN: f64 = 3.1;
 /// Mean square, in units of the noise's, below which structure is nothing to speak of.
 const LEAST: f64 = 0.01;
 
-/// The largest structure of any judged channel.
-pub(super) fn structure(runs: &[Run], predicted: &[Predicted]) -> Structure {
+/// The structure of each judged channel that has samples enough to tell.
+pub(super) fn structures(runs: &[Run], predicted: &[Predicted]) -> Vec<(Channel, Structure)> {
     let mut channels: Vec<Channel> = runs.iter().flat_map(super::residual::judged_channels).collect();
     channels.sort_unstable();
     channels.dedup();
-    let each = channels.into_iter().filter_map(|channel| of_channel(runs, predicted, channel));
-    each.max_by(|a, b| a.certainty.total_cmp(&b.certainty)).unwrap_or_default()
+    channels.into_iter().filter_map(|channel| Some((channel, of_channel(runs, predicted, channel)?))).collect()
 }
 
 /// One sample: its stretch, what was left and the features.
@@ -198,7 +197,7 @@ mod tests {
         let mut normal = || (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
         let model: Vec<f64> = (0..N).map(motion).collect();
         let values = model.iter().enumerate().map(|(k, x)| x + 1e-5 * residual(k, normal())).collect();
-        let measured = Measured { channel: Channel::Displacement, values, noise: 1e-5, judged: true };
+        let measured = Measured { channel: Channel::Displacement, values, noise: 1e-5, estimated: false, judged: true };
         let run = Run {
             name: "a".into(),
             dt: DT,
@@ -214,7 +213,8 @@ mod tests {
             motion: None,
             filter: None,
         };
-        structure(&[run], &[Predicted { channels: vec![model], displacement: Vec::new() }])
+        let predicted = Predicted { channels: vec![model], displacement: Vec::new() };
+        structures(&[run], &[predicted])[0].1
     }
 
     #[test]

@@ -94,7 +94,7 @@ pub(super) fn unlisted(
     let curve = remainder(weighing, before, beside)?;
     let parents = [beside, before].into_iter().take(if beside.added.is_empty() { 1 } else { 2 });
     let mut found = parents.map(|parent| equation(weighing, parent)).collect::<Result<Vec<_>, _>>()?;
-    let alone = found.last().and_then(|f| f.as_ref()).map_or(before.hold.chi2, |f| f.judged.hold.chi2);
+    let alone = found.last().and_then(|f| f.as_ref()).map_or_else(|| before.clone(), |f| f.judged.clone());
     found.sort_by(|a, b| chi2(a.as_ref()).total_cmp(&chi2(b.as_ref())));
     let Some(term) = found.into_iter().flatten().next() else { return Ok(curve.map(Into::into)) };
     let left = |chi2: f64| (chi2 - 1.0).max(0.0);
@@ -103,7 +103,7 @@ pub(super) fn unlisted(
     {
         return Ok(Some(curve.clone().into()));
     }
-    let names_needed = names_needed(weighing, &term.judged, alone)?;
+    let names_needed = names_needed(weighing, &term.judged, &alone)?;
     let (remainder, rival) = curve.map_or((None, None), |c| (Some(c.remainder), Some(c.judged.fit)));
     Ok(Some(Modelled { remainder, judged: term.judged.clone(), term: Some(term), names_needed, rival }))
 }

@@ -2,11 +2,10 @@
 //! judged on data that nothing was chosen by. Names that do not hold there are taken back; nothing is chosen anew.
 
 use super::calibration::CALIBRATION;
-use super::judged::{Decision, Judged};
-use super::leftover::more_is_missing;
+use super::judged::{Decision, Judged, explains_a_channel};
+use super::leftover::{Followed, more_is_missing};
 use super::split::Test;
-use super::standing::outside;
-use super::structure::structure;
+use super::standing::{beyond, outside};
 use super::term::Modelled;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::Local;
@@ -130,19 +129,28 @@ pub(super) fn verdict(
     whole: &Prepared,
     seen: &[Run],
     mut decision: Decision,
-    curve: Option<&Modelled>,
+    modelled: Option<&Modelled>,
     test: Test,
 ) -> Result<Conclusion, SimulateError> {
     let (judging, held_out) = test.consume(whole);
     let last = |judged: &Judged| last(judged, (whole, seen), &judging);
     let before = last(&decision.before)?;
     let mut partial = decision.partial.as_ref().map(last).transpose()?;
-    let curve = curve.map(|modelled| last(&modelled.judged)).transpose()?.filter(|c| c.hold.chi2 < before.hold.chi2);
-    // Names that stand beside a curve are judged with it.
-    let beside = if decision.more_missing && decision.after.added.is_empty() { curve.clone() } else { None };
+    let curve = modelled.map(|modelled| last(&modelled.judged)).transpose()?.filter(|c| c.hold.chi2 < before.hold.chi2);
     let selected = (!decision.after.added.is_empty()).then(|| last(&decision.after)).transpose()?;
-    let named = selected.or(beside);
-    let refusal = named.as_ref().and_then(|named| refusal(&before, named, &judging, most_left(&decision)));
+    // Names that stand beside a curve are judged with it, and where that fails without it: the curve may be what fails.
+    let beside = modelled.filter(|_| decision.more_missing && selected.is_none());
+    let with_curve = if beside.is_some() { curve.clone() } else { None };
+    let refused = |named: &Judged| refusal(&before, named, &judging, decision.more_missing);
+    let mut named = selected.or(with_curve);
+    let mut refusal = named.as_ref().and_then(refused);
+    if (named.is_none() || refusal.is_some())
+        && let Some(names) = beside.and_then(|modelled| decision.without_the_curve(&modelled.judged.added))
+        && let alone = last(names)?
+        && refused(&alone).is_none()
+    {
+        (named, refusal) = (Some(alone), None);
+    }
     let (mut unlisted, mut more_missing) = (decision.unlisted, decision.more_missing);
     let mut after = before.clone();
     match named {
@@ -160,12 +168,14 @@ pub(super) fn verdict(
         None => {}
     }
     // A misfit far from the noise is physics whether or not it follows the motion.
-    let far = after.hold.chi2 > CALIBRATION.modest;
-    if !unlisted && (far || follows(&judging, &after)) {
+    let follows = Followed::of(&judging, &after.hold.predicted);
+    let far = !follows.is_modest(&after);
+    let quiet = follows.noise(&after);
+    if !unlisted && (far || follows.is_certain()) {
         // What shows on the runs held out alone: more than the names explain, or anything at all.
         if !after.added.is_empty() {
-            more_missing |= more_is_missing(&before, &after, CALIBRATION.negligible);
-        } else if outside(&before, &after).0 {
+            more_missing |= more_is_missing(&before, &after, CALIBRATION.negligible, quiet);
+        } else if beyond(before.hold.chi2 - 1.0, &after, quiet).0 {
             unlisted = true;
             decision.take_back(CALIBRATION.failed);
         }
@@ -216,18 +226,10 @@ fn rest_beyond_noise(judged: &Judged) -> bool {
     judged.hold.chi2 - 1.0 > CALIBRATION.negligible + blur
 }
 
-/// Whether what a model leaves of the runs that judge follows the motion.
-fn follows(judging: &[Run], judged: &Judged) -> bool {
-    structure(judging, &judged.hold.predicted).is_certain()
-}
-
-/// Share of the misfit on the runs held out that names may leave: those beside which more is missing explain the larger part.
-fn most_left(decision: &Decision) -> f64 {
-    if decision.more_missing { LARGER_PART } else { 1.0 - CALIBRATION.credible }
-}
-
-/// Why these names cannot stand.
-fn refusal(before: &Judged, named: &Judged, judging: &[Run], most_left: f64) -> Option<Refusal> {
+/// Why these names cannot stand; those beside which more is missing need to explain the larger part alone, or nearly all of one channel.
+fn refusal(before: &Judged, named: &Judged, judging: &[Run], beside_more: bool) -> Option<Refusal> {
+    let channel_explained =
+        explains_a_channel(before, named).filter(|_| beside_more && named.hold.chi2 < before.hold.chi2);
     let channels = judging.iter().flat_map(|run| run.measured.iter().filter(|m| m.judged).map(|m| m.channel));
     let mut channels: Vec<Channel> = channels.collect();
     channels.sort_unstable();
@@ -238,7 +240,7 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], most_left: f64) -> 
         let ratio = (found / stated).powi(2);
         let samples: usize = judging.iter().filter_map(|r| r.channel(channel)).map(|m| m.values.len()).sum();
         let chance = CHANCE * (2.0 * named.hold.colour / samples.max(1) as f64).sqrt();
-        if ratio > 1.0 + chance {
+        if ratio > 1.0 + chance && channel_explained.is_none() {
             return Some(Refusal::Worse { channel: channel.name(), ratio });
         }
         // Share of the channel's power that is noise: what it leaves of the rest is what a model can be asked for.
@@ -250,7 +252,9 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], most_left: f64) -> 
         }
     }
     let lacks = rest_beyond_noise(before);
-    let share_left = (named.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9);
+    let in_all = (named.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9);
+    let share_left = channel_explained.map_or(in_all, |(_, left)| left.min(in_all));
+    let most_left = if beside_more { LARGER_PART } else { 1.0 - CALIBRATION.credible };
     if lacks && share_left > most_left {
         return Some(Refusal::NoGain { share_left });
     }

@@ -80,6 +80,8 @@ pub struct Measured {
     pub values: Vec<f64>,
     /// Standard deviation of the noise, in the channel's unit.
     pub noise: f64,
+    /// True where nobody states that noise: it is what the recording shows where it rests, or between neighbouring samples.
+    pub estimated: bool,
     /// Whether a fit is judged by it; the others are shown beside.
     pub judged: bool,
 }

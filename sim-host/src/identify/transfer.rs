@@ -104,7 +104,13 @@ mod tests {
             let hz = 0.15 * 1.12_f64.powi(i) * f64::from(20 + number) / 20.0;
             0.001 * (std::f64::consts::TAU * hz * k as f64 * dt + f64::from(i * i * number)).sin()
         };
-        let displacement = Measured { channel: Channel::Displacement, values: vec![0.0; n], noise: 1e-6, judged: true };
+        let displacement = Measured {
+            channel: Channel::Displacement,
+            values: vec![0.0; n],
+            noise: 1e-6,
+            estimated: false,
+            judged: true,
+        };
         let mut run = Run {
             name: format!("run {number}"),
             dt,

@@ -1,6 +1,7 @@
+use super::super::judged::explains_a_channel;
 use super::super::standing::{outside, sound, strained};
 use super::*;
-use crate::identify::data::Run;
+use crate::identify::data::{Channel, Run};
 use crate::identify::fit::Effort;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::judge::score;
@@ -60,4 +61,21 @@ fn the_end_at_which_an_effect_vanishes_strains_nothing() {
     };
     assert!(strained_on(&model(TRUTH).with(viscous(8.0, 0.0, (-0.2, 2.0)))), "an eighth of what is there");
     assert!(!strained_on(&model(TRUTH)), "where there is none");
+}
+
+/// A hum is all that the accelerometer lacks, however much more the displacement lacks of something else: a share of the whole does not
+/// show that.
+#[test]
+fn an_effect_that_explains_one_channel_is_seen_in_it() {
+    let mut hum = Placed::start(entry("mains_hum").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    hum.values.iter_mut().zip([50.0, 0.0, 1.0, 0.0]).for_each(|(slot, value)| slot.value = value);
+    let truth = model(TRUTH).with(viscous(120.0, -0.6, (-2.0, 2.0))).with(hum.clone());
+    let runs: Vec<Run> = (1..4).map(|seed| recorded(&truth, seed)).collect();
+    let (stated, humming) = (judged(model(TRUTH), &runs), judged(model(TRUTH).with(hum), &runs));
+    let share = (humming.hold.chi2 - 1.0) / (stated.hold.chi2 - 1.0);
+    assert!(share > 0.4, "of all that is lacking {share} is left");
+    let (channel, left) = explains_a_channel(&stated, &humming)
+        .unwrap_or_else(|| panic!("{:?} to {:?}", stated.hold.channels, humming.hold.channels));
+    assert!(channel == Channel::Acceleration && left < 0.1, "{channel:?}: {left}");
+    assert_eq!(explains_a_channel(&humming, &stated), None);
 }
