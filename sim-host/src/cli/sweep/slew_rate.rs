@@ -34,9 +34,9 @@ impl Args {
     /// Refuses what no valve and no piston has.
     pub(super) fn check(&self) -> Result<(), Failure> {
         let (flow, drop_ratio) = self.values();
-        within("--flow", flow, 1e-3, 1e5)?;
-        within("--drop-ratio", drop_ratio, 1e-3, 1e3)?;
-        within("--area", self.area, 0.1, 1e6)
+        within("--flow", flow, 1e-3, 1e5, "L/s")?;
+        within("--drop-ratio", drop_ratio, 1e-3, 1e3, "")?;
+        within("--area", self.area, 0.1, 1e6, "cm2")
     }
 }
 
