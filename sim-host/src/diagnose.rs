@@ -154,14 +154,14 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     let Concluded { whole, conclusion, modelled, held_out_shared, clock } = conclude(whole, seen, options)?;
     set_up.findings.extend(clock);
     options.say("looking for the test that would settle what is open", 0.96);
-    let next_test = next_test::next_test(&whole, &conclusion, modelled.as_ref())?;
+    let (next_test, no_test) = next_test::next_test(&whole, &conclusion, modelled.as_ref())?.parts();
     let location = locate::locate(&whole, &conclusion)?;
     let change = change::change(&whole, &conclusion)?;
     let modelled = modelled.filter(|_| conclusion.unlisted || conclusion.more_missing);
     let term = modelled.as_ref().and_then(|m| term::report::reported(m.term.as_ref()?, &conclusion));
     let remainder = modelled.and_then(|m| m.remainder);
     let seconds = begun.elapsed().as_secs_f64();
-    let open = result::Open { remainder, term, next_test, change, held_out_shared, seconds };
+    let open = result::Open { remainder, term, next_test, no_test, change, held_out_shared, seconds };
     let mut diagnosis = result::assemble(&whole, &conclusion, location, open, &findings);
     if let Some(term) = diagnosis.term.as_ref().filter(|_| conclusion.unlisted) {
         diagnosis.location.block = Some(term.place);

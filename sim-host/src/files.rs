@@ -4,6 +4,7 @@ pub mod bounded;
 pub mod json;
 pub mod layout;
 pub(crate) mod nearest;
+pub mod wording;
 
 use std::io::{ErrorKind, Result, Write as _};
 use std::path::{Path, PathBuf};

@@ -4,6 +4,7 @@
 pub mod closed_loop;
 pub mod device;
 pub mod diagnose;
+pub mod digits;
 pub mod faults;
 pub mod files;
 pub mod identify;

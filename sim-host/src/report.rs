@@ -3,8 +3,9 @@
 //! Everything flows one way: a command fills a [`Page`] with values in SI or display units of its choice, every axis
 //! and column naming its unit, and writes it.
 
+#[cfg(test)]
+mod contrast;
 mod curve;
-pub mod digits;
 mod escape;
 mod figure;
 mod html;

@@ -165,7 +165,7 @@ fn what_leaves_the_numbers_is_refused() {
 fn a_scenario_is_refused_with_its_line() {
     let folder = TempDir::new().unwrap();
     write(&folder, "a.toml", "controller = \"strong\"\nvelocity = 1\n");
-    assert!(refusal(&folder, &["run", "a.toml"]).contains("a.toml, line 2: unknown field `velocity`"));
+    assert!(refusal(&folder, &["run", "a.toml"]).contains("a.toml, line 2: unknown key `velocity`"));
     write(&folder, "b.toml", "controller = \"fast\"\n");
     assert!(refusal(&folder, &["run", "b.toml"]).contains("`fast`: expected one of current"));
     write(&folder, "c.toml", "[record]\nfile = \"none.AT2\"\n");

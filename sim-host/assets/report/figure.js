@@ -202,9 +202,11 @@ const figures = (() => {
     const width = element.clientWidth || UNSEEN;
     // What is further below the largest value than any instrument reaches, as behind a filter, is not worth an axis.
     const floor = (low, high) => Math.max(low, high / DEEPEST);
+    // One value alone stands in the middle.
+    const apart = (low, high) => low === high ? [low - (Math.abs(low) || 1), high + (Math.abs(high) || 1)] : [low, high];
     const range = (log) => (_, low, high) => {
       if (low == null || !Number.isFinite(low)) return log ? [1, 10] : [0, 1];
-      return log ? [around(floor(low, high), 1 / 1.05), around(high, 1.05)] : uPlot.rangeNum(low, high, 0.1, true);
+      return log ? [around(floor(low, high), 1 / 1.05), around(high, 1.05)] : uPlot.rangeNum(...apart(low, high), 0.1, true);
     };
     return {
       width,

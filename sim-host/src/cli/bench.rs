@@ -1,5 +1,7 @@
 //! `shakedown bench`: records by tables by controllers, and the figures that the tracking law is held to.
 
+mod page;
+
 use super::output::Outputs;
 use super::{Failure, present, progress};
 use clap::builder::PossibleValuesParser;
@@ -9,7 +11,7 @@ use shakedown::closed_loop::bench::{Bench, Case, Contender, Quartiles, Row, Scor
 use shakedown::motion::generate;
 use shakedown::motion::{Record, read};
 use shakedown::plant::sensors::GRAVITY;
-use shakedown::report::{Item, Page, Section, Table};
+use shakedown::report::{Item, Section, Table};
 use std::path::{Path, PathBuf};
 
 /// The public benchmark: records by tables by controllers, quartiles as well as bests, and the tracking law's own figures.
@@ -94,10 +96,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         sections.iter().for_each(present::print_section);
     }
     args.outputs.write_json(json(&held, &rows, &played.cases), &played.inputs)?;
-    let lead = "Every controller is given the same records, fitted to what each table can do, and is tuned by the margins \
-                of its loop, never on a record.";
-    let mut page = Page { title: "Benchmark".into(), lead: lead.into(), sections, ..Page::default() };
-    args.outputs.write_report(&mut page, &played.inputs)
+    args.outputs.write_report(&mut page::page(&held, &benches, &rows, sections), &played.inputs)
 }
 
 /// The figures with acceptance limits, where their two records are there.
@@ -117,7 +116,7 @@ fn held(played: &Played, args: &Args) -> Result<Vec<Figure>, Failure> {
 fn sections(held: &[Figure], benches: &[Bench], rows: &[Row], cases: &[Case]) -> Vec<Section> {
     let mut sections = Vec::new();
     if !held.is_empty() {
-        sections.push(Section { heading: "Figures held to bounds".into(), items: vec![Item::Table(held_table(held))] });
+        sections.push(Section { heading: HELD.into(), items: vec![Item::Table(held_table(held))] });
     }
     for bench in benches {
         let of: Vec<&Row> = rows.iter().filter(|row| row.table == bench.name).collect();
@@ -137,10 +136,14 @@ fn sections(held: &[Figure], benches: &[Bench], rows: &[Row], cases: &[Case]) ->
     }
     if !rows.is_empty() {
         let items = NOTES.iter().map(|note| Item::Note((*note).into())).collect();
-        sections.push(Section { heading: "How to read it".into(), items });
+        sections.push(Section { heading: HOW.into(), items });
     }
     sections
 }
+
+/// Headings of what is not of one table.
+const HELD: &str = "Figures held to bounds";
+const HOW: &str = "How to read it";
 
 const NOTES: [&str; 5] = [
     "Every law but the paper's may ask for at most 2.5 times the flow of the velocity limit.",

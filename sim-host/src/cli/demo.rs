@@ -68,6 +68,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let mut page = Page {
         title: "A near-field record on a table too slow for it, and what a model leaves out".into(),
         lead: format!("{} {}", lead(&entries), concealed.lead()),
+        key: key(&entries),
+        advice: vec![
+            "Play a record of your own: `shakedown run --record FILE --report run.html`, and fit it: `shakedown modify FILE --out \
+             drive.csv`."
+                .into(),
+            "Hold a model against your own recordings: `shakedown init FOLDER` writes the experiment, `shakedown diagnose` reads it."
+                .into(),
+        ],
         sections,
         provenance: vec![
             ("seed".into(), seed.to_string()),
@@ -82,8 +90,23 @@ fn find(entries: &[Entry], way: Way) -> Option<&Entry> {
     entries.iter().find(|entry| entry.way == way)
 }
 
+/// E_a of a way to play the record, against what was wanted.
+fn e_a(entries: &[Entry], way: Way) -> f64 {
+    find(entries, way).map_or(f64::NAN, |entry| entry.scores.against_wanted.e_a.ratio)
+}
+
+fn key(entries: &[Entry]) -> Vec<(String, String)> {
+    let of = |name: &str, way| (format!("E_a, {name}"), format!("{:.2}", e_a(entries, way)));
+    vec![
+        of("as tuned today", Way::Current),
+        of("strong gains", Way::Strong),
+        of("fitted online", Way::Causal),
+        of("record fitted beforehand", Way::Fitted),
+    ]
+}
+
 fn lead(entries: &[Entry]) -> String {
-    let e_a = |way| find(entries, way).map_or(f64::NAN, |entry| entry.scores.against_wanted.e_a.ratio);
+    let e_a = |way| e_a(entries, way);
     format!(
         "Acceleration error of the table: {:.2} as it is tuned today, {:.2} with strong gains, which meet the velocity limit \
          and spike; {:.2} with the core fitting the record online, {:.2} with the record fitted beforehand.",

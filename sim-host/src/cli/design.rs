@@ -2,7 +2,7 @@
 
 mod loops;
 
-use super::failure::within;
+use super::failure::{self, within};
 use super::output::{Outputs, print, write_whole};
 use super::places::place;
 use super::{Failure, present, progress};
@@ -47,15 +47,15 @@ pub(crate) struct Args {
 /// Designs, states the margins, writes the settings.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let refuse = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", args.model.display()));
-    for (option, value, low, high) in [
-        ("--spread", args.spread, 0.0, 0.95),
-        ("--gain-margin", args.gain_margin, 0.0, 40.0),
-        ("--phase-margin", args.phase_margin, 0.0, 90.0),
-        ("--rate", args.rate, 200.0, 20_000.0),
+    for (option, value, low, high, unit) in [
+        ("--spread", args.spread, 0.0, 0.95, ""),
+        ("--gain-margin", args.gain_margin, 0.0, 40.0, "dB"),
+        ("--phase-margin", args.phase_margin, 0.0, 90.0, "degrees"),
+        ("--rate", args.rate, 200.0, 20_000.0, "Hz"),
     ] {
-        within(option, value, low, high)?;
+        within(option, value, low, high, unit)?;
     }
-    let model = Model::load(&args.model).map_err(|e| Failure::Input(e.to_string()))?;
+    let model = Model::load(&args.model).map_err(|e| failure::refused(&args.model, e, failure::MODEL))?;
     let (table, unused) = Table::from_model(&model).map_err(|e| refuse(&e))?;
     let spread = Spread::stated(&model, args.spread);
     let demand = Demand { margins: (args.gain_margin, args.phase_margin), spread, rate: args.rate };

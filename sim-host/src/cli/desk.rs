@@ -69,6 +69,9 @@ pub(crate) fn open(args: &Open) -> Result<(), Failure> {
     if !page.is_file() {
         return Err(Failure::Input(format!("{place}: is no file; name a page that `--report` wrote")));
     }
+    if !page.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm")) {
+        return Err(Failure::Input(format!("{place}: is no page; name an .html that `--report` wrote")));
+    }
     show(page.as_os_str())
 }
 

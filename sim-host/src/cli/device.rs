@@ -31,10 +31,10 @@ use std::path::{Path, PathBuf};
   shakedown device --port /dev/ttyACM0 commission --calibrate")]
 pub(crate) struct Args {
     /// The serial port [default: the one that table.toml of this folder states].
-    #[arg(long, value_name = "PORT")]
+    #[arg(long, value_name = "PORT", global = true)]
     port: Option<PathBuf>,
     /// Bits a second.
-    #[arg(long, value_name = "BAUD", default_value_t = 1_000_000)]
+    #[arg(long, value_name = "BAUD", default_value_t = 1_000_000, global = true)]
     baud: u32,
     #[command(subcommand)]
     action: Action,

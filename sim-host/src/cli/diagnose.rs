@@ -6,14 +6,15 @@ pub(super) mod page;
 mod place;
 mod set_up;
 mod term;
+mod unfit;
 
 use super::output::{Outputs, print, write_whole};
-use super::places::place;
+use super::places::{folder, place};
 use super::{Failure, failure, progress};
 use shakedown::diagnose::result::Verdict;
 use shakedown::diagnose::{DiagnoseError, Diagnosis, Examined, Options, diagnose};
+use shakedown::digits;
 use shakedown::recording::Experiment;
-use shakedown::report::digits;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -33,7 +34,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", value_parser = place())]
     model: Option<PathBuf>,
     /// Writes the proposed next test: `drive.csv`, `scenario.toml` with the model found, and `run.toml` for `--with`.
-    #[arg(long, value_name = "DIR", value_parser = place())]
+    #[arg(long, value_name = "DIR", value_parser = folder())]
     next: Option<PathBuf>,
     /// Adds the runs of a file of `[[runs]]`, as `--next` writes one; may be repeated.
     #[arg(long, value_name = "RUN.toml")]
@@ -80,9 +81,8 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     for effect in &diagnosis.effects {
         let _ = writeln!(text, "\n  {}  (probability {:.2})\n  {}", effect.id, effect.probability, effect.equation);
         for (key, q) in &effect.parameters {
-            let spread = q.std.map_or(String::new(), |s| format!(" +/- {}", digits::to(s, s)));
             let unit = if q.unit == "1" { String::new() } else { format!(" {}", q.unit) };
-            let _ = writeln!(text, "    {key} = {}{spread}{unit}", digits::to(q.value, q.std.unwrap_or(f64::NAN)));
+            let _ = writeln!(text, "    {key} = {}{unit}", digits::with_spread(q.value, q.std));
         }
     }
     if let Some(term) = &diagnosis.term {
@@ -100,19 +100,24 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     if let Some(test) = &diagnosis.next_test {
         let _ = writeln!(text, "\n  next test: {}\n    {}", test.record, test.why);
     }
+    if let Some(why) = &diagnosis.no_test {
+        let _ = writeln!(text, "\n  {why}");
+    }
     if diagnosis.verdict != Verdict::BadData {
         let (before, after) = (&diagnosis.judged.before, &diagnosis.judged.after);
         let runs = examined.judging_runs().len();
         let _ = writeln!(
             text,
-            "\nheld out ({runs} runs): chi2 {:.3} -> {:.3}; the noise floor is 1",
-            before.chi2, after.chi2
+            "\nheld out ({runs} runs): chi2 {} -> {}; the noise floor is 1",
+            digits::three(before.chi2),
+            digits::three(after.chi2)
         );
         for (channel, r2) in &after.r2 {
             let _ = writeln!(
                 text,
-                "  {channel:<20} R2 {:.5} -> {r2:.5}",
-                before.r2.get(channel).copied().unwrap_or(f64::NAN)
+                "  {channel:<20} R2 {} -> {}",
+                digits::r2(before.r2.get(channel).copied().unwrap_or(f64::NAN)),
+                digits::r2(*r2)
             );
         }
     }

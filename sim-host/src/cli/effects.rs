@@ -145,8 +145,20 @@ fn page(entries: &[&Entry]) -> Page {
         .collect();
     // One effect is what was asked for; of many, each is there to be unfolded.
     let (sections, details) = if entries.len() == 1 { (each, Vec::new()) } else { (vec![glance], each) };
-    let lead = "Physics that a model may be missing: equation, parameters, what it looks like, what tells it apart.";
-    Page { title: "Effects".into(), lead: lead.into(), sections, details, ..Page::default() }
+    let (title, lead, key) = if let [one] = entries {
+        let others = if one.mistaken_for.is_empty() {
+            String::new()
+        } else {
+            format!(" Mistaken for {}; told apart by: {}.", one.mistaken_for.join(", "), one.test)
+        };
+        let lead = format!("It looks like {}.{others}", one.signature);
+        (one.id.to_owned(), lead, ("equation", one.equation.to_owned()))
+    } else {
+        let lead =
+            "Physics that a model may be missing: equation, parameters, what it looks like, what tells it apart.";
+        ("Effects".to_owned(), lead.to_owned(), ("effects in the library", entries.len().to_string()))
+    };
+    Page { title, lead, key: vec![(key.0.into(), key.1)], sections, details, ..Page::default() }
 }
 
 /// What is known of an effect beside its parameters.

@@ -39,10 +39,19 @@ fn without_numbers(message: &str) -> String {
     parts.fold(first, |text, part| text + part.split_once(')').map_or("", |(_, rest)| rest))
 }
 
+/// What the operating system says of files, and what a person would.
+const OF_FILES: [(&str, &str); 4] = [
+    ("Is a directory", "it is a folder; name a file"),
+    ("Not a directory", "it is no folder"),
+    ("Permission denied", "no permission; check the rights of the file and of its folder"),
+    ("Inappropriate ioctl for device", "it is no serial port"),
+];
+
 /// A message without what a damaged file makes unreadable: control characters, and what is beyond [`LONGEST`].
 fn short(message: &str) -> String {
     let clean = |c: char| if c.is_control() && c != '\n' { '\u{fffd}' } else { c };
-    let mut text: String = without_numbers(message).chars().take(LONGEST).map(clean).collect();
+    let said = OF_FILES.iter().fold(without_numbers(message), |text, (theirs, ours)| text.replace(theirs, ours));
+    let mut text: String = said.chars().take(LONGEST).map(clean).collect();
     if message.chars().nth(LONGEST).is_some() {
         text.push_str(" ... (cut)");
     }
@@ -59,15 +68,19 @@ pub(crate) fn refused(path: &Path, error: impl Display, hint: &str) -> Failure {
 pub(crate) const EXPERIMENT: &str =
     "an experiment is TOML: `shakedown init FOLDER` proposes one for the recordings of a folder";
 
+/// What files of a model are and where they come from.
+pub(crate) const MODEL: &str = "a model is TOML: `shakedown identify EXPERIMENT.toml --out FILE` writes one";
+
 /// A number for a message: in powers of ten where its digits would be many.
 pub(crate) fn number(value: f64) -> String {
     if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
 }
 
-/// Refuses an option whose value lies outside its range, or is no number.
-pub(crate) fn within(option: &str, value: f64, low: f64, high: f64) -> Result<(), Failure> {
+/// Refuses an option whose value lies outside its range in `unit`, or is no number.
+pub(crate) fn within(option: &str, value: f64, low: f64, high: f64, unit: &str) -> Result<(), Failure> {
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    Err(Failure::Input(format!("{option} {}: expected {low} to {high}", number(value))))
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    Err(Failure::Input(format!("{option} {}: expected {low} to {high}{unit}", number(value))))
 }

@@ -95,11 +95,11 @@ const AS_IT_IS: &str = "none";
 
 impl Args {
     fn check(&self) -> Result<(), Failure> {
-        within("--runs", self.runs as f64, 1.0, 50.0)?;
-        within("--band", self.band, 0.5, 50.0)?;
-        within("--stroke", self.stroke.unwrap_or(0.1), 0.001, 10.0)?;
-        within("--velocity", self.velocity.unwrap_or(0.1), 0.001, 10.0)?;
-        within("--acceleration", self.acceleration.unwrap_or(1.0), 0.01, 1000.0)
+        within("--runs", self.runs as f64, 1.0, 50.0, "")?;
+        within("--band", self.band, 0.5, 50.0, "Hz")?;
+        within("--stroke", self.stroke.unwrap_or(0.1), 0.001, 10.0, "m")?;
+        within("--velocity", self.velocity.unwrap_or(0.1), 0.001, 10.0, "m/s")?;
+        within("--acceleration", self.acceleration.unwrap_or(1.0), 0.01, 1000.0, "m/s2")
     }
 
     /// The limits, from the options, else the table.

@@ -79,10 +79,10 @@ pub(crate) struct Args {
 /// Watches until it is ended.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(seconds) = args.seconds {
-        failure::within("--seconds", seconds, 0.1, 1e7)?;
+        failure::within("--seconds", seconds, 0.1, 1e7, "s")?;
     }
     if let Some(experiment) = &args.recording {
-        failure::within("--speed", args.speed, 0.01, 1000.0)?;
+        failure::within("--speed", args.speed, 0.01, 1000.0, "")?;
         let read = Experiment::load(experiment).map_err(|e| failure::refused(experiment, e, failure::EXPERIMENT))?;
         let refuse = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", experiment.display()));
         let recorded = Recorded::new(&read, args.run, args.speed).map_err(|e| refuse(&e))?;
@@ -140,7 +140,7 @@ fn device(args: &Args) -> Result<(), Failure> {
     let attended = match args.time {
         None => None,
         Some(time) => {
-            failure::within("--for", time, 0.1, 86_400.0)?;
+            failure::within("--for", time, 0.1, 86_400.0, "s")?;
             Some((1e3 * time) as u64)
         }
     };

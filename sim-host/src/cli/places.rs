@@ -4,6 +4,7 @@ use super::Failure;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{ArgMatches, Command};
 use std::any::TypeId;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Reads where a file goes.
@@ -29,7 +30,12 @@ pub(crate) fn folder() -> impl TypedValueParser<Value = PathBuf> {
 }
 
 fn writable(path: PathBuf) -> Result<PathBuf, String> {
-    shakedown::files::writable(&path).map_err(|e| format!("no file can be written there: {}", e.kind()))?;
+    let because = |e: std::io::Error| match e.kind() {
+        ErrorKind::IsADirectory => "it is a folder; name a file".to_owned(),
+        ErrorKind::PermissionDenied => "no permission; name another place".to_owned(),
+        kind => kind.to_string(),
+    };
+    shakedown::files::writable(&path).map_err(|e| format!("no file can be written there: {}", because(e)))?;
     Ok(path)
 }
 

@@ -10,6 +10,10 @@ pub(crate) struct Part {
     pub(crate) key: &'static str,
     /// Its value there.
     pub(crate) json: serde_json::Value,
+    /// What came out, in a sentence.
+    pub(crate) found: String,
+    /// The figure that it comes down to.
+    pub(crate) figure: (String, String),
     /// Its section of the page.
     pub(crate) section: Section,
     /// Files it was made from.

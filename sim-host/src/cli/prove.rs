@@ -80,7 +80,7 @@ struct Deal {
 
 impl Deal {
     fn plan(&self, shard: Shard, engine: String) -> Result<Plan, Failure> {
-        within("--cases", self.cases as f64, 1.0, 1e7)?;
+        within("--cases", self.cases as f64, 1.0, 1e7, "")?;
         if self.examiner == 1 && !(self.stratum.is_empty() && self.kind.is_empty() && self.lock == 0) {
             return Err(Failure::Input("--stratum, --kind and --lock are of examiner 2".into()));
         }

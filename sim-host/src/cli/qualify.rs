@@ -180,10 +180,10 @@ impl Args {
         if standard.id == "ac156" && self.sds.is_none() && self.rrs.is_none() {
             return Err(Failure::Input("--sds G: AC156 takes its level from the design spectral acceleration".into()));
         }
-        within("--sds", self.sds.unwrap_or(1.0), 0.01, 10.0)?;
-        within("--z-over-h", self.z_over_h.unwrap_or(1.0), 0.0, 1.0)?;
-        within("--margin", self.margin.unwrap_or(1.05), 0.1, 10.0)?;
-        within("--lowest", self.lowest.unwrap_or(1.0), 0.1, 100.0)?;
+        within("--sds", self.sds.unwrap_or(1.0), 0.01, 10.0, "g")?;
+        within("--z-over-h", self.z_over_h.unwrap_or(1.0), 0.0, 1.0, "")?;
+        within("--margin", self.margin.unwrap_or(1.05), 0.1, 10.0, "")?;
+        within("--lowest", self.lowest.unwrap_or(1.0), 0.1, 100.0, "Hz")?;
         Ok(standard)
     }
 

@@ -107,7 +107,13 @@ impl Args {
     /// The scenario with what the command line says put over it.
     fn scenario(&self) -> Result<Scenario, Failure> {
         let hint = "a scenario is TOML; a ground motion is given by --record";
-        let read = |path: &PathBuf| Scenario::read(path).map_err(|e| failure::refused(path, e, hint));
+        let other = |message: String| match message.split('`').nth(1) {
+            Some("model" | "effects" | "effect") => message + "; a table's model is given by --table",
+            Some("channels" | "runs") => message + "; an experiment is for `identify` and `diagnose`",
+            _ => message,
+        };
+        let read =
+            |path: &PathBuf| Scenario::read(path).map_err(|e| failure::refused(path, other(e.to_string()), hint));
         let mut scenario = self.scenario.as_ref().map_or_else(|| Ok(Scenario::default()), read)?;
         if scenario.name.is_empty() {
             scenario.name = "run".into();

@@ -108,16 +108,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         print(&format!("{0}\n\nNext: shakedown identify {0}\n", experiment.display()));
         return Ok(());
     }
-    let mut page = Page {
-        title: "Sweep".into(),
-        lead: "The closed loop of control core and plant (Eq. 7 and the velocity limiter), measured as the paper \
-               measured its table."
-            .into(),
-        ..Page::default()
-    };
+    let mut page = Page { title: "Sweep".into(), ..Page::default() };
     let mut json = serde_json::Map::new();
     let wanted = What::ALL.into_iter().filter(|what| args.parts.is_empty() || args.parts.contains(what));
-    let mut inputs = Vec::new();
+    let (mut inputs, mut found) = (Vec::new(), Vec::new());
     for what in wanted {
         let part = what.run(args)?;
         if !args.outputs.quiet() {
@@ -125,8 +119,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         }
         json.insert(part.key.into(), part.json);
         inputs.extend(part.inputs);
+        found.push(part.found);
+        page.key.push(part.figure);
         page.sections.push(part.section);
     }
+    page.lead = found.join(" ");
     args.outputs.write_json(json.into(), &inputs)?;
     args.outputs.write_report(&mut page, &inputs)
 }

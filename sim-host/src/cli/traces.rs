@@ -1,6 +1,7 @@
 //! Measured channels beside what models make of them: the same figures for every command that compares the two.
 
 use shakedown::diagnose::locate::{Location, StateShare};
+use shakedown::digits;
 use shakedown::identify::data::{Measured, Run};
 use shakedown::identify::spectra;
 use shakedown::recording::check::Finding;
@@ -77,7 +78,7 @@ pub(crate) fn location(location: &Location) -> [Table; 3] {
     let bands = location
         .frequency
         .iter()
-        .map(|b| vec![format!("{:.2}", b.from_hz), format!("{:.2}", b.to_hz), format!("{:.1}", b.ratio)]);
+        .map(|b| vec![format!("{:.2}", b.from_hz), format!("{:.2}", b.to_hz), digits::three(b.ratio)]);
     // Where an effect's window is all that is known of a quantity, no share was seen along it.
     let seen = |s: &StateShare| if s.profile.is_empty() { "\u{2013}".into() } else { share(s.strength) };
     let state = location.state.iter().map(|s| vec![s.variable.to_owned(), s.place.clone(), seen(s)]);

@@ -23,7 +23,15 @@ pub(crate) fn refused(error: &clap::Error) -> ExitCode {
     }
     let text = plain(error).unwrap_or_else(|| {
         let text = error.render().to_string();
-        text.strip_prefix("error: ").unwrap_or(&text).trim_end().to_owned()
+        let text = text.strip_prefix("error: ").unwrap_or(&text).trim_end();
+        if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+            return format!("a command is missing\n\n{text}");
+        }
+        // The parser takes every unknown option for a value that was meant.
+        let lines: Vec<&str> = text.lines().collect();
+        let tip = lines.iter().position(|line| line.contains("tip: to pass '-"));
+        let kept = lines.iter().enumerate().filter(|(i, _)| tip.is_none_or(|tip| *i != tip && *i != tip + 1));
+        kept.map(|(_, line)| *line).collect::<Vec<_>>().join("\n")
     });
     Failure::Input(text).report()
 }
@@ -82,6 +90,9 @@ fn remedy(value: &str, reason: &str) -> String {
         "invalid float literal" | "invalid digit found in string" if value != point && point.parse::<f64>().is_ok() => {
             format!("the decimal sign is a point: write {point}")
         }
+        "invalid float literal" if alone(value).is_some() => {
+            format!("write the number alone, {}, in the unit that --help names", alone(value).unwrap_or_default())
+        }
         "invalid float literal" | "cannot parse float from empty string" => {
             "expected a number, for instance 0.005".to_owned()
         }
@@ -104,6 +115,14 @@ fn remedy(value: &str, reason: &str) -> String {
             },
         ),
     }
+}
+
+/// The number of a value that ends in a unit.
+fn alone(value: &str) -> Option<&str> {
+    let end = value.rfind(|c: char| c.is_ascii_digit() || c == '.').filter(|_| value.is_ascii())? + 1;
+    let unit = value.find(|c: char| c.is_ascii_alphabetic() || c == '%')?;
+    let number = value[..unit.min(end)].trim_end();
+    number.parse::<f64>().is_ok().then_some(number)
 }
 
 #[cfg(test)]
@@ -132,6 +151,8 @@ mod tests {
     fn refusals_are_in_plain_words() {
         for (value, reason, wanted) in [
             ("0,005", "invalid float literal", "the decimal sign is a point: write 0.005"),
+            ("24.2cm/s", "invalid float literal", "write the number alone, 24.2, in the unit that --help names"),
+            ("7 m/s2", "invalid float literal", "write the number alone, 7, in the unit that --help names"),
             ("abc", "invalid float literal", "expected a number, for instance 0.005"),
             ("abc", "invalid digit found in string", "expected a whole number in digits, for instance 4"),
             ("0", "0 is not in 1..18446744073709551615", "expected a whole number of at least 1"),

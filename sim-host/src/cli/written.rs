@@ -95,7 +95,7 @@ impl Shape {
         let usual = if form == Form::Peer { Quantity::Acceleration } else { Quantity::Displacement };
         let quantity = quantity.unwrap_or(usual);
         if let Some(rate) = self.rate {
-            within("--rate", rate, 10.0, 20_000.0)?;
+            within("--rate", rate, 10.0, 20_000.0, "Hz")?;
         }
         let rate = self.rate.or((form != Form::Peer).then_some(RATE));
         Ok(Plan { form, quantity, unit: self.unit_of(form, quantity, stroke)?, rate })
@@ -121,7 +121,7 @@ impl Shape {
                 let Some(volts) = self.volts_per_metre else {
                     return refuse("--drive-unit V", "say the controller's scale with --volts-per-metre");
                 };
-                within("--volts-per-metre", volts, 1e-3, 1e5)?;
+                within("--volts-per-metre", volts, 1e-3, 1e5, "V/m")?;
                 Ok(DriveUnit { symbol: "V".into(), in_si: 1.0 / volts })
             }
             _ => DriveUnit::fixed(symbol, quantity).map_or_else(

@@ -25,10 +25,14 @@
 //! seed = 1
 //! ```
 
+mod error;
+
+pub use error::ScenarioError;
+
 use super::named;
 use super::trial::Setup;
 use super::twin::Twin;
-use crate::files::bounded;
+use crate::files::{bounded, wording};
 use crate::motion::condition::Recipe;
 use crate::motion::fit::named::Fit;
 use crate::plant::paper::Paper;
@@ -114,7 +118,10 @@ pub struct RecordSource {
 
 /// How a record is made into a motion.
 #[derive(Debug, Clone, Default, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected specimen, table1, plain or fitting, or a list of steps, each with `do` and what it takes (baseline, filter, resample, scale, ...)"
+)]
 pub enum Conditioning {
     /// By a named recipe.
     Named(NamedRecipe),
@@ -140,21 +147,6 @@ pub enum NamedRecipe {
     Fitting,
 }
 
-/// Why a scenario was refused; the message names the file, the place and the remedy.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{file}{place}: {problem}")]
-pub struct ScenarioError {
-    file: String,
-    place: String,
-    problem: String,
-}
-
-impl ScenarioError {
-    fn of(path: &Path, place: String, problem: String) -> Self {
-        Self { file: path.display().to_string(), place, problem }
-    }
-}
-
 /// Reads a TOML file into what is asked for; a key that nobody knows is refused with its line.
 fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
     parse_toml(path, &text_of(path)?)
@@ -168,7 +160,11 @@ fn text_of(path: &Path) -> Result<String, ScenarioError> {
 fn parse_toml<T: serde::de::DeserializeOwned>(path: &Path, text: &str) -> Result<T, ScenarioError> {
     toml::from_str(text).map_err(|e| {
         let line = e.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-        ScenarioError::of(path, line.map_or(String::new(), |line| format!(", line {line}")), e.message().to_owned())
+        ScenarioError::of(
+            path,
+            line.map_or(String::new(), |line| format!(", line {line}")),
+            wording::plain(e.message()),
+        )
     })
 }
 
@@ -242,7 +238,8 @@ impl Scenario {
         }
         settings.modification = self.modification.unwrap_or(settings.modification);
         if let Err(e) = settings.validate() {
-            return refuse("settings", e.to_string());
+            let stated = self.rate_hz.is_some() && e.to_string().starts_with("rate ");
+            return refuse(if stated { "rate_hz" } else { "settings" }, e.to_string());
         }
         if let Err(e) = self.plant.validate() {
             return refuse("plant", e.to_string());
@@ -268,6 +265,10 @@ impl Scenario {
             Some(Err(e)) => {
                 let (place, text) =
                     (self.table.as_ref().map_or(String::new(), |path| path.display().to_string()), e.to_string());
+                // A table that the command line names has no place in a scenario.
+                if self.line("", "table").is_empty() {
+                    return Err(ScenarioError::within(place, &text));
+                }
                 return refuse("table", if text.contains(&place) { text } else { format!("{place}: {text}") });
             }
         };
@@ -329,7 +330,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named_with_its_line() {
         let message = |text: &str| read(text).unwrap_err().to_string();
-        assert!(message("name = \"x\"\nvelocity = 1\n").contains("test.toml, line 2: unknown field `velocity`"));
+        assert!(message("name = \"x\"\nvelocity = 1\n").contains("test.toml, line 2: unknown key `velocity`"));
         let fit = message("fit = \"cut\"");
         assert!(fit.contains("line 1") && fit.contains("expected one of clip taut convex"), "{fit}");
         assert!(message("controller = \"strong\"\nsettings = \"a.toml\"").contains("exclude each other"));

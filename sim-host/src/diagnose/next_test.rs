@@ -26,6 +26,30 @@ const OTHERS: usize = 2;
 const EXCLUDED: f64 = 0.02;
 /// The largest chance that is stated: no equation is the table's own, and what its form leaves may look like its rival.
 const SUREST: f64 = 0.95;
+/// The least chance of settling the question that a test is proposed for.
+const WORTH_RUNNING: f64 = 0.05;
+
+/// What is to be run next.
+#[derive(Debug)]
+pub(super) enum Proposal {
+    /// Nothing is open.
+    Nothing,
+    /// A test that would settle what is open.
+    Test(NextTest),
+    /// No test within the reach of these runs would; in a sentence.
+    Untold(String),
+}
+
+impl Proposal {
+    /// The test, and why there is none though something is open.
+    pub(super) fn parts(self) -> (Option<NextTest>, Option<String>) {
+        match self {
+            Self::Nothing => (None, None),
+            Self::Test(test) => (Some(test), None),
+            Self::Untold(why) => (None, Some(why)),
+        }
+    }
+}
 
 /// The accepted model and those that a test is to tell from it, the closest first.
 struct Rivals<'a> {
@@ -46,16 +70,16 @@ struct Foreseen {
     distance: f64,
 }
 
-/// Proposes a test; none where nothing is open.
+/// Proposes a test; none where nothing is open, or where none would settle it.
 pub(super) fn next_test(
     prepared: &Prepared,
     conclusion: &Conclusion,
     modelled: Option<&Modelled>,
-) -> Result<Option<NextTest>, SimulateError> {
-    let Some(rivals) = rivals(conclusion, modelled) else { return Ok(None) };
-    let Some(pattern) = prepared.fit.first() else { return Ok(None) };
+) -> Result<Proposal, SimulateError> {
+    let Some(rivals) = rivals(conclusion, modelled) else { return Ok(Proposal::Nothing) };
+    let Some(pattern) = prepared.fit.first() else { return Ok(Proposal::Nothing) };
     if pattern.motion.is_some() || !pattern.law.simulates_reference() {
-        return Ok(by_the_book(&rivals));
+        return Ok(by_the_book(&rivals).map_or(Proposal::Nothing, Proposal::Test));
     }
     let reach = Reach::of(prepared, &rivals.accepted.model);
     let as_it_ran = foresee_all(&rivals, pattern, &reach, &catalogue::shapes(pattern, &reach), Gains::AsTheyWere)?;
@@ -70,22 +94,36 @@ pub(super) fn next_test(
         test.distance = test.distance.min(distance);
     }
     all.sort_by(|a, b| b.distance.total_cmp(&a.distance));
-    Ok(all.first().map(|best| NextTest {
-        why: why(&rivals, best.distance),
-        record: catalogue::in_words(best.shape, best.gains, &reach),
+    Ok(proposed(&rivals, pattern, &reach, &all))
+}
+
+/// The best test, where it is worth its run.
+fn proposed(rivals: &Rivals, pattern: &Run, reach: &Reach, all: &[Foreseen]) -> Proposal {
+    let Some(best) = all.first() else { return Proposal::Nothing };
+    if settles(best.distance) < WORTH_RUNNING {
+        return Proposal::Untold(format!(
+            "No test within the reach of these runs is expected to tell {}: the best is predicted to hold them {:.1} standard \
+             deviations of the noise apart",
+            sides(rivals),
+            best.distance
+        ));
+    }
+    Proposal::Test(NextTest {
+        why: why(rivals, best.distance),
+        record: catalogue::in_words(best.shape, best.gains, reach),
         separation: Some(best.distance),
         chance: Some(settles(best.distance)),
         planned: Some(Planned::of(
-            &catalogue::run(pattern, best.shape, best.gains, &reach),
+            &catalogue::run(pattern, best.shape, best.gains, reach),
             best.gains == Gains::Halved,
         )),
         others: all
             .iter()
             .skip(1)
             .take(NAMED)
-            .map(|f| (catalogue::in_words(f.shape, f.gains, &reach), f.distance))
+            .map(|f| (catalogue::in_words(f.shape, f.gains, reach), f.distance))
             .collect(),
-    }))
+    })
 }
 
 /// The accepted model and the one that comes closest to it with as many effects; curves, where the library holds neither.
@@ -181,16 +219,21 @@ fn differ(model: &Model, other: &Model) -> Vec<&'static str> {
     model.ids().into_iter().filter(|id| !others.contains(id)).collect()
 }
 
-fn aim(rivals: &Rivals) -> String {
+/// The accepted model and its closest rival, by what each has that the other has not.
+fn sides(rivals: &Rivals) -> String {
     let side = |model: &Model, other: &Model| {
         let ids = differ(model, other);
         if ids.is_empty() { "the rest of the model".to_owned() } else { ids.join(" with ") }
     };
     let accepted = &rivals.accepted.model;
     let Some(rival) = rivals.closest().map(|fit| &fit.model) else { return String::new() };
-    let curve = remainder::entries().any(|e| accepted.ids().contains(&e.id));
+    format!("{} from {}", side(accepted, rival), side(rival, accepted))
+}
+
+fn aim(rivals: &Rivals) -> String {
+    let curve = remainder::entries().any(|e| rivals.accepted.model.ids().contains(&e.id));
     let what = if curve { "to tell what the unlisted part follows, " } else { "to part " };
-    format!("{what}{} from {}", side(accepted, rival), side(rival, accepted))
+    format!("{what}{}", sides(rivals))
 }
 
 fn why(rivals: &Rivals, distance: f64) -> String {

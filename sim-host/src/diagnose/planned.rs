@@ -2,6 +2,25 @@
 
 use crate::identify::data::Run;
 use crate::plant::simulate::Law;
+use serde::Serialize;
+
+/// A proposed test.
+#[derive(Debug, Clone, Serialize)]
+pub struct NextTest {
+    /// What it would settle, with the predicted separation in noise units.
+    pub why: String,
+    /// What to run.
+    pub record: String,
+    /// Predicted distance of the two models on it, in standard deviations of the noise; none where it was not predicted.
+    pub separation: Option<f64>,
+    /// Predicted chance that it settles the question, whichever of the models is the table; none where it was not predicted.
+    pub chance: Option<f64>,
+    /// The test as it is played.
+    #[serde(skip)]
+    pub planned: Option<Planned>,
+    /// The tests that come next, each with its predicted distance.
+    pub others: Vec<(String, f64)>,
+}
 
 /// A proposed test: what the reference is at each sample, and the loop that runs.
 #[derive(Debug, Clone, PartialEq)]

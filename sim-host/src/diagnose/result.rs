@@ -1,9 +1,10 @@
 //! The diagnosis as other tools read it: schema `shakedown.diagnosis/1`.
 
+pub use super::planned::NextTest;
+
 use super::change::Change;
 use super::judged::Judged;
 use super::locate::Location;
-use super::planned::Planned;
 use super::rejected::{Rejected, rejected};
 use super::remainder::Remainder;
 use super::term::report::Term;
@@ -35,6 +36,9 @@ pub struct Diagnosis {
     pub indistinguishable: Vec<Vec<&'static str>>,
     /// The test that would settle what is open.
     pub next_test: Option<NextTest>,
+    /// Why none is proposed, where something is open that no test within the reach of these runs settles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_test: Option<String>,
     /// What it changes for who runs the table; none where nothing was found or measured motion drives the model.
     pub change: Option<Change>,
     /// Fit on the hold-out set; none where no run is held out.
@@ -110,24 +114,6 @@ pub struct Candidate {
     pub holdout_chi2: Option<f64>,
 }
 
-/// A proposed test.
-#[derive(Debug, Clone, Serialize)]
-pub struct NextTest {
-    /// What it would settle, with the predicted separation in noise units.
-    pub why: String,
-    /// What to run.
-    pub record: String,
-    /// Predicted distance of the two models on it, in standard deviations of the noise; none where it was not predicted.
-    pub separation: Option<f64>,
-    /// Predicted chance that it settles the question, whichever of the models is the table; none where it was not predicted.
-    pub chance: Option<f64>,
-    /// The test as it is played.
-    #[serde(skip)]
-    pub planned: Option<Planned>,
-    /// The tests that come next, each with its predicted distance.
-    pub others: Vec<(String, f64)>,
-}
-
 /// Fit before and after.
 #[derive(Debug, Clone, Serialize)]
 pub struct BeforeAfter {
@@ -183,6 +169,8 @@ pub(super) struct Open {
     pub(super) term: Option<Term>,
     /// The test that would settle what is open.
     pub(super) next_test: Option<NextTest>,
+    /// Why none is proposed though something is open.
+    pub(super) no_test: Option<String>,
     /// What it changes for who runs the table.
     pub(super) change: Option<Change>,
     /// Whether half of the stretches of the runs held back were fitted too.
@@ -212,6 +200,7 @@ pub(super) fn assemble(
         candidates: candidates(conclusion),
         indistinguishable: if conclusion.unlisted { Vec::new() } else { conclusion.decision.ties.clone() },
         next_test: open.next_test,
+        no_test: open.no_test,
         change: open.change,
         holdout: conclusion.held_out.then(|| BeforeAfter::of(conclusion)),
         judged: BeforeAfter::of(conclusion),

@@ -298,13 +298,17 @@ fn checked(lines: &[&str], layout: Layout, stated: &Stated) -> Result<Layout, Un
         let other = if layout.delimiter == Delimiter::Comma && 2 * names == layout.width {
             "; a decimal comma needs another separator than a comma: export with decimal points"
         } else {
-            "; correct the header, or name the rows' layout with --skip-lines, --delimiter and --decimal"
+            "; correct the header, or "
         };
-        let reason = format!("the header names {names} columns, the rows below have {}{other}", layout.width);
+        let how = if other.ends_with("or ") { HOW } else { "" };
+        let reason = format!("the header names {names} columns, the rows below have {}{other}{how}", layout.width);
         return Err(Unclear { line: Some(above), reason });
     }
     Ok(layout)
 }
+
+/// Where a layout is stated that is not found.
+const HOW: &str = "say how with --skip-lines, --delimiter and --decimal, in an experiment under [text]";
 
 /// Why no reading fits.
 fn none(lines: &[&str], stated: &Stated) -> Unclear {
@@ -312,7 +316,7 @@ fn none(lines: &[&str], stated: &Stated) -> Unclear {
     let line = lines.iter().position(|line| line.chars().any(|c| c.is_ascii_digit()));
     let reason = format!(
         "no rows of numbers are found{by}: expected columns of numbers, separated by tab, semicolon, comma or blanks; \
-         say how with --skip-lines, --delimiter and --decimal"
+         {HOW}"
     );
     Unclear { line, reason }
 }

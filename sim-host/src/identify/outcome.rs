@@ -7,6 +7,7 @@ use super::prepare::{PrepareError, Prepared, prepare};
 use super::quantity::{Quantity, profiled, stated_as};
 use super::starts;
 use super::transfer::{Transfer, transfer};
+use crate::digits;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment};
@@ -90,19 +91,26 @@ impl Identified {
 }
 
 fn doubt(name: &str, q: &Quantity) -> Option<String> {
-    let unit = q.unit;
+    let unit = if q.unit == "1" { String::new() } else { format!(" {}", q.unit) };
+    // An end that stands alone has no error of its own: three digits.
+    let one = |x: f64| format!("{}{unit}", digits::to(x, 0.1 * x));
+    let both = |low: f64, high: f64| {
+        let width = high - low;
+        format!("{} to {}{unit}", digits::to(low, width), digits::to(high, width))
+    };
     match (q.low, q.high) {
         (Some(low), None) if name == "velocity_limit" => Some(format!(
-            "velocity_limit: these runs do not reach it; it is at least {low:.4} {unit}. Drive faster to find it"
+            "velocity_limit: these runs do not reach it; it is at least {}. Drive faster to find it",
+            one(low)
         )),
-        (Some(low), None) => Some(format!("{name}: these runs say only that it is at least {low:.4} {unit}")),
-        (None, Some(high)) => Some(format!("{name}: these runs say only that it is at most {high:.4} {unit}")),
+        (Some(low), None) => Some(format!("{name}: these runs say only that it is at least {}", one(low))),
+        (None, Some(high)) => Some(format!("{name}: these runs say only that it is at most {}", one(high))),
         (None, None) => Some(format!("{name}: these runs do not determine it; fix it, or record other motions")),
         (Some(low), Some(high)) if low * high > 0.0 && (high / low).abs().max((low / high).abs()) > WIDE => {
-            Some(format!("{name}: hardly determined, {low:.4} to {high:.4} {unit}"))
+            Some(format!("{name}: hardly determined, {}", both(low, high)))
         }
         (Some(low), Some(high)) if low * high <= 0.0 => {
-            Some(format!("{name}: not significantly different from zero, {low:.4} to {high:.4} {unit}"))
+            Some(format!("{name}: not significantly different from zero, {}", both(low, high)))
         }
         _ => None,
     }
@@ -116,9 +124,9 @@ mod tests {
     fn what_is_not_known_is_said() {
         let q = |low, high| Quantity { value: 0.3, std: None, low, high, unit: "m/s" };
         let said = |name, low, high| doubt(name, &q(low, high));
-        assert!(said("velocity_limit", Some(0.21), None).unwrap().contains("at least 0.2100 m/s"));
+        assert!(said("velocity_limit", Some(0.21), None).unwrap().contains("at least 0.210 m/s"));
         assert!(said("b1", None, None).unwrap().contains("do not determine"));
-        assert!(said("b1", None, Some(2.0)).unwrap().contains("at most 2.0000"));
+        assert!(said("b1", None, Some(2.0)).unwrap().contains("at most 2.00 m/s"));
         assert!(said("b1", Some(0.1), Some(0.9)).unwrap().contains("hardly"));
         assert!(said("b1", Some(-0.1), Some(0.9)).unwrap().contains("zero"));
         assert_eq!(said("b1", Some(0.29), Some(0.31)), None);

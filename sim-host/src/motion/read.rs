@@ -177,11 +177,11 @@ fn credible(acceleration: f64) -> bool {
 /// One that none has.
 fn incredible(found: f64) -> Problem {
     let (what, expected) = ("an acceleration in m/s2", "at most 1000 g, 9807 m/s2, in magnitude");
-    Problem::OutOfRange { what, found, expected }
+    Problem::OutOfRange { what, found, unit: "", expected }
 }
 
 /// Refuses an interval or a unit that the person states and the file contradicts, and a record of one sample or of
-/// accelerations beyond belief, or of nothing but zeros.
+/// accelerations beyond belief, or of one value from end to end.
 fn agree(block: &Block, record: &Record, options: &Options) -> Result<(), ReadError> {
     if let Some(dt) = options.dt.filter(|dt| ((dt - record.dt) / record.dt).abs() > 1e-3) {
         return Err(block.contradiction(
@@ -209,8 +209,9 @@ fn agree(block: &Block, record: &Record, options: &Options) -> Result<(), ReadEr
     if samples < 2 {
         return Err(block.at(0, Problem::TooShort { samples }));
     }
-    if record.acceleration.iter().all(|a| *a == 0.0) {
-        return Err(block.at(0, Problem::Zero { samples }));
+    let value = record.acceleration[0];
+    if record.acceleration.iter().all(|a| *a == value) {
+        return Err(block.at(0, Problem::Constant { samples, value }));
     }
     Ok(())
 }

@@ -11,6 +11,7 @@ pub fn page(summary: &Summary) -> Page {
     Page {
         title: "Proof on concealed data".into(),
         lead,
+        key: key(summary.plan.cases, &summary.gates),
         sections: vec![
             section("Gates", vec![Item::Table(gate_table(&summary.gates)), Item::Note(GATE_NOTE.into())]),
             section(
@@ -34,6 +35,18 @@ pub fn page(summary: &Summary) -> Page {
         ],
         ..Page::default()
     }
+}
+
+/// Gates by how they stand.
+pub(super) fn key(cases: u64, gates: &[Gate]) -> Vec<(String, String)> {
+    let count = |holds| gates.iter().filter(|g| g.holds == holds).count();
+    let of = |n: usize| format!("{n} of {}", gates.len());
+    vec![
+        ("cases".into(), cases.to_string()),
+        ("gates that hold".into(), of(count(Some(true)))),
+        ("gates missed".into(), of(count(Some(false)))),
+        ("gates undecided or without a case".into(), of(count(None))),
+    ]
 }
 
 /// What came out, misses first.

@@ -209,10 +209,8 @@ fn value(field: &str, layout: &Layout) -> Result<f64, Problem> {
     }
     let found: String = field.chars().take(40).collect();
     let hint = match parsed {
-        Some(value) if value.is_infinite() => {
-            "; an infinite value cannot be used, write NaN for a sample that was dropped"
-        }
-        Some(_) => "; beyond 1e15 it is no measurement, write NaN for a sample that was dropped",
+        Some(value) if value.is_infinite() => "infinite, which nothing measured",
+        Some(_) => "beyond 1e15, which nothing measured",
         None if found.is_empty() => "; write NaN for a sample that was dropped",
         None if found.replacen(',', ".", 1).parse::<f64>().is_ok() => {
             "; the decimal sign must be a point, as in the rows before"

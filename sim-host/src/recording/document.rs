@@ -1,7 +1,7 @@
 //! A TOML document read key by key, so that every message can name the line, and a key that nobody asked for is refused.
 
 use super::error::{Place, Problem, RecordingError, nearest};
-use crate::files::bounded;
+use crate::files::{bounded, wording};
 use std::cell::RefCell;
 use std::path::Path;
 use toml::Spanned;
@@ -50,7 +50,8 @@ pub(crate) fn parse<'a>(source: &Source, text: &'a str) -> Result<Spanned<DeTabl
         let place = error
             .span()
             .map_or_else(|| Place::file(&source.path), |span| Place::line(&source.path, source.line(span.start)));
-        place.refuse(Problem::Syntax(error.message().to_owned()))
+        let line = error.span().and_then(|span| text.lines().nth(source.line(span.start) - 1));
+        place.refuse(Problem::Syntax(error.message().to_owned() + wording::comma(line.unwrap_or_default())))
     })
 }
 
@@ -224,6 +225,15 @@ impl<'a> Entry<'a> {
             start: self.start,
             asked: RefCell::default(),
         })
+    }
+
+    /// The tables of an array, each written under its name in double brackets.
+    pub(crate) fn tables(&self) -> Result<Vec<Entry<'a>>, RecordingError> {
+        if self.value.is_array() {
+            self.list()
+        } else {
+            Err(self.wrong_type("an array of tables, each begun by [[runs]],"))
+        }
     }
 
     /// The entries of an array.

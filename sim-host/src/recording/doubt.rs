@@ -8,6 +8,7 @@
 
 use super::channel::Channel;
 use super::experiment::Experiment;
+use crate::digits;
 use serde::Serialize;
 
 mod acceleration;
@@ -134,9 +135,8 @@ impl SetUpFinding {
     /// In a sentence.
     pub fn sentence(&self) -> String {
         let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
-        let shown = |x: f64| if x.abs() >= 1e-3 || x == 0.0 { format!("{x:.4}") } else { format!("{x:.3e}") };
-        let stated = self.stated.map_or_else(String::new, |s| format!(", stated {}{unit}", shown(s)));
-        let error = self.std.filter(|s| *s > 0.0).map_or_else(String::new, |s| format!(" +/- {s:.1e}"));
+        let stated = self.stated.map_or_else(String::new, |s| format!(", stated {}{unit}", digits::stated(s)));
+        let found = digits::with_spread(self.found, self.std);
         let place = match (&self.run, self.channel, &self.parameter) {
             (_, _, Some(parameter)) => format!(" ({parameter})"),
             (Some(run), Some(channel), None) => format!(" ({channel}, {run})"),
@@ -144,9 +144,8 @@ impl SetUpFinding {
             (None, Some(channel), None) => format!(" ({channel})"),
             (None, None, None) => String::new(),
         };
-        let found = shown(self.found);
         let end = if self.corrected { "" } else { "; not corrected" };
-        format!("{}{place}: {found}{error}{unit}{stated}{end}", self.what.name())
+        format!("{}{place}: {found}{unit}{stated}{end}", self.what.name())
     }
 }
 

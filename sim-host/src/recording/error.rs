@@ -175,11 +175,11 @@ pub enum Problem {
         hint: &'static str,
     },
     /// A number that nothing measured.
-    #[error("`{found}` is no measurement{hint}")]
+    #[error("`{found}` is {hint}; write NaN for a sample that was dropped")]
     NoMeasurement {
         /// What is there.
         found: String,
-        /// What to write.
+        /// Why it is none.
         hint: &'static str,
     },
     /// A file with nothing to read.

@@ -130,7 +130,7 @@ fn add_inputs(inputs: &mut Vec<PathBuf>, run: &Run) {
 
 fn run_entries(root: &Section<'_>, folder: &Path) -> Result<Vec<RunEntry>, RecordingError> {
     let list = root.required("runs", "write a [[runs]] table with its `file` for every recording")?;
-    let entries = list.list()?.iter().map(|e| run_entry(&e.section()?, folder)).collect::<Result<Vec<_>, _>>()?;
+    let entries = list.tables()?.iter().map(|e| run_entry(&e.section()?, folder)).collect::<Result<Vec<_>, _>>()?;
     if entries.is_empty() {
         let problem = Problem::Missing { key: "runs", remedy: "name at least one recording" };
         return Err(list.refuse(problem));

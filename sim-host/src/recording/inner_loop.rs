@@ -21,6 +21,7 @@ mod best;
 mod fit;
 mod spread;
 
+use crate::digits;
 use band::{Band, Order};
 use best::{Noise, Reduced, best};
 use fit::Problem;
@@ -127,7 +128,7 @@ impl InnerLoop {
 
     /// In a sentence: gains with their standard errors, delay and lag.
     pub fn describe(&self) -> String {
-        let gain = |g: &Gain| format!("{} = {:.4} +/- {:.1e}", g.term.name(), g.value, g.std);
+        let gain = |g: &Gain| format!("{} = {}", g.term.name(), digits::with_spread(g.value, Some(g.std)));
         let gains: Vec<String> = self.gains.iter().map(gain).collect();
         let place = match self.closure {
             Closure::Command => "closed by the command",

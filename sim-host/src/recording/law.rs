@@ -63,12 +63,22 @@ impl Law {
         let kind = section.get("kind");
         let name = kind.as_ref().map_or(Ok("pi"), Entry::string)?;
         let kp = section.required("kp", "write the proportional gain, or leave `controller` out where none ran")?;
+        let gain = |entry: &Entry<'_>| {
+            let value = entry.number()?;
+            let expected =
+                "it must be above zero and at most 1e9; a command of the other sign is turned in the recording";
+            if value > 0.0 && value <= 1e9 {
+                Ok(value)
+            } else {
+                Err(entry.refuse(Problem::OutOfRange { value, expected }))
+            }
+        };
         match (name, kind) {
             ("cascade", _) => {
                 let kv = section.required("kv", "a cascade needs its velocity gain")?.number()?;
-                Ok(Self::Cascade { kp: kp.number()?, kv })
+                Ok(Self::Cascade { kp: gain(&kp)?, kv })
             }
-            ("pi", _) => Ok(Self::ProportionalIntegral { kp: kp.number()?, ki: section.number("ki")?.unwrap_or(0.0) }),
+            ("pi", _) => Ok(Self::ProportionalIntegral { kp: gain(&kp)?, ki: section.number("ki")?.unwrap_or(0.0) }),
             (other, kind) => Err(kind.as_ref().unwrap_or(&kp).refuse(Problem::NotAChoice {
                 found: other.to_owned(),
                 choices: "\"pi\", \"cascade\"".to_owned(),
@@ -83,7 +93,7 @@ impl Law {
         let settings: Settings = toml::from_str(&text).map_err(|error| {
             let line = error.span().map(|s| 1 + text[..s.start.min(text.len())].matches('\n').count());
             let place = Place { line, ..Place::file(&path) };
-            place.refuse(Problem::Syntax(error.message().to_owned()))
+            place.refuse(Problem::Syntax(crate::files::wording::plain(error.message())))
         })?;
         settings.validate().map_err(|error| {
             Place::file(&path).refuse(Problem::Contradiction(format!("settings refused: {error:?}")))

@@ -174,10 +174,12 @@ fn table(out: &mut String, table: &Table) {
         _ if cell.chars().count() > LONG => " class=\"long\"",
         _ => "",
     };
+    // A region that can be scrolled by the keyboard has a name in any case.
+    let first = table.columns.iter().find(|name| !name.is_empty()).cloned().unwrap_or_default();
     let _ = write!(
         out,
         "<div class=\"table\" role=\"region\" aria-label=\"{}\" tabindex=\"0\">\n<table>\n",
-        text(&table.caption)
+        text(if table.caption.is_empty() { &first } else { &table.caption })
     );
     if !table.caption.is_empty() {
         let _ = writeln!(out, "<caption>{}</caption>", prose(&table.caption));

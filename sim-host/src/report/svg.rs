@@ -149,7 +149,7 @@ fn curves(out: &mut String, plot: &Plot, x: &Scale, y: &Scale) {
     let (mut place, mut entry) = (0, left);
     for series in &plot.series {
         let (colour, width, dash) = match series.style {
-            Style::Faint => ("#a6abb0", 1.2, ""),
+            Style::Faint => ("#8b9096", 1.2, ""),
             Style::Dashed => ("#30353b", 1.3, " stroke-dasharray=\"6 4\""),
             Style::Line | Style::Points => {
                 place += 1;

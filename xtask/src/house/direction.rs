@@ -39,7 +39,7 @@ const ON_A_BOARD: &[&str] = &["shakedown-hil"];
 /// The rooms of the host crate, each of which may use those before it: `diagnose` uses `identify` uses `closed_loop`
 /// uses `plant`.
 const ROOMS: &[&[&str]] = &[
-    &["scalar", "files"],
+    &["scalar", "files", "digits"],
     &["plant", "motion", "recording"],
     &["closed_loop"],
     &["identify"],

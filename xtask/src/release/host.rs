@@ -25,16 +25,32 @@ struct System {
     linker: Option<&'static str>,
     /// How that is had.
     from: &'static str,
+    /// Another system's binary that serves as well: where that one can be built, this one is not.
+    serves: Option<&'static str>,
+    /// What the compiler is told beside.
+    flags: &'static str,
     /// What runs its programs here; empty where they run as they are, none where nothing does.
     runs: Option<&'static [&'static str]>,
 }
 
-const SYSTEMS: [System; 5] = [
+const SYSTEMS: [System; 6] = [
     System {
         target: "x86_64-unknown-linux-musl",
         name: "Linux, 64-bit Intel and AMD, static",
         linker: None,
         from: "",
+        serves: None,
+        flags: "",
+        runs: if cfg!(all(target_os = "linux", target_arch = "x86_64")) { Some(&[]) } else { None },
+    },
+    // The same with the library that every Linux has the parts of, linked in: no other target need be installed.
+    System {
+        target: "x86_64-unknown-linux-gnu",
+        name: "Linux, 64-bit Intel and AMD, static, glibc",
+        linker: None,
+        from: "",
+        serves: Some("x86_64-unknown-linux-musl"),
+        flags: "-C target-feature=+crt-static",
         runs: if cfg!(all(target_os = "linux", target_arch = "x86_64")) { Some(&[]) } else { None },
     },
     System {
@@ -42,6 +58,8 @@ const SYSTEMS: [System; 5] = [
         name: "Linux, 64-bit ARM, static",
         linker: Some("aarch64-linux-gnu-gcc"),
         from: "apt-get install gcc-aarch64-linux-gnu",
+        serves: None,
+        flags: "",
         runs: if cfg!(all(target_os = "linux", target_arch = "aarch64")) { Some(&[]) } else { Some(&["qemu-aarch64"]) },
     },
     System {
@@ -49,6 +67,8 @@ const SYSTEMS: [System; 5] = [
         name: "Windows, 64-bit",
         linker: Some("x86_64-w64-mingw32-gcc"),
         from: "apt-get install gcc-mingw-w64-x86-64",
+        serves: None,
+        flags: "",
         runs: if cfg!(windows) { Some(&[]) } else { Some(&["wine"]) },
     },
     System {
@@ -56,6 +76,8 @@ const SYSTEMS: [System; 5] = [
         name: "macOS, Apple silicon",
         linker: Some("xcrun"),
         from: "a Mac with the Xcode command line tools",
+        serves: None,
+        flags: "",
         runs: if cfg!(target_os = "macos") { Some(&[]) } else { None },
     },
     System {
@@ -63,6 +85,8 @@ const SYSTEMS: [System; 5] = [
         name: "macOS, Intel",
         linker: Some("xcrun"),
         from: "a Mac with the Xcode command line tools",
+        serves: None,
+        flags: "",
         runs: if cfg!(target_os = "macos") { Some(&[]) } else { None },
     },
 ];
@@ -97,6 +121,10 @@ fn missing(system: &System, installed: &str) -> Option<String> {
     if !installed.lines().any(|line| line.trim() == system.target) {
         return Some(format!("needs `rustup target add {}`", system.target));
     }
+    let better = SYSTEMS.iter().find(|other| Some(other.target) == system.serves);
+    if better.is_some_and(|other| missing(other, installed).is_none()) {
+        return Some(format!("{} serves as well", system.serves.unwrap_or_default()));
+    }
     let linker = system.linker.filter(|linker| !works(&[linker, "--version"]))?;
     Some(format!("needs {linker} to link ({})", system.from))
 }
@@ -110,6 +138,9 @@ fn built(system: &System, folder: &Path) -> Result<PathBuf, Problem> {
     let line = ["cargo", "build", "--release", "--locked", "--package", "shakedown", "--bin", "shakedown", "--target"];
     let mut cargo = command(&line);
     cargo.arg(system.target).env("CARGO_TARGET_DIR", top().join(BUILD));
+    if !system.flags.is_empty() {
+        cargo.env("RUSTFLAGS", system.flags);
+    }
     if let Some(linker) = system.linker.filter(|linker| linker.ends_with("gcc")) {
         let variable = system.target.to_uppercase().replace('-', "_");
         cargo.env(format!("CARGO_TARGET_{variable}_LINKER"), linker);

@@ -5,6 +5,7 @@ use super::super::diagnose::page;
 use super::super::{Failure, progress};
 use serde_json::{Value, json};
 use shakedown::diagnose::{Examined, Options, diagnose};
+use shakedown::digits;
 use shakedown::recording::Experiment;
 use shakedown::report::{Item, Section, Table};
 use shakedown_truth::answer::Opened;
@@ -60,11 +61,11 @@ impl Concealed {
         let outcome = if named == truth { "found" } else { "not found" };
         let (before, after) = (&self.examined.diagnosis.judged.before, &self.examined.diagnosis.judged.after);
         format!(
-            "Concealed in recordings of a table made elsewhere: {}, {outcome}; chi2 on the hold-out run {:.3} -> {:.3}, 1 being \
+            "Concealed in recordings of a table made elsewhere: {}, {outcome}; chi2 on the hold-out run {} -> {}, 1 being \
              the noise floor.",
             truth.join(" and "),
-            before.chi2,
-            after.chi2
+            digits::three(before.chi2),
+            digits::three(after.chi2)
         )
     }
 

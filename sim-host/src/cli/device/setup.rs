@@ -5,7 +5,7 @@ use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
 use shakedown::device::{Port, Session};
-use shakedown::files::bounded;
+use shakedown::files::{bounded, wording};
 use shakedown_core::link::{HostRequest, Setup};
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,11 @@ impl Set {
 pub(super) fn read(path: &Path) -> Result<Setup, Failure> {
     let refuse = |why: &dyn std::fmt::Display| Failure::Input(format!("{}: {why}", path.display()));
     let text = bounded::text(path, bounded::BY_HAND).map_err(|e| refuse(&e))?;
-    let setup: Setup = toml::from_str(&text).map_err(|e| refuse(&e))?;
+    let setup: Setup = toml::from_str(&text).map_err(|e| {
+        let line = e.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+        let place = line.map_or_else(String::new, |line| format!("line {line}: "));
+        refuse(&format!("{place}{}", wording::plain(e.message())))
+    })?;
     setup.validate().map_err(|e| refuse(&e))?;
     Ok(setup)
 }

@@ -1,10 +1,13 @@
-//! The proposed next test as files: a drive, a scenario that plays it on the twin, and the run that takes its recording back.
+//! The proposed next test: on the page, and as files (a drive, a scenario that plays it on the twin, the run that takes its recording back).
 
 use super::super::Failure;
 use super::super::output::{tell, write_whole};
+use super::super::traces;
 use shakedown::diagnose::Examined;
+use shakedown::diagnose::result::NextTest;
 use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
 use shakedown::recording::Experiment;
+use shakedown::report::{Item, Section};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -12,7 +15,9 @@ use std::path::Path;
 pub(super) fn write(folder: &Path, experiment: &Experiment, examined: &Examined) -> Result<(), Failure> {
     let planned = examined.diagnosis.next_test.as_ref().and_then(|test| Some((test, test.planned.as_ref()?)));
     let Some((test, planned)) = planned else {
-        tell("no test is proposed: nothing is open that a run from a reference would settle; nothing was written");
+        let why = examined.diagnosis.no_test.as_deref();
+        let why = why.unwrap_or("No test is proposed: nothing is open that a run from a reference would settle");
+        tell(&format!("{why}; nothing was written"));
         return Ok(());
     };
     std::fs::create_dir_all(folder).map_err(|e| Failure::Input(format!("{}: {e}", folder.display())))?;
@@ -34,4 +39,19 @@ pub(super) fn write(folder: &Path, experiment: &Experiment, examined: &Examined)
 
 fn scenario(record: &str, rate: f64) -> String {
     format!("name = {record:?}\ntable = \"table.toml\"\nrate_hz = {rate}\n\n[record]\nfile = \"drive.csv\"\n")
+}
+
+/// The test that would settle what is open.
+pub(super) fn section(test: &NextTest) -> Section {
+    let mut items = vec![Item::Text(format!("{}; {}.", test.record, test.why))];
+    if !test.others.is_empty() {
+        let rows =
+            test.others.iter().map(|(record, distance)| vec![record.clone(), format!("{distance:.1}")]).collect();
+        items.push(Item::Table(traces::table(
+            &["test", "predicted distance [standard deviations]"],
+            rows,
+            "What else would do",
+        )));
+    }
+    Section { heading: "The next test".into(), items }
 }

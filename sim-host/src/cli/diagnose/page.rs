@@ -1,18 +1,30 @@
 //! The page of a diagnosis: what differs, where, what it is, how much better the model with it predicts.
 
 use super::super::traces::{self, left, over_frequency, over_time};
-use super::{change, place, set_up, term};
+use super::{change, next, place, set_up, term, unfit};
 use shakedown::diagnose::remainder::Remainder;
-use shakedown::diagnose::result::{NamedEffect, NextTest, Verdict};
+use shakedown::diagnose::result::{NamedEffect, Verdict};
 use shakedown::diagnose::{Diagnosis, Examined};
+use shakedown::digits;
 use shakedown::identify::quantity::Quantity;
 use shakedown::recording::Severity;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table, digits};
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use std::collections::BTreeMap;
 
 /// The page.
 pub(super) fn page(name: &str, examined: &Examined) -> Page {
     let diagnosis = &examined.diagnosis;
+    if diagnosis.verdict == Verdict::BadData {
+        return Page {
+            title: format!("Diagnosis: {name}"),
+            lead: lead(diagnosis),
+            key: key(diagnosis),
+            advice: advice(diagnosis),
+            sections: std::iter::once(findings(diagnosis)).chain(set_up::section(diagnosis)).collect(),
+            details: vec![unfit::recorded(examined)],
+            ..Page::default()
+        };
+    }
     let mut sections = vec![verdict(examined)];
     let mut details = Vec::new();
     if !diagnosis.findings.is_empty() {
@@ -32,7 +44,7 @@ pub(super) fn page(name: &str, examined: &Examined) -> Page {
     }
     details.push(predicted(examined));
     if let Some(test) = &diagnosis.next_test {
-        details.push(next(test));
+        details.push(next::section(test));
     }
     Page {
         title: format!("Diagnosis: {name}"),
@@ -56,9 +68,9 @@ fn key(diagnosis: &Diagnosis) -> Vec<(String, String)> {
         .iter()
         .map(|e| (format!("probability of {}", e.id), format!("{:.2}", e.probability)))
         .collect();
-    key.push(("residual over noise, stated model".into(), format!("{:.2}", before.chi2.sqrt())));
+    key.push(("residual over noise, stated model".into(), digits::three(before.chi2.sqrt())));
     if diagnosis.verdict == Verdict::Mismatch {
-        key.push(("with what was found; 1 is noise alone".into(), format!("{:.2}", after.chi2.sqrt())));
+        key.push(("with what was found; 1 is noise alone".into(), digits::three(after.chi2.sqrt())));
     }
     if !diagnosis.set_up.is_empty() {
         key.push(("of the set-up found otherwise than stated".into(), diagnosis.set_up.len().to_string()));
@@ -88,8 +100,9 @@ fn advice(diagnosis: &Diagnosis) -> Vec<String> {
                      `shakedown modify RECORD --table table.toml`, `shakedown design table.toml`.".into());
     }
     if let Some(test) = &diagnosis.next_test {
-        advice.push(format!("Run {} next: {}.", test.record, test.why));
+        advice.push(format!("Next test: {}; {}.", test.record, test.why));
     }
+    advice.extend(diagnosis.no_test.as_ref().map(|why| format!("{why}.")));
     if diagnosis.verdict == Verdict::Consistent && advice.is_empty() {
         advice.push("Use the model as it is stated; another recording at larger amplitude would try it harder.".into());
     }
@@ -123,8 +136,9 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
             let left = diagnosis.judged.after.chi2;
             let more = if left > 1.5 {
                 format!(
-                    " More is missing: chi2 {left:.2}; {:.1} % of the initial misfit remains.",
-                    100.0 * diagnosis.share_left
+                    " More is missing: chi2 {}; {} % of the initial misfit remains.",
+                    digits::three(left),
+                    share(diagnosis.share_left)
                 )
             } else {
                 String::new()
@@ -140,12 +154,18 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
     }
 }
 
+/// A share in per cent; not 0.0 where something is left.
+fn share(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent > 0.0 && percent < 0.05 { "less than 0.1".into() } else { format!("{percent:.1}") }
+}
+
 fn verdict(examined: &Examined) -> Section {
     let diagnosis = &examined.diagnosis;
     let (before, after) = (&diagnosis.judged.before, &diagnosis.judged.after);
     let mut items = vec![Item::Tiles(vec![
-        ("chi2 held out, before".into(), format!("{:.3}", before.chi2)),
-        ("chi2 held out, after".into(), format!("{:.3}", after.chi2)),
+        ("chi2 held out, before".into(), digits::three(before.chi2)),
+        ("chi2 held out, after".into(), digits::three(after.chi2)),
         ("noise floor".into(), "1".into()),
     ])];
     for effect in &diagnosis.effects {
@@ -223,25 +243,10 @@ fn curve(remainder: &Remainder) -> Section {
     Section { heading: "What is left, as a curve".into(), items: vec![Item::Text(text), Item::Plot(plot)] }
 }
 
-/// The test that would settle what is open.
-fn next(test: &NextTest) -> Section {
-    let mut items = vec![Item::Text(format!("Run {}. Why: {}.", test.record, test.why))];
-    if !test.others.is_empty() {
-        let rows =
-            test.others.iter().map(|(record, distance)| vec![record.clone(), format!("{distance:.1}")]).collect();
-        items.push(Item::Table(traces::table(
-            &["test", "predicted distance [standard deviations]"],
-            rows,
-            "What else would do",
-        )));
-    }
-    Section { heading: "The next test".into(), items }
-}
-
 fn candidates(diagnosis: &Diagnosis) -> Section {
     let rows = diagnosis.candidates.iter().take(14).map(|c| {
         let ids = if c.ids.is_empty() { "stated model".into() } else { c.ids.join(" + ") };
-        vec![ids, format!("{:.3}", c.probability), c.holdout_chi2.map_or(String::new(), |x| format!("{x:.3}"))]
+        vec![ids, format!("{:.3}", c.probability), c.holdout_chi2.map_or(String::new(), digits::three)]
     });
     let table = Table {
         columns: ["model", "probability [1]", "chi2 held out [1]"].map(String::from).into(),

@@ -2,7 +2,8 @@
 
 use super::super::traces;
 use shakedown::diagnose::Diagnosis;
-use shakedown::report::{Item, Section, digits};
+use shakedown::digits;
+use shakedown::report::{Item, Section};
 
 /// What of the stated set-up was found otherwise.
 pub(super) fn section(diagnosis: &Diagnosis) -> Option<Section> {
@@ -16,7 +17,7 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Option<Section> {
                 .map_or_else(|| found.what.name().to_owned(), |p| format!("{}, {p}", found.what.name())),
             at(found.run.as_deref()),
             at(found.channel),
-            found.stated.map_or_else(|| "\u{2013}".into(), |x| digits::to(x, 1e-3 * x.abs())),
+            found.stated.map_or_else(|| "\u{2013}".into(), digits::stated),
             digits::to(found.found, size),
             found.std.map_or_else(|| "\u{2013}".into(), |std| digits::to(std, std)),
             if found.unit == "1" { String::new() } else { found.unit.clone() },

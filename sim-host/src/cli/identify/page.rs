@@ -2,13 +2,14 @@
 
 use super::super::traces::{self, left, over_frequency, over_time, table, words};
 use shakedown::diagnose::locate::leftover;
+use shakedown::digits;
 use shakedown::identify::data::{Measured, Run};
 use shakedown::identify::frequency::{Point, Response};
 use shakedown::identify::judge::Score;
 use shakedown::identify::outcome::Identified;
 use shakedown::identify::spectra;
 use shakedown::plant::model::Kind;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table, digits};
+use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
 /// Coherence below which a point of a measured response is not shown.
 const COHERENT: f64 = 0.5;
@@ -62,9 +63,13 @@ pub(super) fn lead(found: &Identified) -> String {
     let verdict = if judged <= NOISE_ALONE {
         format!("The fitted model explains {on} down to the noise")
     } else {
-        format!("The fitted model leaves {:.1} times the noise unexplained on {on}", judged.sqrt())
+        format!("The fitted model leaves {} times the noise unexplained on {on}", digits::three(judged.sqrt()))
     };
-    format!("{verdict}: chi2 {judged:.4} there, {fitted:.4} on the runs fitted; 1 is the noise floor.")
+    format!(
+        "{verdict}: chi2 {} there, {} on the runs fitted; 1 is the noise floor.",
+        digits::three(judged),
+        digits::three(fitted)
+    )
 }
 
 /// What to do next.
@@ -95,15 +100,15 @@ fn equations(kind: Kind) -> &'static str {
 
 fn tiles(found: &Identified) -> Vec<(String, String)> {
     let mut tiles = vec![
-        ("chi2, fitted [1]".into(), format!("{:.3}", found.fit.chi2())),
-        ("chi2, held out [1]".into(), format!("{:.3}", found.held_back.chi2)),
+        ("chi2, fitted [1]".into(), digits::three(found.fit.chi2())),
+        ("chi2, held out [1]".into(), digits::three(found.held_back.chi2)),
     ];
     let judged =
         |channel| found.prepared.fit.iter().flat_map(|r| &r.measured).any(|m| m.channel == channel && m.judged);
     for (channel, nrmse) in found.held_back.nrmse.iter().filter(|(channel, _)| judged(*channel)) {
         tiles.push((
             format!("R2 of {}, held out [1]", channel.name().replace('_', " ")),
-            format!("{:.5}", 1.0 - nrmse * nrmse),
+            digits::r2(1.0 - nrmse * nrmse),
         ));
     }
     tiles

@@ -1,6 +1,7 @@
 //! The transfer function from command to motion on the page of an identification.
 
 use super::super::traces::table;
+use shakedown::digits;
 use shakedown::identify::frequency::transfer::{Order, Trial};
 use shakedown::identify::frequency::{Point, Response};
 use shakedown::identify::transfer::Transfer;
@@ -35,7 +36,7 @@ fn row(trial: &Trial) -> Vec<String> {
     let delay = if longest_delay > 0.0 { format!("{:.2}", 1e3 * trial.fit.function.delay) } else { "none".into() };
     let poles =
         if integrators > 0 { format!("{denominator}, and {integrators} at zero") } else { denominator.to_string() };
-    vec![numerator.to_string(), poles, delay, format!("{:.3}", trial.fit.chi2), format!("{:.3}", trial.held_back)]
+    vec![numerator.to_string(), poles, delay, digits::three(trial.fit.chi2), digits::three(trial.held_back)]
 }
 
 fn plot(transfer: &Transfer, what: &str, unit: &str, of: &dyn Fn(&Response) -> Vec<f64>) -> Item {

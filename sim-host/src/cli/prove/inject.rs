@@ -69,8 +69,8 @@ struct Stretch {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    super::within("--length", args.length, 10.0, 1e4)?;
-    super::within("--stretches", args.stretches as f64, 1.0, 1e6)?;
+    super::within("--length", args.length, 10.0, 1e4, "s")?;
+    super::within("--stretches", args.stretches as f64, 1.0, 1e6, "")?;
     let engine = Engine::new(args.examinee.as_deref())?;
     let scratch = tempfile::tempdir().map_err(|e| Failure::Work(format!("no temporary folder: {e}")))?;
     let bar = progress::bar(args.stretches + args.experiments.len() as u64, "stretches");

@@ -7,6 +7,7 @@ use super::super::traces;
 use super::super::{Failure, progress};
 use serde_json::json;
 use shakedown::diagnose::{Diagnosis, Options, diagnose};
+use shakedown::digits;
 use shakedown::recording::Experiment;
 use shakedown::report::{Item, Page, Section, Table};
 use std::path::PathBuf;
@@ -92,8 +93,8 @@ fn fits(all: &[Examined]) -> Table {
             vec![
                 one.experiment.name.clone(),
                 channel.to_owned(),
-                format!("{:.4}", before.r2.get(channel).copied().unwrap_or(f64::NAN)),
-                format!("{r2:.4}"),
+                digits::r2(before.r2.get(channel).copied().unwrap_or(f64::NAN)),
+                digits::r2(r2),
                 format!("{:.2}", 100.0 * before.nrmse.get(channel).copied().unwrap_or(f64::NAN)),
                 format!("{:.2}", 100.0 * after.nrmse.get(channel).copied().unwrap_or(f64::NAN)),
             ]

@@ -53,10 +53,10 @@ impl Kept {
         let twin = crate::cli::table(described.path.as_deref())?;
         let velocity = self.velocity.unwrap_or_else(|| twin.velocity_limit());
         let stroke = self.stroke.or(described.table.stroke).unwrap_or(described::STROKE);
-        within("--velocity", velocity, 1e-3, 20.0)?;
-        within("--stroke", stroke, 1e-4, 5.0)?;
-        within("--acceleration", self.acceleration.unwrap_or(1.0), 1e-2, 1e3)?;
-        within("--stall", self.stall.unwrap_or(1.0), 1e-1, 1e5)?;
+        within("--velocity", velocity, 1e-3, 20.0, "m/s")?;
+        within("--stroke", stroke, 1e-4, 5.0, "m")?;
+        within("--acceleration", self.acceleration.unwrap_or(1.0), 1e-2, 1e3, "m/s2")?;
+        within("--stall", self.stall.unwrap_or(1.0), 1e-1, 1e5, "m/s2")?;
         let limits = Limits {
             acceleration: self.acceleration.or(described.table.acceleration),
             jerk: described.table.jerk,

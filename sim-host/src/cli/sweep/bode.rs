@@ -5,6 +5,7 @@ use super::super::{Failure, progress};
 use serde_json::json;
 use shakedown::closed_loop::bode::{Curve, Grid, displacement_loop, settles};
 use shakedown::closed_loop::frequency::linear;
+use shakedown::digits;
 use shakedown::plant::paper::Paper;
 use shakedown::report::{Axis, Item, Plot, Section, Series, Style, Table};
 
@@ -82,18 +83,25 @@ pub(super) fn run(args: &Args) -> Result<Part, Failure> {
          transient has died out. Dashed: the linear loop H G / (1 + H G)."
             .into(),
     )];
-    let mut json = Vec::new();
+    let (mut json, mut follows) = (Vec::new(), Vec::new());
     let bar = progress::bar((grid.len() * args.gains.len()) as u64, "Bode points");
     for &pair in &args.gains {
         let curves =
             displacement_loop(pair, RATE, &grid, || bar.inc(1)).map_err(|e| Failure::Input(format!("sweep: {e}")))?;
         items.push(Item::Table(table(pair, &curves)));
         items.extend(plots(pair, &curves).map(Item::Plot));
+        let reach = curves.first().and_then(Curve::bandwidth);
+        follows.push(reach.map_or_else(|| format!("beyond {} Hz", args.to), |hz| format!("{hz:.2} Hz")));
         json.push(json!({"kp": pair.0, "ki": pair.1, "curves": curves.iter().map(Curve::json).collect::<Vec<_>>()}));
     }
     bar.finish_and_clear();
+    let at: Vec<String> =
+        args.gains.iter().zip(&follows).map(|(pair, hz)| format!("{hz} with Kp = {}", pair.0)).collect();
+    let least = digits::stated(args.amplitudes[0]);
+    let found = format!("The displacement follows to {} (-3 dB at {least} mm).", at.join(", "));
+    let figure = (format!("-3 dB at {least} mm, Kp = {}", args.gains[0].0), follows.swap_remove(0));
     let section = Section { heading: "Bode diagrams by amplitude (Figs. 4, 5, 10)".into(), items };
-    Ok(Part { key: "bode", json: json.into(), section, inputs: Vec::new() })
+    Ok(Part { key: "bode", json: json.into(), found, figure, section, inputs: Vec::new() })
 }
 
 fn table((kp, ki): (f64, f64), curves: &[Curve]) -> Table {
@@ -101,7 +109,7 @@ fn table((kp, ki): (f64, f64), curves: &[Curve]) -> Table {
     let row = |curve: &Curve| {
         let last = curve.points.last();
         vec![
-            format!("{:.0}", curve.amplitude * 1e3),
+            digits::stated(curve.amplitude * 1e3),
             or_none(curve.bandwidth()),
             or_none(curve.saturates_from()),
             last.map_or(String::new(), |p| format!("{:.1}", p.decibels())),
@@ -128,7 +136,7 @@ fn plots((kp, ki): (f64, f64), curves: &[Curve]) -> [Plot; 2] {
     let exact: Vec<_> = frequencies.iter().map(|&f| linear(&Paper::default(), (kp, ki), f)).collect();
     let plot = |what: &str, unit: &str, line: Vec<f64>, of: &dyn Fn(&Curve) -> Vec<f64>| {
         let series = |c: &Curve| Series {
-            name: format!("{:.0} mm", c.amplitude * 1e3),
+            name: format!("{} mm", digits::stated(c.amplitude * 1e3)),
             x: frequencies.clone(),
             y: of(c),
             style: Style::Line,

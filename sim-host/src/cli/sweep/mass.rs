@@ -40,8 +40,11 @@ pub(super) fn run(args: &bode::Args) -> Result<Part, Failure> {
     ];
     let json = json!({"difference_db": decibels, "difference_deg": degrees,
                       "empty": empty.json(), "loaded": loaded.json()});
+    let figure = ("gain, 10 t against 5 t, at most".to_owned(), format!("{decibels:.2} dB"));
+    let found =
+        format!("5 t more on the table change the gain by at most {decibels:.2} dB and the phase by {degrees:.1} deg.");
     let section = Section { heading: "5 t on the table (Fig. 4)".into(), items };
-    Ok(Part { key: "mass", json, section, inputs: Vec::new() })
+    Ok(Part { key: "mass", json, found, figure, section, inputs: Vec::new() })
 }
 
 fn measure(mass: f64, grid: &Grid, done: impl Fn() + Sync) -> Result<Curve, ClosedLoopError> {

@@ -34,9 +34,9 @@ impl Args {
     /// Refuses what no valve and no piston has.
     pub(super) fn check(&self) -> Result<(), Failure> {
         let (flow, drop_ratio) = self.values();
-        within("--flow", flow, 1e-3, 1e5)?;
-        within("--drop-ratio", drop_ratio, 1e-3, 1e3)?;
-        within("--area", self.area, 0.1, 1e6)
+        within("--flow", flow, 1e-3, 1e5, "L/s")?;
+        within("--drop-ratio", drop_ratio, 1e-3, 1e3, "")?;
+        within("--area", self.area, 0.1, 1e6, "cm2")
     }
 }
 
@@ -58,6 +58,8 @@ pub(super) fn run(args: &Args) -> Part {
         ),
     ];
     let json = json!({"flow_m3_per_s": valve.flow(), "area_m2": valve.area, "slew_rate_m_per_s": valve.slew_rate()});
+    let figure = ("largest speed (Eq. 8)".to_owned(), format!("{:.3} m/s", valve.slew_rate()));
+    let found = format!("The valve lets the piston go {:.3} m/s at most.", valve.slew_rate());
     let section = Section { heading: "Slew rate (Eq. 8)".into(), items };
-    Part { key: "slew_rate", json, section, inputs: Vec::new() }
+    Part { key: "slew_rate", json, found, figure, section, inputs: Vec::new() }
 }

@@ -31,8 +31,18 @@ pub(super) fn run(source: &Source) -> Result<Part, Failure> {
         json!({"kp": p.gain, "weak_e_a": p.weak_e_a, "strong_e_a": p.strong_e_a, "spike_ratio": p.spike_ratio,
                "saturated_s": p.saturated_s})
     });
+    let ends = points.first().zip(points.last());
+    let found = ends.map_or_else(String::new, |(low, high)| {
+        format!(
+            "From Kp = {} to {} the E_a of the weak stretch goes from {:.2} to {:.2}, of the strong one from {:.2} to {:.2}.",
+            low.gain, high.gain, low.weak_e_a, high.weak_e_a, low.strong_e_a, high.strong_e_a
+        )
+    });
+    let best = points.iter().min_by(|a, b| a.strong_e_a.total_cmp(&b.strong_e_a));
+    let best = best.map_or_else(String::new, |p| format!("{:.2} at Kp = {}", p.strong_e_a, p.gain));
+    let figure = ("least E_a of the strong stretch".to_owned(), best);
     let section = Section { heading: "Gain trade-off (Fig. 11)".into(), items };
-    Ok(Part { key: "trade_off", json: json.collect(), section, inputs: source.inputs() })
+    Ok(Part { key: "trade_off", json: json.collect(), found, figure, section, inputs: source.inputs() })
 }
 
 fn table(points: &[Point]) -> Table {

@@ -2,6 +2,7 @@
 
 use super::StateShare;
 use crate::diagnose::residual::{judged_channels, residual};
+use crate::digits;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::{BLOCK, Predicted};
 
@@ -131,7 +132,7 @@ fn explained(variable: &'static str, rows: &[(f64, f64, bool)]) -> Option<StateS
     let profile = (0..BINS).map(|i| [sorted[(2 * i + 1) * sorted.len() / (2 * BINS)], both(i)]).collect();
     Some(StateShare {
         variable,
-        place: format!("strongest from {low:.3e} to {high:.3e}{both_ways}"),
+        place: format!("strongest from {} to {}{both_ways}", digits::three(low), digits::three(high)),
         strength,
         profile,
     })

@@ -10,6 +10,7 @@ use super::error::{Problem, ReadError, listed};
 use super::peer::interval_in_range;
 use super::text::{Block, excerpt, number};
 use super::{Channel, Options};
+use crate::digits;
 use crate::files::layout::{self, Decimal, Delimiter, Layout};
 
 /// How far a step of a time column may be from the usual one, as a share of it: times rounded to thousandths of a second
@@ -187,6 +188,9 @@ fn interval(block: &Block, table: &Table, time: Option<usize>, options: &Options
         return Ok(dt);
     };
     let times = column(block, table, time)?;
+    if times.len() < 2 {
+        return Err(block.at(table.lines.first().copied().unwrap_or(0), Problem::TooShort { samples: times.len() }));
+    }
     let unit = table.names.get(time).and_then(|n| n.unit.clone()).unwrap_or_else(|| "s".into());
     let size = match unit.as_str() {
         "s" | "sec" => 1.0,
@@ -198,8 +202,8 @@ fn interval(block: &Block, table: &Table, time: Option<usize>, options: &Options
     };
     if let Some(i) = uneven_step(&times) {
         let pair = (
-            format!("the usual step is {} {unit}", usual_step(&times)),
-            format!("this row comes {} {unit} after the last", times[i + 1] - times[i]),
+            format!("the usual step is {} {unit}", digits::stated(usual_step(&times))),
+            format!("this row comes {} {unit} after the last", digits::stated(times[i + 1] - times[i])),
         );
         let remedy = "resample the record to even steps";
         return Err(block.contradiction(table.lines[i + 1], "time", pair, remedy));
@@ -209,7 +213,7 @@ fn interval(block: &Block, table: &Table, time: Option<usize>, options: &Options
     if dt > 0.0 && !STEPS.contains(&dt) {
         let pair = (
             format!("the header says {unit}"),
-            format!("steps of {} {unit} are {:.4e} Hz", usual_step(&times), 1.0 / dt),
+            format!("steps of {} {unit} are {} Hz", digits::stated(usual_step(&times)), digits::stated(1.0 / dt)),
         );
         let remedy = "a record has 5 Hz to 20 kHz: correct the unit of the time column";
         return Err(block.contradiction(table.lines[0].saturating_sub(1), "unit of time", pair, remedy));

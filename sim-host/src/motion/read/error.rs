@@ -180,12 +180,14 @@ pub enum Problem {
         remedy: &'static str,
     },
     /// A value out of its range.
-    #[error("{what} is {}: expected {expected}; check the file and its unit", plain(*.found))]
+    #[error("{what} is {}{unit}: expected {expected}; check the file and its unit", plain(*.found))]
     OutOfRange {
         /// The quantity.
         what: &'static str,
         /// Its value.
         found: f64,
+        /// Its unit after a blank, where it is not among the words.
+        unit: &'static str,
         /// Its range.
         expected: &'static str,
     },
@@ -203,13 +205,16 @@ pub enum Problem {
         /// What there is.
         available: String,
     },
-    /// Nothing but zeros.
+    /// One value from end to end.
     #[error(
-        "every one of its {samples} accelerations is zero: expected a ground motion; check the file and its column"
+        "every one of its {samples} accelerations is {}: expected a ground motion; check the file and its column",
+        if *.value == 0.0 { "zero".to_owned() } else { plain(*.value) + " m/s2" }
     )]
-    Zero {
+    Constant {
         /// How many there are.
         samples: usize,
+        /// The value, m/s2.
+        value: f64,
     },
     /// Too few samples.
     #[error("{samples} sample(s): expected at least {LEAST_SAMPLES}; give a whole record")]

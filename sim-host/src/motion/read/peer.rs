@@ -74,7 +74,7 @@ pub(super) fn interval_in_range(block: &Block, index: usize, dt: f64) -> Result<
         return Ok(());
     }
     let expected = "0.00001 to 1 s";
-    Err(block.at(index, Problem::OutOfRange { what: "the sampling interval", found: dt, expected }))
+    Err(block.at(index, Problem::OutOfRange { what: "the sampling interval", found: dt, unit: " s", expected }))
 }
 
 /// The unit, from the line `ACCELERATION TIME SERIES IN UNITS OF G`.

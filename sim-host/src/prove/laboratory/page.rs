@@ -1,6 +1,6 @@
 //! A campaign of examiner 2 as a page and as tables.
 
-use super::super::page::{GATE_NOTE, coverage, gate_table, lead, matrix};
+use super::super::page::{GATE_NOTE, coverage, gate_table, key, lead, matrix};
 use super::calibration::Bin;
 use super::strata::Row;
 use super::summary::{Fault, Summary};
@@ -14,6 +14,7 @@ pub fn page(summary: &Summary) -> Page {
     Page {
         title: "Proof on concealed data".into(),
         lead: lead(summary.cases as u64, &summary.gates, summary.failed.len()),
+        key: key(summary.cases as u64, &summary.gates),
         sections: vec![
             section("Gates", vec![Item::Table(gate_table(&summary.gates)), Item::Note(GATE_NOTE.into())]),
             section("By stratum", vec![rows(&summary.strata, "Stratum")]),

@@ -54,8 +54,8 @@ fn messages_name_file_line_column_and_remedy() {
         (
             "t,x\n\n0,1,2\n",
             &["x"],
-            "a.csv, line 1: the header names 2 columns, the rows below have 3; correct the header, or name the rows' layout \
-             with --skip-lines, --delimiter and --decimal",
+            "a.csv, line 1: the header names 2 columns, the rows below have 3; correct the header, or say how with \
+             --skip-lines, --delimiter and --decimal, in an experiment under [text]",
         ),
         (
             "t,displacement\n0,1\n",
@@ -72,7 +72,7 @@ fn messages_name_file_line_column_and_remedy() {
         (
             "t,x\n0,1\n1,1e300\n",
             &["x"],
-            "a.csv, line 3, `x`: `1e300` is no measurement; beyond 1e15 it is no measurement, write NaN for a sample that was dropped",
+            "a.csv, line 3, `x`: `1e300` is beyond 1e15, which nothing measured; write NaN for a sample that was dropped",
         ),
         ("", &["x"], "a.csv: is empty; a header line that names the columns is expected"),
     ];

@@ -5,6 +5,34 @@ pub fn with_error(value: f64, std: f64) -> (String, String) {
     (to(value, std), to(std, std))
 }
 
+/// A value with what it is uncertain by, `-1300 +/- 120`; the value alone where no error is known.
+pub fn with_spread(value: f64, std: Option<f64>) -> String {
+    match std.filter(|s| s.is_finite() && *s > 0.0) {
+        Some(std) => format!("{} +/- {}", to(value, std), to(std, std)),
+        None => to(value, f64::NAN),
+    }
+}
+
+/// A figure whose error nobody states, such as a chi2, to three digits: `1.02`, `704000`.
+pub fn three(value: f64) -> String {
+    to(value, 0.1 * value)
+}
+
+/// A coefficient of determination: what it lacks of 1 to two digits where it is near, else two decimals.
+pub fn r2(value: f64) -> String {
+    if value > 0.9 && value < 1.0 { to(value, (1.0 - value).max(1e-6)) } else { format!("{value:.2}") }
+}
+
+/// A value as somebody stated it, to five digits: `138`, `0.242`, `2.38e-5`.
+pub fn stated(value: f64) -> String {
+    let rounded = format!("{value:.4e}").parse().unwrap_or(value);
+    if rounded != 0.0 && !(1e-3..1e6).contains(&f64::abs(rounded)) {
+        format!("{rounded:e}")
+    } else {
+        rounded.to_string()
+    }
+}
+
 /// A number to two digits of `error`; to five of its own where there is none.
 pub fn to(number: f64, error: f64) -> String {
     if !number.is_finite() {
@@ -45,6 +73,14 @@ mod tests {
             let (a, b) = with_error(value, std);
             assert_eq!((a.as_str(), b.as_str()), shown);
         }
+        assert_eq!(with_spread(22_265.439_3, Some(232.0)), "22270 +/- 230");
+        assert_eq!(with_spread(0.5, None), "0.50000");
+        assert_eq!([1.0234, 0.98765, 703_970.093, 2.157e9, 0.0].map(three), ["1.02", "0.988", "704000", "2.16e9", "0"]);
+        assert_eq!([0.999_641, 0.951_2, -4.119_26, 1.0, 0.84].map(r2), ["0.99964", "0.951", "-4.12", "1.00", "0.84"]);
+        assert_eq!(
+            [138.0, 0.242, 2.38e-5, 0.0, 1e300, f64::NAN].map(stated),
+            ["138", "0.242", "2.38e-5", "0", "1e300", "NaN"]
+        );
         assert_eq!(to(57.654_32, f64::NAN), "57.654");
         assert_eq!((to(0.0, 0.0).as_str(), to(f64::NAN, 1.0).as_str()), ("0", "NaN"));
     }
