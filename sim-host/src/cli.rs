@@ -1,6 +1,7 @@
 //! The command line: one file a command, one door for output, one place where errors become exit statuses.
 
 mod asked;
+mod attained;
 mod bench;
 mod campaign;
 mod checked;
@@ -19,6 +20,7 @@ mod histories;
 mod identify;
 mod indices;
 mod init;
+mod judged;
 mod learn;
 #[cfg(not(target_family = "wasm"))]
 mod live;
@@ -32,6 +34,7 @@ mod qualify;
 #[cfg(not(target_family = "wasm"))]
 mod reference;
 mod replay;
+mod required;
 mod run;
 mod shard;
 mod source;

@@ -2,7 +2,7 @@
 
     python3 tests/readers/check.py [DATA [MORE]]
 
-Needs numpy, scipy, h5py, npTDMS, obspy, pandas, rpc3-file and lvm_read; what is missing is said and left out. MORE is a folder of
+Needs numpy, scipy, h5py, npTDMS, obspy, pandas, rpc3-file, rpc_reader and lvm_read; what is missing is said and left out. MORE is a folder of
 LabVIEW's own .lvm files, where one is at hand. Then ten of the files get false metadata, and each must be refused by its name and by
 what is wrong. Ends with status 1 where a value differs by more than rounding or a false file is read. `cargo build -p shakedown
 --example columns` comes first, and this calls it.
@@ -299,6 +299,27 @@ def rpc_of_others(bench, folder, numpy):
                 bench.same(f"RPC III {file.name} {name}", got[name][: len(want[name])], want[name], 1e-6)
 
 
+def drives(bench, folder):
+    """A drive in RPC III by shakedown, read by two other libraries, beside the same in text."""
+    def made(name, *more):
+        path = folder / name
+        subprocess.run([TOOL, "modify", "near-field-moderate", "--method", "taut", "--out", path, *more], check=True, capture_output=True)
+        return path
+    rows = [line.split(",") for line in made("drive.csv").read_text().splitlines() if line[0].isdigit()]
+    want = [float(value) for _, value in rows]
+    for path, bound in [(made("single.rpc"), 1e-6), (made("short.rpc", "--sixteen-bit"), 1.6e-5)]:
+        rpc3, reader = library("rpc3"), library("rpc_reader.rpc_reader")
+        if rpc3:
+            # It leaves out an end that does not change, which it takes for what fills the last frame.
+            found = [*rpc3.read(str(path))[0][0].data, *[0.0] * len(want)]
+            bench.same(f"{path.name} by rpc3-file", found[: len(want)], want, bound)
+        # It takes INT_FULL_SCALE for a factor of short integers, which MTS does not: 0.049 % low.
+        if reader and bound == 1e-6:
+            theirs = reader.ReadRPC(str(path))
+            theirs.import_rpc_data_from_file()
+            bench.same(f"{path.name} by rpc-reader", theirs.data[: len(want), 0], want, bound)
+
+
 def put(path, content, at, bytes_):
     """The same file with some bytes replaced."""
     path.write_bytes(content[:at] + bytes_ + content[at + len(bytes_):])
@@ -394,6 +415,7 @@ def main():
         bench.guarded("text", lambda: text(bench, folder, numpy))
         bench.guarded("RPC III", lambda: rpc(bench, folder, numpy, data))
         bench.guarded("RPC III of others", lambda: rpc_of_others(bench, folder, numpy))
+        bench.guarded("drives", lambda: drives(bench, folder))
         bench.guarded("MATLAB 7.3", lambda: matlab73(bench, numpy, data))
         bench.guarded("spreadsheet", lambda: spreadsheet(bench, folder, numpy))
         bench.guarded("LabVIEW", lambda: labview(bench, folder, more))

@@ -10,6 +10,7 @@ use super::output::Outputs;
 use super::source::Text;
 use shakedown::closed_loop::learning::stale::Staleness;
 use shakedown::motion::drive::Drive;
+use shakedown::motion::metrics::Played;
 use shakedown::motion::read::{self, Options};
 use shakedown::motion::{Format, Motion, Record};
 use std::path::{Path, PathBuf};
@@ -49,17 +50,35 @@ pub(crate) struct Args {
     outputs: Outputs,
 }
 
+/// A drive found in the recording of it; `displacement` names the column where its own name does not.
+pub(super) fn of_drive(
+    drive: &Path,
+    motion: &Motion,
+    recording: &Path,
+    displacement: Option<&str>,
+) -> Result<Played, Failure> {
+    let args = Args { displacement: displacement.map(str::to_owned), ..Args::of(drive, recording) };
+    drive::found(&args, recording, motion)
+}
+
 /// How the second recording of a motion differs from the first.
 pub(super) fn answered(first: &Path, second: &Path) -> Result<Staleness, Failure> {
-    recordings::answered(&Args {
-        first: first.to_owned(),
-        second: second.to_owned(),
-        displacement: None,
-        acceleration: None,
-        reference: None,
-        text: Text::default(),
-        outputs: Outputs::default(),
-    })
+    recordings::answered(&Args::of(first, second))
+}
+
+impl Args {
+    /// Two files, and nothing stated of them.
+    fn of(first: &Path, second: &Path) -> Self {
+        Self {
+            first: first.to_owned(),
+            second: second.to_owned(),
+            displacement: None,
+            acceleration: None,
+            reference: None,
+            text: Text::default(),
+            outputs: Outputs::default(),
+        }
+    }
 }
 
 /// What a file is to this command.

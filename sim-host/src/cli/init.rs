@@ -93,10 +93,12 @@ fn as_json(proposal: &Proposal, experiment: Option<&PathBuf>) -> serde_json::Val
 
 /// The inner loop, for other tools.
 fn inner_loop(found: &InnerLoop) -> serde_json::Value {
-    let gains = found
-        .gains
-        .iter()
-        .map(|g| (g.term.name().to_owned(), json!({ "value": g.value, "std": g.std, "share": g.share })));
+    let gains = found.gains.iter().map(|g| {
+        (
+            g.term.name().to_owned(),
+            json!({ "value": g.value, "std": g.std, "share": g.share, "determined": g.determined() }),
+        )
+    });
     json!({
         "closed_by": if found.closure == Closure::Command { "command" } else { "hardware" },
         "gains": gains.collect::<serde_json::Map<_, _>>(), "delay_s": found.delay, "lag_s": found.lag,

@@ -1,6 +1,7 @@
 //! `shakedown learn`: iterative learning over repeated runs on the twin.
 
 mod page;
+mod played;
 
 use super::checked::Checked;
 use super::described::{self, Found};
@@ -32,6 +33,7 @@ use std::path::{Path, PathBuf};
   shakedown learn --record kobe.AT2 --table table.toml --out learnt.csv
   shakedown learn --record kobe.AT2 --table table.toml --from learnt.csv    goes on, unless the table has changed since
   shakedown learn --record kobe.AT2 --out learnt.rpc --drive-unit V --volts-per-metre 80 --rate 2048
+  shakedown learn --record kobe.AT2 --from second.csv --played run2.csv --out third.csv    what a real table made of the second run
   shakedown learn --check check.csv                         a weak motion, to be recorded with each drive that is learnt
   shakedown learn --record kobe.AT2 --from learnt.csv --check-then may.csv --check-now june.csv    refused where the specimen changed
 
@@ -58,6 +60,12 @@ pub(crate) struct Args {
     /// Begins with a learnt drive; refused where it was learnt for another motion, on another table or by another controller.
     #[arg(long, value_name = "DRIVE")]
     from: Option<PathBuf>,
+    /// Recording of the drive of --from on a real table: the next drive follows from it, and the twin is not run.
+    #[arg(long, value_name = "RECORDING", requires = "from")]
+    played: Option<PathBuf>,
+    /// Column of the table's displacement in that recording [default: by its name].
+    #[arg(long, value_name = "COLUMN", requires = "played")]
+    displacement: Option<String>,
     #[command(flatten)]
     checked: Checked,
     /// Writes the check motion as a drive and does nothing else.
@@ -157,6 +165,20 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let mut origin = origin(args, &record, &described, name, &setup)?;
     let begin = args.from.as_deref().map(|path| begin(path, &origin, &setup)).transpose()?;
     let how = Learning { band: args.band, runs: args.runs, ..Learning::default() };
+    let inputs: Vec<PathBuf> = args
+        .source
+        .inputs()
+        .into_iter()
+        .chain(described.path)
+        .chain(args.from.clone())
+        .chain(args.played.clone())
+        .chain(args.checked.inputs())
+        .collect();
+    if let (Some(recording), Some(from), Some(drive)) = (&args.played, &args.from, &begin) {
+        let next = played::Next { args, recording, from, drive, wanted: &wanted, limits: &limits, how: &how };
+        return next.run(plan.as_ref(), origin, checked.as_ref(), &inputs);
+    }
+    let begin = begin.map(|drive| drive.values);
     let bar = progress::spinner(format!("learning {}", record.name));
     let learned =
         learn_from(begin, &setup, &wanted, &limits, &how).map_err(|e| Failure::Work(format!("learn: {e}")))?;
@@ -165,14 +187,6 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if !args.outputs.quiet() {
         present::print_section(&section);
     }
-    let inputs: Vec<PathBuf> = args
-        .source
-        .inputs()
-        .into_iter()
-        .chain(described.path)
-        .chain(args.from.clone())
-        .chain(args.checked.inputs())
-        .collect();
     if let (Some(path), Some(plan)) = (&args.out, &plan) {
         write(path, plan, &learned, &limits, &mut origin, wanted.dt)?;
     }
@@ -204,8 +218,8 @@ fn origin(
     Ok(facts)
 }
 
-/// A drive that was learnt before, m, a value a tick; refused where something that it is true for has changed since.
-fn begin(path: &Path, origin: &[(String, String)], setup: &Setup) -> Result<Vec<f64>, Failure> {
+/// A drive that was learnt before; refused where something that it is true for has changed since.
+fn begin(path: &Path, origin: &[(String, String)], setup: &Setup) -> Result<Drive, Failure> {
     let refuse = |why: String| Failure::Input(format!("{}: {why}", path.display()));
     let drive = Drive::read(path).map_err(|e| Failure::Input(e.to_string()))?;
     let drive = drive.ok_or_else(|| refuse("is no drive: name one that `learn --out` wrote".into()))?;
@@ -224,7 +238,16 @@ fn begin(path: &Path, origin: &[(String, String)], setup: &Setup) -> Result<Vec<
             )));
         }
     }
-    Ok(drive.values)
+    Ok(drive)
+}
+
+/// The fact that says which run a drive is of, from 1.
+const RUN: &str = "run";
+
+/// Puts the limits among the facts of a drive.
+fn limited(facts: &mut Vec<(String, String)>, limits: &Limits) {
+    let all = [("velocity", limits.velocity), ("stroke", limits.displacement), ("acceleration", limits.acceleration)];
+    facts.extend(all.map(|(name, limit)| (format!("limit_{name}"), limit.to_string())));
 }
 
 /// Writes the drive of the best run.
@@ -241,11 +264,10 @@ fn write(
     let Some((run, best)) = best else {
         return Err(Failure::Work(format!("{}: nothing was run, and nothing written", path.display())));
     };
+    limited(origin, limits);
     let mut put = |key: &str, value: String| origin.push((key.to_owned(), value));
     put("method", format!("learnt, run {} of {}", run + 1, learned.rounds.len()));
-    put("limit_velocity", limits.velocity.to_string());
-    put("limit_stroke", limits.displacement.to_string());
-    put("limit_acceleration", limits.acceleration.to_string());
+    put(RUN, (run + 1).to_string());
     put("peak_displacement_m", format!("{:.6}", best.reached.displacement));
     put("peak_velocity_m_per_s", format!("{:.6}", best.reached.velocity));
     put("peak_acceleration_m_per_s2", format!("{:.6}", best.reached.acceleration));

@@ -3,10 +3,12 @@
 mod missed;
 mod out;
 mod page;
+mod required;
 
 use super::failure::number;
 use super::output::Outputs;
 use super::places::place;
+use super::required::Demand;
 use super::source::{Text, plausible, record as read_record};
 use super::{Failure, described, present, progress, written};
 use clap::ValueEnum;
@@ -28,6 +30,9 @@ use std::time::Instant;
   shakedown modify KJM000.AT2 --out drive.csv --drive displacement --drive-unit mm --rate 1000
   shakedown modify KJM000.AT2 --out drive.rpc --velocity 0.3 --stroke 0.15 --report fit.html
   shakedown modify KJM000.AT2 --objective spectrum --band 0.05,0.5 --tolerance 0.05 --out drive.AT2
+  shakedown modify KJM000.AT2 --objective spectrum --standard ac156 --sds 1.0 --velocity 0.5 --stroke 0.15 --out drive.csv
+  shakedown modify KJM000.AT2 --objective spectrum --standard ieee344 --rrs floor.csv --out drive.rpc
+                                          to a required spectrum, or the proof that no motion within the limits reaches it
   shakedown modify KJM000.AT2 --preview 0.5 --json -      what the device itself would make of it
   shakedown modify KJM000.AT2 --table found.toml          within what a diagnosed table can do
   shakedown modify KJM000.AT2 --target 0.2                what it would take to come that near
@@ -75,6 +80,8 @@ pub(crate) struct Args {
     /// Preview of the online modifier, s [default: 0.5].
     #[arg(long, value_name = "S")]
     preview: Option<f64>,
+    #[command(flatten)]
+    demand: Demand,
     /// Periods whose spectral ordinates are kept, s [default: 0.05,0.5].
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',')]
     band: Option<Vec<f64>>,
@@ -131,7 +138,8 @@ enum How {
 enum Objective {
     /// The acceleration, sample by sample.
     Waveform,
-    /// The response spectrum over --band; the waveform where that leaves a choice.
+    /// The response spectrum: the record's own over --band, and the waveform where that leaves a choice; with --standard, what that
+    /// requires.
     Spectrum,
 }
 
@@ -149,6 +157,9 @@ enum Measure {
 /// Reads, conditions, fits, writes and says what came out.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let args = &args.with_table()?;
+    if let Some(demanded) = args.demand.demanded()? {
+        return required::run(args, demanded);
+    }
     let method = args.method()?;
     let limits = args.limits()?;
     args.check_target()?;

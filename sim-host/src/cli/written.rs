@@ -8,6 +8,7 @@ use super::output::{announce, tell};
 use shakedown::motion::Motion;
 use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
 use shakedown::recording::Described;
+use shakedown::recording::binary::rpc::Points;
 use std::path::Path;
 
 /// What the drive is, as options.
@@ -27,6 +28,9 @@ pub(crate) struct Shape {
     /// Rate of the drive, Hz [default: 1000; the motion's own in .AT2].
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
+    /// RPC III with 16 bits over the drive's peak, for software that reads no floating point (RPC III 5.0x) [default: floating point].
+    #[arg(long)]
+    sixteen_bit: bool,
 }
 
 /// What is written where.
@@ -53,6 +57,7 @@ impl Shape {
             ("--drive-unit", self.drive_unit.is_some()),
             ("--volts-per-metre", self.volts_per_metre.is_some()),
             ("--rate", self.rate.is_some()),
+            ("--sixteen-bit", self.sixteen_bit),
         ];
         match all.into_iter().find(|(_, given)| *given) {
             Some((option, _)) => {
@@ -87,6 +92,13 @@ impl Shape {
             Ok(form) => form,
             Err(_) if device => Form::Csv,
             Err(why) => return refuse(&format!("{out} {}", path.display()), &why),
+        };
+        let form = match form {
+            Form::Rpc(_) if self.sixteen_bit => Form::Rpc(Points::Short),
+            _ if self.sixteen_bit => {
+                return refuse("--sixteen-bit", "is for RPC III; name a .rpc file, or leave it out");
+            }
+            other => other,
         };
         let quantity = self.drive.as_deref().and_then(Quantity::named);
         if form == Form::Peer && quantity == Some(Quantity::Displacement) {
@@ -149,13 +161,22 @@ impl Plan {
     ) -> Result<Vec<(String, String)>, Failure> {
         let mut drive = Drive::of(motion, self.quantity, self.unit.clone(), self.rate);
         drive.facts = facts;
+        if matches!(self.form, Form::Rpc(_))
+            && let Some(time) = drive.return_to_zero()
+        {
+            tell(&format!(
+                "note: {}: returns to zero over {time:.1} s, for RPC III fills up with zeros",
+                path.display()
+            ));
+            drive.facts.push(("return_to_zero_s".into(), format!("{time:.3}")));
+        }
         drive.facts.extend(provenance::made());
         announce(path);
         drive.write(path, self.form).map_err(|e| {
             let text = format!("{command}: {e}");
             if e.is_io() { Failure::Work(text) } else { Failure::Input(text) }
         })?;
-        if self.form == Form::Rpc {
+        if self.form == Form::Rpc(Points::Short) {
             self.say_resolution(path, &drive);
         }
         let mut facts = vec![

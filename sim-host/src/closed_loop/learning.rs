@@ -17,7 +17,7 @@ pub mod stale;
 use super::trial::{Setup, TrialError, low_passed};
 use super::{Clock, ClosedLoopError};
 use crate::motion::metrics::{Comparison, compare};
-use crate::motion::{Motion, peak};
+use crate::motion::{Motion, central_difference, peak};
 use crate::plant::sensors::Sensors;
 use shakedown_core::Controller;
 use spectrum::{Spectrum, correction, predicted};
@@ -170,8 +170,7 @@ pub fn learn_from(
         if run == 1 {
             delay = score.e_a.delay;
         }
-        let (r, x) = (Spectrum::of(&drive), Spectrum::of(&seen));
-        let peaks = Peaks::of(&x.low_passed(how.band, wanted.dt), wanted.dt);
+        let peaks = Peaks::of(&Spectrum::of(&seen).low_passed(how.band, wanted.dt), wanted.dt);
         learned.rounds.push(Round {
             drive: drive.clone(),
             score,
@@ -182,24 +181,67 @@ pub fn learn_from(
         if run == how.runs {
             break;
         }
-        let d = Spectrum::of(&wanted.displacement).delayed(delay, wanted.dt);
-        let mut gain = how.gain / run as f64;
-        // A correction too large for the table is made in smaller steps: the last run was within the limits, and so is a small one.
-        for _ in 0..=how.halvings {
-            let next = correction(&r, &x, &d, &Learning { gain, ..*how }, wanted.dt);
-            let expected = Peaks::of(&predicted(&r, &x, &next, how.band, wanted.dt), wanted.dt);
-            learned.refused = expected.beyond(limits, run + 1);
-            if learned.refused.is_none() {
-                (drive, forecast) = (next, Some(expected));
+        let made = Made { drive: &drive, seen: &seen, delay, run };
+        match next(&made, wanted, limits, how) {
+            Ok((corrected, expected)) => (drive, forecast) = (corrected, Some(expected)),
+            Err(refusal) => {
+                learned.refused = Some(refusal);
                 break;
             }
-            gain /= 2.0;
-        }
-        if learned.refused.is_some() {
-            break;
         }
     }
     Ok(learned)
+}
+
+/// A run that was made, on the twin or on a table.
+#[derive(Debug, Clone, Copy)]
+pub struct Made<'a> {
+    /// Its drive, m, one value a tick.
+    pub drive: &'a [f64],
+    /// What the table made of it, as its sensor shows it, m.
+    pub seen: &'a [f64],
+    /// How late the table is, s.
+    pub delay: f64,
+    /// Which run, from 1.
+    pub run: usize,
+}
+
+/// The drive of the run after one that was made, and what it is predicted to peak at.
+pub fn next(made: &Made<'_>, wanted: &Motion, limits: &Limits, how: &Learning) -> Result<(Vec<f64>, Peaks), Refusal> {
+    let (r, x) = (Spectrum::of(made.drive), Spectrum::of(made.seen));
+    let d = Spectrum::of(&wanted.displacement).delayed(made.delay, wanted.dt);
+    let (mut gain, mut halvings) = (how.gain / made.run as f64, how.halvings);
+    // A correction too large for the table is made in smaller steps: the last run was within the limits, and so is a small one.
+    loop {
+        let mut next = correction(&r, &x, &d, &Learning { gain, ..*how }, wanted.dt);
+        settle(&mut next, wanted);
+        let expected = Peaks::of(&predicted(&r, &x, &next, how.band, wanted.dt), wanted.dt);
+        match expected.beyond(limits, made.run + 1) {
+            None => return Ok((next, expected)),
+            Some(refusal) if halvings == 0 => return Err(refusal),
+            Some(_) => (gain, halvings) = (gain / 2.0, halvings - 1),
+        }
+    }
+}
+
+/// How near a run came to the motion wanted, by its displacement alone (m, one value a tick), both accelerations low-passed at 15 Hz.
+pub fn scored(seen: &[f64], wanted: &Motion) -> Result<Comparison, TrialError> {
+    let velocity = central_difference(seen, wanted.dt);
+    let acceleration = central_difference(&velocity, wanted.dt);
+    let made = Motion { dt: wanted.dt, displacement: seen.to_vec(), velocity, acceleration };
+    Ok(compare(&low_passed(wanted)?, &low_passed(&made)?, None)?)
+}
+
+/// Within so much of either end, s, a drive goes over into the motion wanted, which begins and ends at rest.
+const SETTLES: f64 = 1.0;
+
+/// Lets a drive begin and end where the motion wanted does: what was learnt of what is slower than the band has no end of its own.
+fn settle(drive: &mut [f64], wanted: &Motion) {
+    let (count, last) = (SETTLES / wanted.dt, drive.len().saturating_sub(1));
+    for (k, (x, w)) in drive.iter_mut().zip(&wanted.displacement).enumerate() {
+        let share = (k.min(last - k) as f64 / count).min(1.0);
+        *x = w + share * share * (3.0 - 2.0 * share) * (*x - w);
+    }
 }
 
 /// The true peaks of a motion.
@@ -260,6 +302,9 @@ mod tests {
             let close = |p: f64, x: f64| (p / x - 1.0).abs() < 0.1;
             assert!(close(predicted.velocity, round.peaks.velocity), "{predicted:?} {:?}", round.peaks);
             assert!(close(predicted.displacement, round.peaks.displacement), "{predicted:?} {:?}", round.peaks);
+            // Nothing steps where a drive begins or ends.
+            let (drive, wanted) = (&round.drive, wanted().displacement);
+            assert_eq!((drive.first(), drive.last()), (wanted.first(), wanted.last()));
         }
     }
 

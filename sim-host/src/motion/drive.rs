@@ -5,19 +5,17 @@
 //! with the facts in a TOML file beside it, and PEER AT2 for acceleration.
 
 pub(super) mod form;
+mod rest;
 mod text;
 
-use form::is_first_line;
 pub use form::{DriveUnit, Form, Quantity};
+use form::{OPERATION, is_first_line};
 
 use super::record::central_difference;
 use super::{Motion, peak, read};
 use crate::files::bounded;
 use crate::recording::binary::rpc::{self, RpcChannel, RpcError};
 use std::path::{Path, PathBuf};
-
-/// What the header of an RPC III drive says of its making.
-const OPERATION: &str = "SHAKEDOWN DRIVE";
 
 /// What a table is told to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,7 +116,7 @@ impl Drive {
         self.facts.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
     }
 
-    /// The size of one raw step in RPC III, m or m/s2, and the RMS of what it adds to the second difference, m/s2.
+    /// The size of one step of sixteen bits in RPC III, m or m/s2, and the RMS of what it adds to the second difference, m/s2.
     pub fn rpc_resolution(&self) -> (f64, f64) {
         let step = peak(&self.values) / 32_752.0;
         (step, step / 12f64.sqrt() * 6f64.sqrt() / (self.dt * self.dt))
@@ -138,12 +136,12 @@ impl Drive {
         match form {
             Form::Csv => io(path, text::csv(self).as_bytes()),
             Form::Peer => io(path, text::peer(self).as_bytes()),
-            Form::Rpc => {
+            Form::Rpc(stored) => {
                 let values = self.values.iter().map(|v| v / self.unit.in_si).collect();
                 let channel = RpcChannel { name: self.quantity.name().into(), unit: self.unit.symbol.clone(), values };
                 let facts = [("OPERATION", OPERATION), ("PARENT_1", self.fact("source").unwrap_or_default())];
                 let facts = facts.map(|(key, value)| (key.to_owned(), value.to_owned()));
-                let bytes = rpc::render(self.dt, &[channel], &facts)
+                let bytes = rpc::render(self.dt, &[channel], &facts, stored)
                     .map_err(|e: RpcError| DriveError::content(path, e.to_string()))?;
                 io(&beside(path), text::toml(self).as_bytes())?;
                 io(path, &bytes)
@@ -193,7 +191,9 @@ fn from_rpc(path: &Path, bytes: &[u8]) -> Result<Option<Drive>, DriveError> {
         let problem = format!("is not in the unit that {} states ({})", beside(path).display(), unit.symbol);
         return Err(DriveError::content(path, problem));
     }
-    let values = values.values.iter().map(|v| v * unit.in_si).collect();
+    let mut values: Vec<f64> = values.values.iter().map(|v| v * unit.in_si).collect();
+    // What fills the last frame is none of the drive.
+    values.truncate(text::count(&facts).map_err(|e| DriveError::content(&beside(path), e))?);
     Ok(Some(Drive { quantity, dt, values, unit, facts }))
 }
 

@@ -42,7 +42,7 @@ pub fn resample(signal: &[f64], from: f64, to: f64, interpolation: Interpolation
 }
 
 /// The value at a place counted in samples, on a straight line between two; the ends are held.
-pub(super) fn linear(signal: &[f64], place: f64) -> f64 {
+pub fn linear(signal: &[f64], place: f64) -> f64 {
     let last = signal.len().saturating_sub(1);
     let at = (place.floor().max(0.0) as usize).min(last);
     let (a, b) = (signal[at], signal[(at + 1).min(last)]);

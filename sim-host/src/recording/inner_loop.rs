@@ -90,6 +90,23 @@ pub struct Gain {
     pub share: f64,
 }
 
+impl Gain {
+    /// True where the data determine it: it is known to be none of zero, and what it contributes is seen.
+    pub fn determined(&self) -> bool {
+        self.value.abs() > CERTAIN * self.std && self.share > SEEN
+    }
+
+    /// Its name, its value and its standard error.
+    fn words(&self) -> String {
+        format!("{} = {}", self.term.name(), digits::with_spread(self.value, Some(self.std)))
+    }
+}
+
+/// Standard errors from zero at which a gain is determined.
+const CERTAIN: f64 = 3.0;
+/// Least share of the whole that a gain contributes where it is determined.
+const SEEN: f64 = 1e-3;
+
 /// Where the loop is closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Closure {
@@ -126,17 +143,19 @@ impl InnerLoop {
         self.gains.iter().find(|g| g.term == term).map_or(0.0, |g| g.value)
     }
 
-    /// In a sentence: gains with their standard errors, delay and lag.
+    /// In a sentence: the gains that the data determine, with their standard errors, delay and lag.
     pub fn describe(&self) -> String {
-        let gain = |g: &Gain| format!("{} = {}", g.term.name(), digits::with_spread(g.value, Some(g.std)));
-        let gains: Vec<String> = self.gains.iter().map(gain).collect();
+        let (known, others): (Vec<&Gain>, Vec<&Gain>) = self.gains.iter().partition(|g| g.determined());
+        let gains: Vec<String> = known.iter().map(|g| g.words()).collect();
+        let others: Vec<&str> = others.iter().map(|g| g.term.name()).collect();
+        let open = if others.is_empty() { String::new() } else { format!("; not determined: {}", others.join(", ")) };
         let place = match self.closure {
             Closure::Command => "closed by the command",
             Closure::Hardwired => "closed in hardware behind the command",
         };
         let lag = if self.lag > 0.0 { format!(", lag {:.2} ms", 1e3 * self.lag) } else { String::new() };
         format!(
-            "{place}; {}; delay {:.2} ms{lag}; misses {:.2} % from {:.1} to {:.1} Hz",
+            "{place}; {}{open}; delay {:.2} ms{lag}; misses {:.2} % from {:.1} to {:.1} Hz",
             gains.join(", "),
             1e3 * self.delay,
             100.0 * self.misses,

@@ -4,6 +4,7 @@ use super::super::output::{fingerprints, print, tell};
 use super::super::{Failure, histories, indices, present};
 use super::{Args, Asked};
 use serde_json::json;
+use shakedown::motion::Motion;
 use shakedown::motion::metrics::{Played, Recorded, played};
 use shakedown::motion::spectrum::{periods, response_spectrum};
 use shakedown::plant::sensors::GRAVITY;
@@ -55,6 +56,12 @@ fn seen(args: &Args, recording: &Path) -> Result<Look, Failure> {
 /// The channels of a recording.
 pub(super) fn signals(args: &Args, recording: &Path) -> Result<Signals, Failure> {
     Signals::of(&seen(args, recording)?, recording)
+}
+
+/// A motion found in a recording.
+pub(super) fn found(args: &Args, recording: &Path, motion: &Motion) -> Result<Played, Failure> {
+    let signals = signals(args, recording)?;
+    played(motion, &signals.recorded()).map_err(|e| Failure::Input(format!("{}: {e}", recording.display())))
 }
 
 /// The channels of the recording, in SI.

@@ -87,14 +87,20 @@ pub(super) fn section(learned: &Learned, record: &str) -> Section {
     Section { heading: format!("Learning {record}"), items }
 }
 
-pub(super) fn json(learned: &Learned, checked: Option<&Staleness>) -> serde_json::Value {
-    let peaks =
-        |p: &Peaks| json!({"displacement": p.displacement, "velocity": p.velocity, "acceleration": p.acceleration});
+pub(super) fn peaks(p: &Peaks) -> serde_json::Value {
+    json!({"displacement": p.displacement, "velocity": p.velocity, "acceleration": p.acceleration})
+}
+
+/// What two check runs said.
+pub(super) fn checked(c: &Staleness) -> serde_json::Value {
+    json!({"stale": c.stale, "change": c.change, "gain": c.gain, "delay_s": c.delay})
+}
+
+pub(super) fn json(learned: &Learned, found: Option<&Staleness>) -> serde_json::Value {
     let round = |r: &Round| {
         json!({"e_a": r.score.e_a.ratio, "e_d": r.score.e_d.ratio, "peaks": peaks(&r.peaks),
                "predicted": r.predicted.as_ref().map(peaks)})
     };
     json!({"runs": learned.rounds.iter().map(round).collect::<Vec<_>>(),
-           "refused": learned.refused.map(|r| r.to_string()),
-           "checked": checked.map(|c| json!({"stale": c.stale, "change": c.change, "gain": c.gain, "delay_s": c.delay}))})
+           "refused": learned.refused.map(|r| r.to_string()), "checked": found.map(checked)})
 }

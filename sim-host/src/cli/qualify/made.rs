@@ -15,7 +15,7 @@ pub(super) fn form(args: &Args) -> Result<(), Failure> {
     let place = format!("--synthesise {}", path.display());
     match Form::of(path) {
         Ok(Form::Csv | Form::Peer) => args.within.shape.only_with("--synthesise with --velocity, --stroke or --table"),
-        Ok(Form::Rpc) => Err(Failure::Input(format!(
+        Ok(Form::Rpc(_)) => Err(Failure::Input(format!(
             "{place}: a motion for a controller keeps a table's limits: add --velocity and --stroke, or --table, or name a .csv or .AT2"
         ))),
         Err(_) if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) => Ok(()),

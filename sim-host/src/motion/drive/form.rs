@@ -1,9 +1,13 @@
 //! What a drive's values are, in which unit, and in which file.
 
+use crate::recording::binary::rpc::Points;
 use std::path::Path;
 
 /// How the first line of a drive begins, after what marks a comment.
 pub(super) const MARK: &str = "shakedown drive";
+
+/// What the header of an RPC III drive says of its making.
+pub(in crate::motion) const OPERATION: &str = "SHAKEDOWN DRIVE";
 
 /// True for the first line of a drive's file.
 pub(in crate::motion) fn is_first_line(line: &str) -> bool {
@@ -66,8 +70,8 @@ impl DriveUnit {
 pub enum Form {
     /// `.csv`
     Csv,
-    /// `.rpc`, `.drv`, `.tim`: MTS RPC III.
-    Rpc,
+    /// `.rpc`, `.drv`, `.tim`: MTS RPC III, its points stored so.
+    Rpc(Points),
     /// `.at2`: PEER, acceleration in g alone.
     Peer,
 }
@@ -78,7 +82,7 @@ impl Form {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("csv") => Ok(Self::Csv),
-            Some("rpc" | "drv" | "tim") => Ok(Self::Rpc),
+            Some("rpc" | "drv" | "tim") => Ok(Self::Rpc(Points::default())),
             Some("at2") => Ok(Self::Peer),
             other => {
                 let found = other.map_or_else(|| "no extension".to_owned(), |e| format!("`.{e}`"));

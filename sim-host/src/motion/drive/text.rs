@@ -6,6 +6,9 @@ use crate::motion::read;
 use std::fmt::Write as _;
 use std::path::Path;
 
+/// The fact that says how many values there are.
+const SAMPLES: &str = "samples";
+
 /// Facts with which a file can be read back, before those of its provenance.
 fn facts(drive: &Drive) -> Vec<(String, String)> {
     let own = [
@@ -13,6 +16,7 @@ fn facts(drive: &Drive) -> Vec<(String, String)> {
         ("unit", drive.unit.symbol.clone()),
         ("unit_in_si", drive.unit.in_si.to_string()),
         ("dt_s", drive.dt.to_string()),
+        (SAMPLES, drive.values.len().to_string()),
     ];
     let own = own.map(|(key, value)| (key.to_owned(), value));
     let others = drive.facts.iter().filter(|(key, _)| !own.iter().any(|(k, _)| k == key));
@@ -83,6 +87,12 @@ pub(super) fn stated(facts: &[(String, String)]) -> Result<(Quantity, DriveUnit)
     }
 }
 
+/// How many values are the drive's; what follows them fills a frame.
+pub(super) fn count(facts: &[(String, String)]) -> Result<usize, String> {
+    let stated = facts.iter().find(|(key, _)| key == SAMPLES).and_then(|(_, value)| value.parse().ok());
+    stated.ok_or_else(|| format!("`{SAMPLES}` is missing among the drive's facts: write the drive again"))
+}
+
 pub(super) fn read_csv(path: &Path, bytes: &[u8]) -> Result<Drive, DriveError> {
     let at = |line: usize, problem: String| DriveError::content(path, format!("line {line}: {problem}"));
     let text =
@@ -118,6 +128,15 @@ pub(super) fn read_csv(path: &Path, bytes: &[u8]) -> Result<Drive, DriveError> {
         return Err(DriveError::content(
             path,
             format!("row {}: time {} s does not follow dt_s = {dt} s", k + 1, values[k].0),
+        ));
+    }
+    if let Some((_, stated)) = facts.iter().find(|(key, _)| key == SAMPLES)
+        && stated.parse() != Ok(values.len())
+    {
+        let found = values.len();
+        return Err(DriveError::content(
+            path,
+            format!("holds {found} rows, but `{SAMPLES} = {stated}`: write the drive again"),
         ));
     }
     Ok(Drive { quantity, dt, values: values.into_iter().map(|(_, v)| v).collect(), unit, facts })

@@ -9,6 +9,7 @@
 //! that is less than what is required proves that none exists. Between the two a case is open, and called so.
 
 pub mod bound;
+mod proof;
 mod random;
 mod rigid;
 mod sweep;
@@ -16,7 +17,9 @@ mod sweep;
 use super::super::Motion;
 use super::super::fit::Limits;
 use super::{Judged, Ordinate, QualifyError, Required, Standard, judge};
-use bound::reachable;
+use proof::unreachable;
+
+pub use proof::Unreachable;
 
 /// How a motion was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,19 +46,6 @@ impl Way {
     }
 }
 
-/// A frequency that no motion within the limits reaches.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unreachable {
-    /// Hz.
-    pub frequency: f64,
-    /// What is required there at the least, allowed dips included, m/s2.
-    pub required: f64,
-    /// What no motion passes, m/s2.
-    pub bound: f64,
-    /// Which limit it follows from.
-    pub limit: &'static str,
-}
-
 /// What came of it.
 #[derive(Debug, Clone)]
 pub enum Attained {
@@ -67,6 +57,8 @@ pub enum Attained {
         way: Way,
         /// The standard's verdict.
         judged: Judged,
+        /// Why a record that it was to begin from is not in it: the rules that break with it; none where it is, or there was none.
+        lost: Vec<&'static str>,
     },
     /// There is none.
     Impossible(Vec<Unreachable>),
@@ -113,22 +105,51 @@ pub fn attain_from(
         return Ok(Attained::Impossible(proof));
     }
     let mut best: Option<(Motion, Judged)> = None;
+    let mut without = Vec::new();
     if let Some(record) = record {
         let motion = random::corrected_from(record, standard, required, lowest, MARGIN, limits)?;
         if let Some(found) = accept(motion, Way::Record, standard, required, lowest, limits, &mut best)? {
             return Ok(found);
         }
+        without = best.as_ref().map_or_else(|| vec!["the limits"], |(_, judged)| names(judged));
     }
+    let found = made(standard, required, lowest, limits, seed, &mut best)?;
+    Ok(match (found, best) {
+        (Some(Attained::Motion { motion, way, judged, .. }), _) => {
+            Attained::Motion { motion, way, judged, lost: without }
+        }
+        (Some(other), _) => other,
+        (None, None) => Attained::Open { motion: None, margin: f64::NAN, broken: Vec::new() },
+        (None, Some((motion, judged))) => {
+            Attained::Open { margin: judged.margin, broken: names(&judged), motion: Some(motion) }
+        }
+    })
+}
+
+/// The rules that a motion breaks.
+fn names(judged: &Judged) -> Vec<&'static str> {
+    judged.broken().map(|rule| rule.name).collect()
+}
+
+/// The ways that need no record, in turn.
+fn made(
+    standard: &Standard,
+    required: &Required,
+    lowest: f64,
+    limits: &Limits,
+    seed: u64,
+    best: &mut Option<(Motion, Judged)>,
+) -> Result<Option<Attained>, QualifyError> {
     for seed in seed..seed + SEEDS {
         let motion = random::plain(standard, required, lowest, MARGIN, seed)?;
-        if let Some(found) = accept(motion, Way::Random, standard, required, lowest, limits, &mut best)? {
-            return Ok(found);
+        if let Some(found) = accept(motion, Way::Random, standard, required, lowest, limits, best)? {
+            return Ok(Some(found));
         }
     }
     for seed in seed..seed + SEEDS {
         let motion = random::clipped(standard, required, lowest, MARGIN, limits, seed)?;
-        if let Some(found) = accept(motion, Way::Clipped, standard, required, lowest, limits, &mut best)? {
-            return Ok(found);
+        if let Some(found) = accept(motion, Way::Clipped, standard, required, lowest, limits, best)? {
+            return Ok(Some(found));
         }
         // What one seed misses by far no other reaches.
         if best.as_ref().is_none_or(|(_, judged)| judged.margin < NEAR) {
@@ -141,18 +162,11 @@ pub fn attain_from(
         }
         let motion = sweep::sweep(standard, required, lowest, MARGIN, limits, cycles)?;
         let motion = if standard.stationary.is_some() { sweep::repeated(&motion) } else { motion };
-        if let Some(found) = accept(motion, Way::Sweep, standard, required, lowest, limits, &mut best)? {
-            return Ok(found);
+        if let Some(found) = accept(motion, Way::Sweep, standard, required, lowest, limits, best)? {
+            return Ok(Some(found));
         }
     }
-    Ok(match best {
-        None => Attained::Open { motion: None, margin: f64::NAN, broken: Vec::new() },
-        Some((motion, judged)) => Attained::Open {
-            margin: judged.margin,
-            broken: judged.broken().map(|rule| rule.name).collect(),
-            motion: Some(motion),
-        },
-    })
+    Ok(None)
 }
 
 /// The motion where it keeps the limits and satisfies the standard; else it is kept where it is the best so far.
@@ -172,7 +186,7 @@ fn accept(
     let whole = rigid::raised(&motion, standard, required, limits).unwrap_or(motion);
     let judged = judge(&whole.acceleration, whole.dt, &[], standard, required, lowest)?;
     if judged.complies() {
-        return Ok(Some(Attained::Motion { motion: whole, way, judged }));
+        return Ok(Some(Attained::Motion { motion: whole, way, judged, lost: Vec::new() }));
     }
     if best.as_ref().is_none_or(|(_, b)| judged.margin > b.margin) {
         *best = Some((whole, judged));
@@ -193,63 +207,6 @@ pub fn used(motion: &Motion, limits: &Limits) -> f64 {
     [v / limits.velocity, over(x, limits.stroke), over(a, limits.acceleration), over(jerk, limits.jerk), flow]
         .into_iter()
         .fold(0.0, f64::max)
-}
-
-/// The frequencies at which what is required is beyond what any motion reaches, dips taken into account: a single point may lie
-/// below by so much, never two neighbours, never more than so many.
-fn unreachable(standard: &Standard, required: &Required, lowest: f64, limits: &Limits) -> Vec<Unreachable> {
-    // A laboratory may lay the points where it likes: two of them per octave and offset are always in a band as wide as their distance.
-    let each = f64::from(standard.per_octave as u32) * 12.0;
-    let count = ((standard.band.1 / lowest).log2() * each + 1e-9).floor() as usize;
-    let deepest = 1.0 - standard.dips.map_or(0.0, |(deep, _)| deep);
-    let short = |share: f64| -> Vec<Unreachable> {
-        (0..=count)
-            .filter_map(|k| {
-                let frequency = lowest * (k as f64 / each).exp2();
-                let (bound, limit) = reachable(1.0 / frequency, required.damping, limits);
-                let required = share * required.at(frequency)?;
-                (bound < required).then_some(Unreachable { frequency, required, bound, limit })
-            })
-            .collect()
-    };
-    let mut found = beyond_grid(short(deepest), 1.0, each, standard.per_octave);
-    if found.is_empty() {
-        // Two neighbours of every grid below what is required: no dip is allowed then.
-        found = beyond_grid(short(1.0), 2.0, each, standard.per_octave);
-    }
-    if found.is_empty() {
-        let least = standard.zero_period * required.zero_period();
-        let most = [limits.acceleration, limits.stall].into_iter().flatten().fold(f64::INFINITY, f64::min);
-        if most < least {
-            found.push(Unreachable { frequency: f64::INFINITY, required: least, bound: most, limit: "acceleration" });
-        }
-    }
-    found
-}
-
-/// What is left of frequencies that lie so close that every grid has `points` neighbouring points in a stretch of them.
-fn beyond_grid(short: Vec<Unreachable>, points: f64, each: f64, per_octave: usize) -> Vec<Unreachable> {
-    let step = 1.0 / each;
-    let width = points / per_octave as f64;
-    let mut kept = Vec::new();
-    let mut run: Vec<Unreachable> = Vec::new();
-    let wide = |run: &[Unreachable]| {
-        let (Some(first), Some(last)) = (run.first(), run.last()) else { return false };
-        (last.frequency / first.frequency).log2() >= width - step - 1e-9
-    };
-    for u in short {
-        if run.last().is_some_and(|before| (u.frequency / before.frequency).log2() > 1.5 * step) {
-            if wide(&run) {
-                kept.append(&mut run);
-            }
-            run.clear();
-        }
-        run.push(u);
-    }
-    if wide(&run) {
-        kept.append(&mut run);
-    }
-    kept
 }
 
 /// The spectrum that a motion reaches at frequencies (Hz), m/s2.

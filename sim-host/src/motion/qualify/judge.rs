@@ -131,7 +131,8 @@ pub fn judge(
     let strong = part(acceleration, dt, &strength);
     let mut rules = vec![judge.envelope(&ordinates)];
     rules.extend(judge.ceiling(&ordinates));
-    rules.push(judge.zero_period(peak(acceleration), required.zero_period()));
+    let asked = standard.zero_period > 0.0;
+    rules.extend(asked.then(|| judge.zero_period(peak(acceleration), required.zero_period())));
     let duration = acceleration.len() as f64 * dt;
     rules.extend(standard.duration.map(|least| judge.least("duration", duration, least, "s")));
     rules.extend(standard.strong.map(|least| judge.least("strong motion", strength.d5_95, least, "s")));

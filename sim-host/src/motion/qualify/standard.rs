@@ -22,7 +22,7 @@ pub struct Standard {
     pub dips: Option<(f64, usize)>,
     /// Share of the required spectrum that it is advised not to exceed, and up to which frequency, Hz.
     pub ceiling: Option<(f64, f64)>,
-    /// Least zero-period acceleration as a share of the required.
+    /// Least zero-period acceleration as a share of the required; 0 where it is no rule.
     pub zero_period: f64,
     /// Least duration, s.
     pub duration: Option<f64>,
@@ -61,7 +61,7 @@ const NONE: Standard = Standard {
 };
 
 /// Every standard.
-pub const STANDARDS: [Standard; 4] = [
+pub const STANDARDS: [Standard; 5] = [
     Standard {
         id: "ac156",
         title: "ICC-ES AC156, shake-table testing of nonstructural components",
@@ -119,7 +119,17 @@ pub const STANDARDS: [Standard; 4] = [
         unchecked: &["envelope", "ceiling", "zero-period acceleration"],
         ..NONE
     },
+    Standard {
+        id: OWN,
+        title: "a required spectrum of one's own",
+        status: "the spectrum is the user's (--rrs), and no other rule is held",
+        zero_period: 0.0,
+        ..NONE
+    },
 ];
+
+/// The name of no standard: a required spectrum alone, over the frequencies that it states.
+const OWN: &str = "own";
 
 /// The building code by which AC156 finds its levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -166,6 +176,20 @@ impl Standard {
     /// The standard of a name.
     pub fn named(id: &str) -> Option<Self> {
         STANDARDS.into_iter().find(|standard| standard.id == id)
+    }
+
+    /// True for a required spectrum of the user's without further rules.
+    pub fn is_own(&self) -> bool {
+        self.id == OWN
+    }
+
+    /// The same for a spectrum of the user's: of no standard, its band is the spectrum's.
+    #[must_use]
+    pub fn for_spectrum(self, required: &Required) -> Self {
+        match required.points.as_slice() {
+            [first, .., last] if self.is_own() => Self { band: (first.0, last.0), ..self },
+            _ => self,
+        }
     }
 
     /// The spectrum that it requires.

@@ -3,6 +3,7 @@
 //! The column is named, the interval comes from the column of times or from `--dt`, the unit from the file or from `--unit`; nothing is
 //! guessed where several would do.
 
+use super::super::drive::form::OPERATION;
 use super::columns::{mean_step, uneven_step, usual_step};
 use super::csmip::select;
 use super::error::{Problem, ReadError, excerpt, listed};
@@ -46,6 +47,9 @@ fn component(path: &Path, block: &Block, options: &Options) -> Result<Record, Re
     let time = headings.iter().filter(|h| is_time(h)).find(own).or_else(|| headings.iter().find(|h| is_time(h)));
     let wanted: Vec<&str> = std::iter::once(chosen).chain(time).map(|h| h.text.as_str()).collect();
     let table = file::read_as(path, &wanted, &options.text).map_err(|e| refused(path, &e))?;
+    if table.notes.iter().any(|note| note.contains(OPERATION)) {
+        return Err(block.at(0, Problem::Drive));
+    }
     let unit = unit(block, chosen, options)?;
     let dt = interval(block, &table, options)?;
     let values = &table.columns[0];

@@ -299,14 +299,14 @@ fn what_could_be_read_in_two_ways_is_refused() {
 /// A channel of a laboratory's recording is a record: its name, its unit and its times are the file's, or the person's.
 #[test]
 fn a_channel_of_a_recording_is_a_record() {
-    use crate::recording::binary::rpc::{RpcChannel, render};
+    use crate::recording::binary::rpc::{Points, RpcChannel, render};
     let folder = tempfile::tempdir().unwrap();
     let wave: Vec<f64> = (0..1024).map(|k| (f64::from(k) * 0.05).sin()).collect();
     let channel = |name: &str, unit: &str| RpcChannel { name: name.into(), unit: unit.into(), values: wave.clone() };
     let path = folder.path().join("a.rsp");
     std::fs::write(
         &path,
-        render(0.005, &[channel("LVDT", "mm"), channel("table", "g"), channel("raw", "")], &[]).unwrap(),
+        render(0.005, &[channel("LVDT", "mm"), channel("table", "g"), channel("raw", "")], &[], Points::Short).unwrap(),
     )
     .unwrap();
     let of = |name: &str, unit: Option<AccelerationUnit>| {

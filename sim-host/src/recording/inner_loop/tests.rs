@@ -82,3 +82,25 @@ fn a_reference_that_rests_tells_nothing() {
     assert_eq!(identify(&[still]).unwrap_err(), InnerLoopError::Still);
     assert!(matches!(identify(&[Log::default()]), Err(InnerLoopError::TooShort { .. })));
 }
+
+/// A gain whose error reaches to zero, or that contributes nothing, is named and not stated.
+#[test]
+fn what_the_data_do_not_determine_is_not_stated() {
+    let gain = |term, value, std, share| Gain { term, value, std, share };
+    let found = InnerLoop {
+        closure: Closure::Command,
+        gains: vec![
+            gain(Term::Error, 20.000_81, 1.3e-2, 1.0),
+            gain(Term::Velocity, 0.0435, 4.3e-2, 0.1),
+            gain(Term::ReferenceRate, 1e-7, 2e-8, 1e-7),
+        ],
+        delay: 0.0,
+        lag: 0.0,
+        filter: 0.0,
+        scale: 1.0,
+        misses: 1e-3,
+        band: (0.1, 20.0),
+    };
+    let words = found.describe();
+    assert!(words.contains("kp = 20.001 +/- 1.3e-2; not determined: kv, kvf; delay"), "{words}");
+}

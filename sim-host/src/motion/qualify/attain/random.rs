@@ -12,6 +12,8 @@ use realfft::RealFftPlanner;
 const ROUNDS: usize = 24;
 /// Points an octave at which the spectrum is corrected.
 const POINTS: f64 = 12.0;
+/// Points looked at for each of those.
+const BETWEEN: usize = 4;
 /// Share of a limit that clipping leaves.
 const ROOM: f64 = 0.96;
 
@@ -51,7 +53,7 @@ pub(super) fn clipped(
     seed: u64,
 ) -> Result<Motion, QualifyError> {
     let motion = plain(standard, required, lowest, margin, seed)?;
-    rounds(motion, standard, required, lowest, margin, limits)
+    rounds(motion, standard, required, lowest, margin, limits, false)
 }
 
 /// A record, brought to the rate that the standard needs, its spectrum corrected in the same way.
@@ -65,9 +67,11 @@ pub(super) fn corrected_from(
 ) -> Result<Motion, QualifyError> {
     let step = Step::Resample { rate_hz: shape(standard).rate, between: Interpolation::Linear };
     let motion = step.apply(record.clone()).unwrap_or_else(|_| record.clone());
-    rounds(settled(motion, lowest), standard, required, lowest, margin, limits)
+    rounds(settled(motion, lowest), standard, required, lowest, margin, limits, true)
 }
 
+/// Rounds of clipping and correcting: the first motion that reaches the spectrum, or, where it is to come `near`, the one of all rounds
+/// that passes it by least in the mean.
 fn rounds(
     mut motion: Motion,
     standard: &Standard,
@@ -75,25 +79,53 @@ fn rounds(
     lowest: f64,
     margin: f64,
     limits: &Limits,
+    near: bool,
 ) -> Result<Motion, QualifyError> {
-    let count = ((standard.band.1 / lowest).log2() * POINTS).ceil() as usize;
-    let frequencies: Vec<f64> = (0..=count).map(|k| lowest * (k as f64 / POINTS).exp2()).collect();
+    // What lies between the points of the correction is looked at where the motion is to lie near above the spectrum.
+    let each = if near { BETWEEN } else { 1 };
+    let points = POINTS * each as f64;
+    let count = ((standard.band.1 / lowest).log2() * points).ceil() as usize;
+    let frequencies: Vec<f64> = (0..=count).map(|k| lowest * (k as f64 / points).exp2()).collect();
     let wanted: Vec<f64> = frequencies.iter().map(|f| 1.01 * margin * required.at(*f).unwrap_or(0.0)).collect();
+    let corrected_at: Vec<f64> = frequencies.iter().copied().step_by(each).collect();
     let mut best: Option<(f64, Motion)> = None;
     for _ in 0..ROUNDS {
-        let held = within(&motion, limits, lowest);
+        let mut held = within(&motion, limits, lowest);
         let got = reached(&held.acceleration, held.dt, required.damping, &frequencies)?;
-        let least = got.iter().zip(&wanted).map(|(g, w)| g / w).fold(f64::INFINITY, f64::min);
-        if super::used(&held, limits) <= 1.0 && best.as_ref().is_none_or(|(b, _)| least > *b) {
-            best = Some((least, held.clone()));
-            if least >= 1.0 {
+        let mut ratios: Vec<f64> = got.iter().zip(&wanted).map(|(g, w)| g / w).collect();
+        if near {
+            touch(&mut held, &mut ratios, limits);
+        }
+        let worth = worth(&ratios);
+        if super::used(&held, limits) <= 1.0 && best.as_ref().is_none_or(|(b, _)| worth > *b) {
+            best = Some((worth, held.clone()));
+            if worth >= 1.0 && !near {
                 break;
             }
         }
-        let correction: Vec<f64> = got.iter().zip(&wanted).map(|(g, w)| (w / g).powf(0.8).clamp(0.6, 1.6)).collect();
-        motion = corrected(&held, &frequencies, &correction);
+        let correction: Vec<f64> = ratios.iter().step_by(each).map(|ratio| ratio.powf(-0.8).clamp(0.6, 1.6)).collect();
+        motion = corrected(&held, &corrected_at, &correction);
     }
     Ok(best.map_or(motion, |(_, motion)| motion))
+}
+
+/// What reached over wanted is worth: the least of it where that is below one; above it the more, the nearer it is in the mean.
+fn worth(ratios: &[f64]) -> f64 {
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    let over = ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64;
+    if least >= 1.0 { 1.0 + (-over).exp() } else { least }
+}
+
+/// Scales a motion so that its spectrum, which grows with it, just touches what is wanted, where the limits allow it.
+fn touch(motion: &mut Motion, ratios: &mut [f64], limits: &Limits) {
+    let factor = (1.0 + 1e-9) / ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    let scaled = motion.scaled(factor);
+    if factor.is_finite() && super::used(&scaled, limits) <= 1.0 {
+        *motion = scaled;
+        for ratio in ratios {
+            *ratio *= factor;
+        }
+    }
 }
 
 /// The motion with its velocity clipped, smoothed again and without drift; scaled where that is not enough.

@@ -12,7 +12,7 @@ fn a_wide_table_gets_random_motion_and_a_narrow_one_a_proof() {
     let (standard, required) = ac156(0.3);
     let wide = Limits::table(1.0, 0.25);
     let found = attain(&standard, &required, standard.band.0, &wide, 1).unwrap();
-    let Attained::Motion { motion, way: Way::Random, judged } = &found else { panic!("{}", found.word()) };
+    let Attained::Motion { motion, way: Way::Random, judged, .. } = &found else { panic!("{}", found.word()) };
     assert!(judged.complies() && used(motion, &wide) <= 1.0);
     let narrow = Limits::table(0.02, 0.01);
     let Attained::Impossible(proof) = attain(&standard, &required, standard.band.0, &narrow, 1).unwrap() else {
@@ -29,7 +29,7 @@ fn a_table_too_slow_for_random_motion_is_swept() {
     let (standard, required) = ac156(0.8);
     let limits = Limits::table(0.16, 0.08);
     let found = attain(&standard, &required, standard.band.0, &limits, 1).unwrap();
-    let Attained::Motion { motion, way, judged } = &found else { panic!("{found:?}") };
+    let Attained::Motion { motion, way, judged, .. } = &found else { panic!("{found:?}") };
     assert!(*way != Way::Random && judged.complies() && used(motion, &limits) <= 1.0, "{way:?}");
 }
 

@@ -10,10 +10,17 @@ fn sine(count: usize) -> Vec<f64> {
 }
 
 #[test]
-fn what_is_written_reads_back_within_half_a_raw_step() {
+fn what_is_written_reads_back_as_exactly_as_its_points_hold_it() {
+    // Half a step of sixteen bits; half a unit in the last place of single precision.
+    for (stored, bound) in [(Points::Short, 0.5001 / 32_752.0), (Points::Float, 6e-8)] {
+        reads_back(stored, bound);
+    }
+}
+
+fn reads_back(stored: Points, bound: f64) {
     let (a, b) = (sine(3000), sine(3000).iter().map(|v| v * 1e-3).collect::<Vec<_>>());
     let facts = [("PARENT_1".to_owned(), "kobe.AT2".to_owned())];
-    let bytes = render(0.001, &[channel("x", a.clone()), channel("y", b.clone())], &facts).unwrap();
+    let bytes = render(0.001, &[channel("x", a.clone()), channel("y", b.clone())], &facts, stored).unwrap();
     let content = parse(&bytes).unwrap();
     assert_eq!(content.columns.len(), 3);
     assert_eq!(content.columns[1].heading.unit.as_deref(), Some("mm"));
@@ -22,7 +29,7 @@ fn what_is_written_reads_back_within_half_a_raw_step() {
         let peak = values.iter().fold(0.0_f64, |p, v| p.max(v.abs()));
         assert_eq!(column.values.len(), 3072, "the last frame is whole");
         for (read, written) in column.values.iter().zip(values.iter().chain(std::iter::repeat(&0.0))) {
-            assert!((read - written).abs() <= 0.5001 * peak / 32_752.0, "{read} {written}");
+            assert!((read - written).abs() <= bound * peak, "{stored:?}: {read} {written}");
         }
     }
     assert!((content.columns[0].values[1] - 0.001).abs() < 1e-15);
@@ -30,14 +37,14 @@ fn what_is_written_reads_back_within_half_a_raw_step() {
 
 #[test]
 fn an_end_away_from_zero_is_refused() {
-    let error = render(0.001, &[channel("x", vec![0.0, 1.0, 0.5])], &[]).unwrap_err().to_string();
+    let error = render(0.001, &[channel("x", vec![0.0, 1.0, 0.5])], &[], Points::Float).unwrap_err().to_string();
     assert!(error.contains("step of the table"), "{error}");
-    assert_eq!(render(0.001, &[], &[]), Err(RpcError::Unfit));
+    assert_eq!(render(0.001, &[], &[], Points::Float), Err(RpcError::Unfit));
 }
 
 #[test]
 fn big_endian_floats_are_read() {
-    let bytes = render(0.01, &[channel("x", sine(1024))], &[]).unwrap();
+    let bytes = render(0.01, &[channel("x", sine(1024))], &[], Points::Short).unwrap();
     let mut big = bytes[..bytes.len() - 2048].to_vec();
     let mut set = |key: &str, value: &str| {
         let at = (0..big.len() / RECORD).find(|i| record(&big, *i).unwrap().0 == key).unwrap() * RECORD + KEY;
@@ -55,7 +62,7 @@ fn big_endian_floats_are_read() {
 
 #[test]
 fn headers_that_cannot_be_are_refused_by_their_key() {
-    let bytes = render(0.01, &[channel("x", sine(1024))], &[]).unwrap();
+    let bytes = render(0.01, &[channel("x", sine(1024))], &[], Points::Short).unwrap();
     let with = |key: &str, value: &str| {
         let mut bytes = bytes.clone();
         let at = (0..bytes.len() / RECORD).find(|i| record(&bytes, *i).unwrap().0 == key).unwrap() * RECORD + KEY;
@@ -94,7 +101,7 @@ proptest! {
     #[test]
     fn no_bytes_crash_it(mut bytes in prop::collection::vec(any::<u8>(), 0..2000), at in 0..6000usize, byte in any::<u8>()) {
         let _ = parse(&bytes);
-        bytes = render(0.01, &[channel("x", sine(1024))], &[]).unwrap();
+        bytes = render(0.01, &[channel("x", sine(1024))], &[], Points::Short).unwrap();
         let n = bytes.len();
         bytes[at % n] = byte;
         let _ = parse(&bytes);

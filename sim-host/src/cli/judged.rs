@@ -1,26 +1,32 @@
-//! The page of a qualification: verdict, margin, spectra, every rule.
+//! A motion that was held against a standard: the page with verdict, margin, spectra and every rule, and the JSON.
 
-use super::super::histories::strong_motion;
-use super::Answer;
+use super::histories::strong_motion;
+use serde_json::{Value, json};
 use shakedown::motion::STANDARD_GRAVITY as G;
-use shakedown::motion::qualify::Rule;
+use shakedown::motion::qualify::{Judged, Ordinate, Required, Rule, Standard};
 use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
+/// What came out.
+pub(crate) struct Answer {
+    /// The motion's name.
+    pub(crate) name: String,
+    pub(crate) standard: Standard,
+    pub(crate) required: Required,
+    pub(crate) judged: Judged,
+    /// m/s2, every `dt` s.
+    pub(crate) acceleration: Vec<f64>,
+    pub(crate) dt: f64,
+    /// The lowest frequency that is judged, Hz.
+    pub(crate) lowest: f64,
+}
+
 /// The whole page.
-pub(super) fn page(answer: &Answer) -> Page {
-    let judged = &answer.judged;
+pub(crate) fn page(answer: &Answer) -> Page {
+    let against = if answer.standard.is_own() { answer.standard.title } else { answer.standard.id };
     Page {
-        title: format!("{} against {}", answer.name, answer.standard.id),
+        title: format!("{} against {against}", answer.name),
         lead: lead(answer),
-        key: vec![
-            ("margin: reached over required, least".into(), format!("{:.3}", judged.margin)),
-            ("where".into(), format!("{:.2} Hz", judged.worst_hz)),
-            (
-                format!("zero-period acceleration, of {:.3} g", answer.required.zero_period() / G),
-                format!("{:.3} g", judged.zero_period / G),
-            ),
-            ("strong motion".into(), format!("{:.1} s", judged.intensity.d5_95)),
-        ],
+        key: key(answer),
         advice: advice(answer),
         sections: vec![spectra(answer), rules(answer), history(answer)],
         details: vec![points(answer)],
@@ -40,9 +46,27 @@ pub(super) fn page(answer: &Answer) -> Page {
     }
 }
 
+/// The figures that matter most.
+fn key(answer: &Answer) -> Vec<(String, String)> {
+    let judged = &answer.judged;
+    let asked = answer.required.zero_period() / G;
+    // Of a spectrum alone the last value is no acceleration of the table's.
+    let of = if answer.standard.is_own() { String::new() } else { format!(", of {asked:.3} g") };
+    vec![
+        ("margin: reached over required, least".into(), format!("{:.3}", judged.margin)),
+        ("where".into(), format!("{:.2} Hz", judged.worst_hz)),
+        (format!("zero-period acceleration{of}"), format!("{:.3} g", judged.zero_period / G)),
+        ("strong motion".into(), format!("{:.1} s", judged.intensity.d5_95)),
+    ]
+}
+
 /// The verdict in a sentence.
 fn lead(answer: &Answer) -> String {
     let broken: Vec<&str> = answer.judged.broken().map(|rule| rule.name).collect();
+    if answer.standard.is_own() {
+        let verdict = if broken.is_empty() { "reaches" } else { "does not reach" };
+        return format!("The motion {verdict} the required spectrum: the margin is {:.3}.", answer.judged.margin);
+    }
     let verdict = if broken.is_empty() {
         format!(
             "The motion satisfies the rules of {} as they are stated here, with a margin of {:.3}.",
@@ -82,7 +106,7 @@ fn advice(answer: &Answer) -> Vec<String> {
             rule.bound, rule.found, rule.place
         )
     }));
-    if advice.is_empty() {
+    if advice.is_empty() && !answer.standard.is_own() {
         advice.push("Have the rules that were not checked held against the standard's text before the figures go into a report.".into());
     }
     advice
@@ -116,9 +140,14 @@ fn spectra(answer: &Answer) -> Section {
 }
 
 /// Every rule, which the terminal shows too.
-pub(super) fn rules(answer: &Answer) -> Section {
+pub(crate) fn rules(answer: &Answer) -> Section {
     let g = |rule: &Rule, x: f64| {
         if rule.unit == "m/s2" { format!("{:.3} g", x / G) } else { format!("{x:.3} {}", rule.unit).trim().to_owned() }
+    };
+    let source = |rule: &Rule| match rule.checked {
+        _ if answer.standard.is_own() => "your own",
+        true => "public code",
+        false => "not checked against the text",
     };
     let rows = answer.judged.rules.iter().map(|rule| {
         vec![
@@ -131,7 +160,7 @@ pub(super) fn rules(answer: &Answer) -> Section {
                 (false, false) => "BROKEN",
             }
             .into(),
-            if rule.checked { "public code" } else { "not checked against the text" }.into(),
+            source(rule).into(),
             rule.place.clone(),
         ]
     });
@@ -176,4 +205,24 @@ fn points(answer: &Answer) -> Section {
         rows: rows.collect(),
     };
     Section { heading: "Point by point".into(), items: vec![Item::Table(table)] }
+}
+
+/// The verdict for other tools.
+pub(crate) fn value(answer: &Answer) -> Value {
+    let judged = &answer.judged;
+    let rule = |rule: &Rule| {
+        json!({"name": rule.name, "found": rule.found, "bound": rule.bound, "at_least": rule.at_least, "unit": rule.unit,
+               "holds": rule.holds, "advised": rule.advised, "checked_against_text": rule.checked, "place": rule.place})
+    };
+    let ordinate = |o: &Ordinate| json!({"frequency_hz": o.frequency, "required": o.required, "reached": o.reached});
+    json!({
+        "schema": "shakedown.qualification/1",
+        "standard": answer.standard.id, "title": answer.standard.title, "status": answer.standard.status,
+        "motion": answer.name, "complies": judged.complies(), "margin": judged.margin, "margin_at_hz": judged.worst_hz,
+        "zero_period": judged.zero_period, "required_zero_period": answer.required.zero_period(),
+        "damping": answer.required.damping, "from_hz": answer.lowest, "to_hz": answer.standard.band.1,
+        "strong_motion_s": judged.intensity.d5_95,
+        "rules": judged.rules.iter().map(rule).collect::<Vec<_>>(),
+        "spectrum": judged.ordinates.iter().map(ordinate).collect::<Vec<_>>(),
+    })
 }
