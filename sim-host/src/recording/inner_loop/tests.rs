@@ -102,5 +102,5 @@ fn what_the_data_do_not_determine_is_not_stated() {
         band: (0.1, 20.0),
     };
     let words = found.describe();
-    assert!(words.contains("kp = 20.001 +/- 1.3e-2; not determined: kv, kvf; delay"), "{words}");
+    assert!(words.contains("kp = 20.001 +/- 0.013; not determined: kv, kvf; delay"), "{words}");
 }
