@@ -26,6 +26,9 @@ pub(crate) const TURNS: u8 = 3;
 /// Ticks without sensors over which the table is held to go on as it went.
 const COAST: u32 = 20;
 
+/// Ticks with a reading that make up for one without.
+const REGAIN: u32 = 4;
+
 /// An existing controller corrects an error at least so fast, 1/s: a loop of 0.8 Hz.
 const SLOWEST_LOOP: f32 = 5.0;
 
@@ -47,6 +50,8 @@ pub(super) struct Monitors {
     valve: ValveMonitorState,
     still: StillState,
     lost: u32,
+    /// Readings missed of late: [`REGAIN`] for each, one off for every tick without.
+    missed: u32,
     turn: u8,
     latch: TripLatch,
 }
@@ -67,6 +72,7 @@ impl Monitors {
             valve: ValveMonitorState::default(),
             still: StillState::default(),
             lost: 0,
+            missed: 0,
             turn: 0,
             latch: TripLatch::of(Trip::SensorLost),
         }
@@ -137,6 +143,7 @@ impl Monitors {
     ) -> Option<Trip> {
         if missing.is_empty() {
             self.lost = 0;
+            self.missed = self.missed.saturating_sub(1);
             return self.judge(config, readings, input);
         }
         self.lost = self.lost.saturating_add(1);
@@ -147,7 +154,10 @@ impl Monitors {
             self.judge(config, readings, input)
         };
         let guard = config.guard.as_ref()?;
-        self.latch.now = found.or((self.lost > guard.lost).then_some(Trip::SensorLost));
+        // A loose contact is as good as lost: what is missed counts until it has been there four times as long.
+        let most = guard.lost.saturating_mul(REGAIN);
+        self.missed = self.missed.saturating_add(REGAIN).min(most.saturating_add(REGAIN));
+        self.latch.now = found.or((self.missed > most).then_some(Trip::SensorLost));
         self.latch.now
     }
 
