@@ -9,7 +9,7 @@
 
 use shakedown::faults::campaign::{join, run, run_shard};
 use shakedown::faults::watcher::{Broken, judge};
-use shakedown::faults::{CampaignError, Case, Class, Motions, Plan, Summary};
+use shakedown::faults::{Beside, CampaignError, Case, Class, Motions, Plan, Summary};
 use shakedown_core::Settings;
 use shakedown_core::settings::{
     EnvelopeSettings, GuardSettings, PlausibilitySettings, ValveMonitorSettings, WitnessSettings,
@@ -22,7 +22,7 @@ const SEED: u64 = 3;
 static MOTIONS: LazyLock<Motions> = LazyLock::new(|| Motions::new(None).unwrap());
 
 fn plan(runs: u64) -> Plan {
-    Plan { seed: SEED, runs, class: None, guard_alone: false, records: Vec::new(), version: "test".into() }
+    Plan { seed: SEED, runs, class: None, beside: Beside::LimitSwitches, records: Vec::new(), version: "test".into() }
 }
 
 #[test]
@@ -84,12 +84,15 @@ fn a_deaf_guard_would_be_seen() {
 /// What no guard can see by LVDT, accelerometer and command, the limit switches do.
 #[test]
 fn a_creeping_lvdt_is_what_the_limit_switches_are_for() {
-    let excursions = |guard_alone: bool| {
-        let plan = Plan { class: Some("lvdt-creeping".into()), guard_alone, ..plan(60) };
-        Summary::of(&run(&plan, &MOTIONS, &|_| ()).unwrap()).broken(Broken::Excursion)
+    let outside = |beside| {
+        let plan = Plan { class: Some("lvdt-creeping".into()), beside, ..plan(60) };
+        let summary = Summary::of(&run(&plan, &MOTIONS, &|_| ()).unwrap());
+        assert_eq!(summary.broken(Broken::Excursion), 0);
+        summary.rows[0].outside
     };
-    assert!(excursions(true) > 0);
-    assert_eq!(excursions(false), 0);
+    assert!(outside(Beside::Nothing) > 0);
+    assert_eq!(outside(Beside::LimitSwitches), 0);
+    assert_eq!(outside(Beside::SecondSensor), 0);
 }
 
 #[test]
