@@ -140,6 +140,7 @@ fn show(args: &Args, summary: &Summary, motions: &Motions) -> Result<(), Failure
         object.insert("schema".into(), "shakedown.faults/1".into());
         object.insert("seed".into(), args.seed.into());
         object.insert("beside".into(), json!(args.beside()));
+        object.insert("guard_alone".into(), args.guard_alone.into());
     }
     args.outputs.write_json(json, &motions.files)?;
     args.outputs.write_report(&mut page::page(summary, args.seed, sections), &motions.files)?;
