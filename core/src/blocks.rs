@@ -50,13 +50,14 @@ pub mod tracking {
 
 /// The guard's input gate, monitors and state machine, and the detection of velocity saturation.
 pub mod guard {
+    pub use crate::guard::creep::Creep;
     pub use crate::guard::envelope::{DebouncedSignals, Envelope, EnvelopeState};
     pub use crate::guard::input_gate::InputGate;
     pub use crate::guard::inputs::{InputMonitor, InputState};
     pub use crate::guard::noise::{NoiseMonitor, NoiseState};
     pub use crate::guard::plausibility::{Plausibility, PlausibilityState};
     pub use crate::guard::supervisor::{Ramps, Supervisor};
-    pub use crate::guard::valve::{Creep, ValveMonitor, ValveMonitorState};
+    pub use crate::guard::valve::{ValveMonitor, ValveMonitorState};
     pub use crate::guard::witness::{DisplacementWitness, WitnessState};
     pub use crate::saturation::{Detector, DetectorState, Evidence};
 }

@@ -221,6 +221,11 @@ impl Controller {
                 self.supervisor.open_relay_at_once();
             }
         }
+        // The same for a trip of any cause while its reading comes and goes.
+        let tripped = self.supervisor.state() == State::Tripped;
+        if tripped && self.config.cancellation != 0.0 && missing.intersects(Channels::DISPLACEMENT) {
+            self.supervisor.open_relay_at_once();
+        }
         self.supervisor.advance(ramps);
     }
 

@@ -1,24 +1,28 @@
 //! The guard: what lies between any law, ours or another's, and the actuator.
 
+pub(crate) mod creep;
 pub(crate) mod envelope;
 mod gain;
 pub(crate) mod input_gate;
 pub(crate) mod inputs;
 pub(crate) mod noise;
 pub(crate) mod plausibility;
+pub(crate) mod still;
 pub(crate) mod supervisor;
 mod test_state;
 pub(crate) mod valve;
 pub(crate) mod witness;
 
+pub(crate) use creep::Creep;
 pub(crate) use envelope::{Envelope, EnvelopeSettings};
 pub(crate) use input_gate::InputGate;
 pub(crate) use inputs::{InputMonitor, InputSettings, InputState};
 pub(crate) use noise::{NoiseMonitor, NoiseState};
 pub(crate) use plausibility::{Plausibility, PlausibilitySettings};
+pub(crate) use still::{StillMonitor, StillState};
 pub(crate) use supervisor::Supervisor;
 pub use test_state::{OperatorRequest, Refused, State};
-pub(crate) use valve::{Creep, ValveMonitor, ValveMonitorSettings, ValveMonitorState};
+pub(crate) use valve::{ValveMonitor, ValveMonitorSettings, ValveMonitorState};
 pub(crate) use witness::{DisplacementWitness, WitnessSettings, WitnessState};
 
 /// Everything the guard needs to be told.

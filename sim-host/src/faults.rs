@@ -3,7 +3,7 @@
 //!
 //! A run is a number under a seed: [`case`] deals it, [`rig`] runs it twice, with its fault and without, [`watcher`] says
 //! whether what the hazard table promises of its [`class`] was kept. The tables have the limit switches of
-//! docs/commissioning.md ([`limit_switches()`]), or the guard is alone.
+//! docs/commissioning.md ([`limit_switches()`]), or a second displacement sensor, or the guard is alone.
 
 pub mod adversary;
 pub mod campaign;
@@ -23,7 +23,7 @@ pub mod watcher;
 mod words;
 
 pub use campaign::{CampaignError, Plan};
-pub use case::Case;
+pub use case::{Beside, Case};
 pub use class::{CLASSES, Class, Clock, Fault, Promise};
 pub use limit_switches::limit_switches;
 pub use motions::Motions;

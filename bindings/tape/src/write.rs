@@ -173,11 +173,11 @@ impl Writer {
     }
 }
 
-/// Readings that are none, or hardly any, in every passage.
+/// Readings that are none, or hardly any, in every passage; gaps far enough apart not to be a loose contact, which trips.
 fn spoil(k: u32, sample: &mut Sample) {
     match k {
+        430..=433 => sample.displacement = f32::from_bits(0xffc1_2345),
         0 | 450..=451 => (sample.reference, sample.external) = (f32::NAN, f32::INFINITY),
-        460..=463 => sample.displacement = f32::from_bits(0xffc1_2345),
         470..=478 => sample.acceleration = 1e4,
         490 => sample.external = 3.0,
         500..=503 => sample.velocity = f32::NEG_INFINITY,

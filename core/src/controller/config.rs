@@ -7,7 +7,8 @@ use crate::control::Tracking;
 use crate::filter::{Lag, MotionObserver};
 use crate::guard::supervisor::Ramps;
 use crate::guard::{
-    DisplacementWitness, Envelope, GuardSettings, InputGate, InputMonitor, NoiseMonitor, Plausibility, ValveMonitor,
+    DisplacementWitness, Envelope, GuardSettings, InputGate, InputMonitor, NoiseMonitor, Plausibility, StillMonitor,
+    ValveMonitor,
 };
 use crate::math::Magnitude;
 use crate::modifier::Modifier;
@@ -78,6 +79,8 @@ pub(crate) struct GuardConfig {
     pub(super) witness: Option<DisplacementWitness>,
     /// Where the valve is the device's own or its command passes through.
     pub(super) valve: Option<ValveMonitor>,
+    /// Where an existing controller's command is not ours to see.
+    pub(super) still: Option<StillMonitor>,
     /// Ticks that a reading may be missing.
     pub(super) lost: u32,
 }
@@ -207,6 +210,8 @@ impl GuardConfig {
             plausibility: accelerometer.then_some(plausibility),
             witness: accelerometer.then_some(witness),
             valve: (s.mode != Mode::Modifier).then_some(valve),
+            still: (s.mode == Mode::Modifier)
+                .then(|| StillMonitor::new(guard.valve.mismatch, guard.valve.memory, turn)),
             lost: whole_ticks(require("guard.plausibility.lost", guard.plausibility.lost, 0.0, 1.0)?, dt),
         })
     }

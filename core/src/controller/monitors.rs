@@ -13,7 +13,7 @@ use crate::filter::lag::LagState;
 use crate::filter::observer::MotionState;
 use crate::guard::envelope::{DebouncedSignals, EnvelopeState};
 use crate::guard::plausibility::PlausibilityState;
-use crate::guard::{Creep, InputState, NoiseState, Trip, ValveMonitorState, WitnessState};
+use crate::guard::{Creep, InputState, NoiseState, StillState, Trip, ValveMonitorState, WitnessState};
 use crate::sample::{Channels, Sample};
 use crate::saturation::{DetectorState, Evidence};
 use crate::settings::Mode;
@@ -25,6 +25,12 @@ pub(crate) const TURNS: u8 = 3;
 
 /// Ticks without sensors over which the table is held to go on as it went.
 const COAST: u32 = 20;
+
+/// Ticks with a reading that make up for one without.
+const REGAIN: u32 = 4;
+
+/// An existing controller corrects an error at least so fast, 1/s: a loop of 0.8 Hz.
+const SLOWEST_LOOP: f32 = 5.0;
 
 /// The channels without which nothing can be said of the table.
 const SENSORS: Channels = Channels::DISPLACEMENT.union(Channels::ACCELERATION).union(Channels::VELOCITY);
@@ -42,7 +48,10 @@ pub(super) struct Monitors {
     witness: WitnessState,
     inputs: InputState,
     valve: ValveMonitorState,
+    still: StillState,
     lost: u32,
+    /// Readings missed of late: [`REGAIN`] for each, one off for every tick without.
+    missed: u32,
     turn: u8,
     latch: TripLatch,
 }
@@ -61,7 +70,9 @@ impl Monitors {
             witness: WitnessState::default(),
             inputs: InputState::default(),
             valve: ValveMonitorState::default(),
+            still: StillState::default(),
             lost: 0,
+            missed: 0,
             turn: 0,
             latch: TripLatch::of(Trip::SensorLost),
         }
@@ -90,6 +101,7 @@ impl Monitors {
         }
         if config.mode != before.mode {
             self.valve = ValveMonitorState::default();
+            self.still = StillState::default();
         }
         self.valve.forget_gain();
     }
@@ -131,6 +143,7 @@ impl Monitors {
     ) -> Option<Trip> {
         if missing.is_empty() {
             self.lost = 0;
+            self.missed = self.missed.saturating_sub(1);
             return self.judge(config, readings, input);
         }
         self.lost = self.lost.saturating_add(1);
@@ -141,7 +154,10 @@ impl Monitors {
             self.judge(config, readings, input)
         };
         let guard = config.guard.as_ref()?;
-        self.latch.now = found.or((self.lost > guard.lost).then_some(Trip::SensorLost));
+        // A loose contact is as good as lost: what is missed counts until it has been there four times as long.
+        let most = guard.lost.saturating_mul(REGAIN);
+        self.missed = self.missed.saturating_add(REGAIN).min(most.saturating_add(REGAIN));
+        self.latch.now = found.or((self.missed > most).then_some(Trip::SensorLost));
         self.latch.now
     }
 
@@ -241,12 +257,17 @@ impl Monitors {
             let asked = input.flow_command * config.valve_gain;
             valve.advance(&mut self.valve, asked, self.velocity_limit, velocity, readings.displacement)
         });
+        let error = input.reference - readings.displacement;
+        let still = guard
+            .still
+            .as_ref()
+            .is_some_and(|still| still.advance(&mut self.still, SLOWEST_LOOP * error, readings.displacement));
         let motion = DebouncedSignals {
             acceleration: self.acceleration.output(),
             pressure_difference: readings.pressure_difference,
-            error: input.reference - readings.displacement,
+            error,
         };
         let beyond = guard.envelope.advance(&mut self.envelope, &motion);
-        if stuck { Some(Trip::ValveStuck) } else { beyond }
+        if stuck || still { Some(Trip::ValveStuck) } else { beyond }
     }
 }

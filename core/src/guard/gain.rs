@@ -12,11 +12,15 @@
 
 use crate::block::whole_ticks;
 use crate::math::{Magnitude, max};
+use crate::scalar::Scalar;
 
 /// Time constant of the means, s of motion.
 const MEMORY: f32 = 2.0;
 /// Largest change of the gain, 1.
 const CHANGE: f32 = 0.25;
+
+/// Gains of a table that the model is still good for, 1.
+const BELIEVED: (f32, f32) = (0.65, 1.35);
 
 /// The witness's configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +67,19 @@ impl GainWitness {
 }
 
 impl GainState {
+    /// The gain by which the table does what the model says, 1: as far as it has been learned, for which an eighth of the time is
+    /// enough.
+    #[inline]
+    pub(super) fn gain(&self, witness: GainWitness) -> f32 {
+        if self.turns >= witness.learn / 8 { self.first.within(BELIEVED.0, BELIEVED.1) } else { 1.0 }
+    }
+
+    /// Whether it has been learned.
+    #[inline]
+    pub(super) fn is_known(&self, witness: GainWitness) -> bool {
+        self.turns >= witness.learn
+    }
+
     #[inline]
     fn average(&mut self, share: f32, expected: f32, measured: f32) {
         self.both += share * (measured * expected - self.both);

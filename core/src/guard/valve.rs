@@ -3,32 +3,22 @@
 //! ```text
 //! w[k] = lag(clamp(gain u, -V, +V), valve lag)                 the velocity that the command asks for, m/s
 //! r[k] = r[k-1] + dt (v - w) - (dt / memory) r[k-1]            displacement that it does not explain, m
-//! f[k] = f[k-1] + clamp(x - f[k-1], -2 dt Vmax, +2 dt Vmax)      the LVDT less its spikes, m
-//! c[k] = c[k-1] + f[k] - f[k-1] - dt w - (dt / 25 memory) c[k-1]   way of the LVDT that the command does not explain, m
-//! d[k]: the same as c with Vmax for V and 50 memory                   m
-//! s[k] = s[k-1] + dt clamp(gain u, -V, +V) - (dt / 5 memory) s[k-1]     while the LVDT stays within mismatch / 20, else 0
 //! ```
-//! u is the command beyond zero flow (m), V the velocity limit in force, Vmax the one that is set. `|r| > mismatch` trips, and so does
-//! `|c| > 2 mismatch`: an LVDT that creeps, of which neither the accelerometer nor a loop that is closed over it sees
-//! anything. An even speed below 8 % of mismatch / memory may be an unknown null. From `|d| > mismatch` on nobody knows
-//! whether it is the LVDT or what limits the table that is wrong: a table that does less than it is told looks saturated, and an
-//! LVDT that creeps against its motion looks the same. So the table may be at x or at x - d, and it trips where the envelope,
-//! with its stopping distance, would not let it be at x - d. So does `|s| > mismatch / 2`: a table that is told to move and by its LVDT does not. That is a valve that is shut, or an LVDT that
-//! stands still while the table moves evenly, of which the accelerometer sees nothing; an even speed below a tenth of
-//! mismatch / memory is not seen, so that an unknown null does not trip a table at rest. No command stops a valve stuck hard
-//! over, and none is right without an LVDT: this trip opens the relay of the hydraulic block at once.
+//! u is the command beyond zero flow (m), V a velocity limit: `|r| > mismatch` trips where it says so under the limit in force as well as
+//! under the one that is set, for a table that does less than it is told looks saturated. No command stops a valve stuck hard over,
+//! and none is right without an LVDT: this trip opens the relay of the hydraulic block at once.
 //!
-//! A gain of the table by its LVDT that changes during a test trips as well (`gain`).
+//! A table that is told to move and by its LVDT does not trips as well (`still`); so does an LVDT that creeps, of which neither
+//! the accelerometer nor a loop that is closed over it sees anything (`creep`), and a gain of the table by its LVDT that changes
+//! during a test (`gain`).
 
+use super::creep::{Creep, CreepState, CreepWitness};
 use super::gain::{GainState, GainWitness};
+use super::still::{StillMonitor, StillState};
 use crate::block::{Block, BlockError, require};
 use crate::filter::Lag;
 use crate::filter::lag::LagState;
-use crate::math::Magnitude;
 use crate::scalar::Scalar;
-
-/// How much longer what creeps is remembered, and how much farther it may go.
-const SLOW: (f32, f32) = (25.0, 2.0);
 
 /// When the valve is not believed.
 ///
@@ -70,18 +60,11 @@ pub struct ValveMonitor {
     lag: Lag,
     dt: f32,
     keep: f32,
-    mismatch: Magnitude,
-    /// The same for what creeps: what is kept from turn to turn, farthest that the LVDT is followed in a turn, and limit, m.
-    slow_keep: f32,
-    step: f32,
+    mismatch: f32,
     velocity_limit: f32,
-    possible_keep: f32,
-    slow_limit: Magnitude,
-    /// The same for a table that stands still: what is kept from turn to turn, band and limit, m.
-    still_keep: f32,
-    still_band: Magnitude,
-    still_limit: Magnitude,
+    still: StillMonitor,
     gain: GainWitness,
+    creep: CreepWitness,
 }
 
 /// What the monitor remembers.
@@ -89,36 +72,13 @@ pub struct ValveMonitor {
 pub struct ValveMonitorState {
     velocity: LagState,
     unexplained: f32,
-    /// The LVDT less its spikes, m, and what of its way the command does not explain, m.
-    followed: Option<f32>,
-    crept: f32,
-    /// The same by the velocity limit that is set, and its lag.
-    possible: f32,
+    /// The same under the velocity limit that is set.
+    unexplained_set: f32,
+    /// What the command asks for under the velocity limit that is set.
     unlimited: LagState,
-    /// Where the LVDT has stood since it last moved, m, and what it was told to move since, m.
-    stood: f32,
-    told: f32,
+    still: StillState,
     gain: GainState,
-}
-
-/// What the command says of an LVDT that creeps.
-///
-/// ```
-/// use shakedown_core::blocks::guard::{Creep, ValveMonitor, ValveMonitorState};
-/// use shakedown_core::settings::ValveMonitorSettings;
-///
-/// let monitor = ValveMonitor::new(&ValveMonitorSettings::default(), 0.017, 0.242, 1e-3)?;
-/// assert_eq!(monitor.creep(&ValveMonitorState::default()), Creep::None);
-/// # Ok::<(), shakedown_core::blocks::BlockError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Creep {
-    /// It does not.
-    None,
-    /// It may have, this far, m: the table would be so far below its reading.
-    Possible(f32),
-    /// It has.
-    Certain,
+    creep: CreepState,
 }
 
 impl ValveMonitorState {
@@ -134,21 +94,15 @@ impl ValveMonitor {
         let memory = require("guard.valve.memory", settings.memory, 0.01, 100.0)?;
         let mismatch = require("guard.valve.mismatch", settings.mismatch, 1e-5, 10.0)?;
         let keep = 1.0 - (dt / memory).min(1.0);
-        let slow_keep = 1.0 - (dt / (SLOW.0 * memory)).min(1.0);
         Ok(Self {
             lag: Lag::new(lag, dt)?,
             dt,
             keep,
-            mismatch: Magnitude::new(mismatch),
-            slow_keep,
-            step: 2.0 * velocity_limit * dt,
+            mismatch,
             velocity_limit,
-            possible_keep: 1.0 - (0.5 * dt / (SLOW.0 * memory)).min(1.0),
-            slow_limit: Magnitude::new(SLOW.1 * mismatch),
-            still_keep: 1.0 - (0.2 * dt / memory).min(1.0),
-            still_band: Magnitude::new(0.05 * mismatch),
-            still_limit: Magnitude::new(0.5 * mismatch),
+            still: StillMonitor::new(mismatch, memory, dt),
             gain: GainWitness::new(dt),
+            creep: CreepWitness::new(mismatch, memory, velocity_limit, dt),
         })
     }
 
@@ -166,33 +120,21 @@ impl ValveMonitor {
         let wanted = asked;
         let asked = asked.bounded(limit);
         let expected = self.lag.advance(&mut state.velocity, asked);
-        let followed = state.followed.unwrap_or(displacement);
-        let step = (displacement - followed).bounded(self.step);
-        state.followed = Some(followed + step);
-        state.crept = self.slow_keep * state.crept + step - self.dt * expected;
         let most = self.lag.advance(&mut state.unlimited, wanted.bounded(self.velocity_limit));
-        state.possible = self.possible_keep * state.possible + step - self.dt * most;
+        let gain = state.gain.gain(self.gain);
+        self.creep.advance(&mut state.creep, displacement, gain * expected, gain * most);
         let changed = self.gain.advance(&mut state.gain, wanted, limit, expected, velocity);
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);
-        if self.still_band.holds(displacement - state.stood) {
-            state.told = self.still_keep * state.told + self.dt * asked;
-        } else {
-            state.stood = displacement;
-            state.told = 0.0;
-        }
-        changed || !(self.mismatch.holds(state.unexplained) && self.still_limit.holds(state.told))
+        state.unexplained_set = self.keep * state.unexplained_set + self.dt * (velocity - most);
+        let ways = [state.unexplained, state.unexplained_set];
+        let explained = ways.iter().any(|&way| way <= self.mismatch) && ways.iter().any(|&way| way >= -self.mismatch);
+        let still = self.still.advance(&mut state.still, asked, displacement);
+        changed || still || !explained
     }
 
-    /// Between two of these: how far the LVDT has crept, m, by what the command does not explain over the longer time; and whether
-    /// that is believed.
+    /// Between two of these: how far the LVDT has crept by what the command does not explain, and whether that is believed.
     #[inline(always)]
     pub fn creep(&self, state: &ValveMonitorState) -> Creep {
-        if !self.slow_limit.holds(state.crept) {
-            Creep::Certain
-        } else if !self.mismatch.holds(state.possible) {
-            Creep::Possible(state.possible)
-        } else {
-            Creep::None
-        }
+        self.creep.found(&state.creep, state.gain.is_known(self.gain))
     }
 }

@@ -42,8 +42,9 @@ impl core::fmt::Display for Finding {
             }
             Self::NoSaturationDetection => "saturation is missing: a sagging supply is not detected; add [saturation]",
             Self::NoDriftWitness => {
-                "guard.inputs has neither a second displacement sensor nor limit switches: a slow LVDT drift is not detected; \
-                 put limit switches into the emergency-stop circuit"
+                "guard.inputs has neither a second displacement sensor nor limit switches: a slow LVDT drift is not detected, and behind \
+                 an existing controller that shares the LVDT neither is any even one, nor a gain that sinks in slow motion; put \
+                 limit switches into the emergency-stop circuit"
             }
             Self::NoRelayFeedback => {
                 "guard.inputs.relay_feedback is missing: a welded relay is not detected; try the relay before every test"

@@ -178,6 +178,29 @@ fn open_lvdt_under_a_loop_that_subtracts_it() {
     }
 }
 
+/// A reading that is missing 4 ticks in 14 is missing no 10 ms in a row, and is lost all the same; one that is missing 9 once is not.
+#[test]
+fn a_loose_contact_is_a_lost_sensor() {
+    let tripped = |missing: usize, period: usize| {
+        let mut controller = Controller::new(&settings(Mode::Controller)).unwrap();
+        let (mut tick, mut first) = (0, None);
+        let step = |controller: &mut Controller, there: bool| {
+            controller.step(&Sample::new(0.0, if there { 0.0 } else { f32::NAN }, 0.0));
+        };
+        (0..100).for_each(|_| step(&mut controller, true));
+        controller.request(OperatorRequest::Arm).unwrap();
+        while tick < 1000 && first.is_none() {
+            step(&mut controller, tick % period >= missing);
+            first = controller.trip().map(|trip| (trip, tick));
+            tick += 1;
+        }
+        first
+    };
+    let (trip, tick) = tripped(4, 14).unwrap();
+    assert!(trip == Trip::SensorLost && tick < 100, "{trip:?} after {tick} ticks");
+    assert_eq!(tripped(9, 60), None);
+}
+
 #[test]
 fn open_accelerometer() {
     check_all(&[Trip::SensorLost], 0.013, |s| s.acceleration = f32::INFINITY);
@@ -896,11 +919,12 @@ fn the_hazard_table_names_real_tests() {
     let here = ["guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs", "wiring.rs"];
     let here = here.map(|file| root.join("tests/promises").join(file));
     let explored = root.join("tests/state_machine.rs");
+    let parts = root.join("tests/guard_parts.rs");
     let of_the_image = ["faults.rs", "device.rs"].map(|file| root.join("../tests/replay/tests").join(file));
     let live = root.join("../tests/tests/live.rs");
     let sources: String = here
         .iter()
-        .chain([&explored, &live])
+        .chain([&explored, &parts, &live])
         .chain(&of_the_image)
         .map(|file| std::fs::read_to_string(file).unwrap())
         .collect();

@@ -10,7 +10,7 @@ use super::{Failure, progress};
 use clap::builder::PossibleValuesParser;
 use serde_json::json;
 use shakedown::faults::campaign::{join, run as run_all, run_shard};
-use shakedown::faults::{CLASSES, CampaignError, Case, Class, Motions, Plan, Summary, rig, watcher};
+use shakedown::faults::{Beside, CLASSES, CampaignError, Case, Class, Motions, Plan, Summary, rig, watcher};
 use shakedown::files::json::JsonError;
 use std::path::PathBuf;
 
@@ -22,6 +22,7 @@ use std::path::PathBuf;
   shakedown faults --seed 1 --runs 100000 --out faults --shard 1/2
   shakedown faults --seed 1 --class lvdt-stuck --runs 500          one class alone
   shakedown faults --seed 1 --runs 100000 --guard-alone            without limit switches
+  shakedown faults --seed 1 --runs 100000 --second-sensor          with a second displacement sensor instead of them
   shakedown faults --healthy 10000                                nothing wrong: no trip
   shakedown faults --adversary 2000 --class lvdt-stuck             the worst case of a class
   shakedown faults --seed 1 --run 4711 --report run.html           one run again, drawn; the other arguments as they were
@@ -40,6 +41,9 @@ pub(crate) struct Args {
     /// Tables without the limit switches that docs/commissioning.md asks for: what the guard sees by itself.
     #[arg(long)]
     guard_alone: bool,
+    /// Tables with a second displacement sensor that the device reads instead of the limit switches.
+    #[arg(long, conflicts_with = "guard_alone")]
+    second_sensor: bool,
     /// Folder with PEER records to take runs from beside the generated ones.
     #[arg(long, value_name = "DIR")]
     records: Option<PathBuf>,
@@ -53,7 +57,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["runs", "out"])]
     run: Option<u64>,
     /// So many tests with nothing wrong instead, which must not trip: tables, laws, records, and sines up to the envelope.
-    #[arg(long, value_name = "K", conflicts_with_all = ["runs", "out", "run", "class", "guard_alone"])]
+    #[arg(long, value_name = "K", conflicts_with_all = ["runs", "out", "run", "class", "guard_alone", "second_sensor"])]
     #[arg(value_parser = clap::value_parser!(u64).range(1..))]
     healthy: Option<u64>,
     /// Searches for the worst case of every class instead (cross-entropy), with so many runs each; resumable with --out.
@@ -62,6 +66,26 @@ pub(crate) struct Args {
     adversary: Option<u64>,
     #[command(flatten)]
     outputs: Outputs,
+}
+
+impl Args {
+    /// The aid beside the guard.
+    const fn beside(&self) -> Beside {
+        match (self.guard_alone, self.second_sensor) {
+            (true, _) => Beside::Nothing,
+            (_, true) => Beside::SecondSensor,
+            _ => Beside::LimitSwitches,
+        }
+    }
+
+    /// The same as an argument.
+    const fn beside_flag(&self) -> &'static str {
+        match self.beside() {
+            Beside::Nothing => " --guard-alone",
+            Beside::SecondSensor => " --second-sensor",
+            Beside::LimitSwitches => "",
+        }
+    }
 }
 
 /// Runs the campaign, or one run of it.
@@ -83,7 +107,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         seed: args.seed,
         runs: args.runs,
         class: args.class.clone(),
-        guard_alone: args.guard_alone,
+        beside: args.beside(),
         records: motions.all.iter().map(|played| played.name.clone()).collect(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
@@ -107,7 +131,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn show(args: &Args, summary: &Summary, motions: &Motions) -> Result<(), Failure> {
-    let sections = page::sections(summary, args.guard_alone);
+    let sections = page::sections(summary, args.beside());
     if !args.outputs.quiet() {
         sections.iter().for_each(super::present::print_section);
     }
@@ -115,6 +139,7 @@ fn show(args: &Args, summary: &Summary, motions: &Motions) -> Result<(), Failure
     if let Some(object) = json.as_object_mut() {
         object.insert("schema".into(), "shakedown.faults/1".into());
         object.insert("seed".into(), args.seed.into());
+        object.insert("beside".into(), json!(args.beside()));
         object.insert("guard_alone".into(), args.guard_alone.into());
     }
     args.outputs.write_json(json, &motions.files)?;
@@ -124,8 +149,7 @@ fn show(args: &Args, summary: &Summary, motions: &Motions) -> Result<(), Failure
         Some(first) => {
             let count = summary.failed.len();
             let class = args.class.as_ref().map_or_else(String::new, |class| format!(" --class {class}"));
-            let alone = if args.guard_alone { " --guard-alone" } else { "" };
-            let again = format!("--seed {}{class}{alone} --run {}", args.seed, first.run);
+            let again = format!("--seed {}{class}{} --run {}", args.seed, args.beside_flag(), first.run);
             Err(Failure::Work(format!("{count} runs broke a promise; the first: {again}")))
         }
     }
@@ -133,8 +157,8 @@ fn show(args: &Args, summary: &Summary, motions: &Motions) -> Result<(), Failure
 
 /// One run, judged and drawn.
 fn again(args: &Args, number: u64, motions: &Motions) -> Result<(), Failure> {
-    let case = Case::deal(args.seed, number, args.class.as_deref().and_then(Class::named), motions);
-    let case = if args.guard_alone { case.guard_alone() } else { case };
+    let only = args.class.as_deref().and_then(Class::named);
+    let case = Case::deal(args.seed, number, only, motions).beside(args.beside());
     let pair = rig::run(&case).map_err(|e| Failure::Work(e.to_string()))?;
     let outcome = watcher::judge_pair(&case, &pair);
     let name = motions.all.get(case.motion).map_or("", |played| played.name.as_str());

@@ -6,7 +6,7 @@
 //! a case bad is how much of its promise it uses up, 1 being all of it: the way to the end of the stroke less the margin, the time
 //! to the report, the way that the table may stray.
 
-use super::case::Case;
+use super::case::{Beside, Case};
 use super::class::{Class, Promise};
 use super::dice::Dice;
 use super::motions::Motions;
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Numbers of a case that the search chooses: more than any class deals.
-const NUMBERS: usize = 28;
+const NUMBERS: usize = 36;
 /// Cases of a generation, and how many of them the next is dealt from.
 const GENERATION: u64 = 200;
 const WORST: usize = 20;
@@ -33,8 +33,8 @@ pub struct Search {
     pub class: String,
     /// Seed.
     pub seed: u64,
-    /// Whether the tables lack limit switches.
-    pub guard_alone: bool,
+    /// The aid beside the guard.
+    pub beside: Beside,
     /// Runs so far.
     pub runs: u64,
     /// Of those, runs that broke a promise.
@@ -88,23 +88,22 @@ pub fn used(class: &Class, outcome: &Outcome) -> f64 {
             _ => 0.0,
         },
         Promise::Harmless(most) => way.max(outcome.deviation_m / most.max(1e-6)),
-        Promise::Inside => way,
+        Promise::Inside | Promise::Roomy | Promise::Aided | Promise::Measured => way,
     }
 }
 
 impl Search {
     /// A search that knows nothing yet.
-    pub fn new(class: &Class, seed: u64, guard_alone: bool) -> Self {
+    pub fn new(class: &Class, seed: u64, beside: Beside) -> Self {
         // A uniform number has mean 1/2 and this deviation.
         let spread = vec![(0.5, 0.289); NUMBERS];
-        Self { class: class.id.into(), seed, guard_alone, runs: 0, broken: 0, spread, worst: None }
+        Self { class: class.id.into(), seed, beside, runs: 0, broken: 0, spread, worst: None }
     }
 
     /// Deals and judges the case that `numbers` are.
     fn judge(&self, class: &'static Class, numbers: &[f64], run: u64, motions: &Motions) -> Result<Found, RigError> {
         let dice = Dice::scripted(self.seed, run, numbers.to_vec());
-        let case = Case::deal_with(dice, run, Some(class), motions);
-        let case = if self.guard_alone { case.guard_alone() } else { case };
+        let case = Case::deal_with(dice, run, Some(class), motions).beside(self.beside);
         let outcome = judge(&case)?;
         Ok(Found { used: used(class, &outcome), numbers: numbers.to_vec(), outcome })
     }
@@ -161,7 +160,7 @@ pub fn search(
     let mut search = match &path {
         Some(path) if path.exists() => {
             let found: Search = json::read(path)?;
-            if (found.seed, found.guard_alone) != (begin.seed, begin.guard_alone) {
+            if (found.seed, found.beside) != (begin.seed, begin.beside) {
                 return Err(AdversaryError::Other(path.clone()));
             }
             done(found.runs.min(runs));

@@ -1,6 +1,6 @@
 //! Runs a campaign in pieces that can stop and go on: one file a chunk of runs, whole or not there.
 
-use super::case::Case;
+use super::case::{Beside, Case};
 use super::class::Class;
 use super::motions::{Motions, MotionsError};
 use super::rig::RigError;
@@ -22,8 +22,8 @@ pub struct Plan {
     pub runs: u64,
     /// Where every fault is of one class, its name.
     pub class: Option<String>,
-    /// Whether the tables lack the limit switches that commissioning asks for.
-    pub guard_alone: bool,
+    /// The aid beside the guard.
+    pub beside: Beside,
     /// Records that runs are taken from: their number and names' order is part of the campaign.
     pub records: Vec<String>,
     /// Version of what is tested.
@@ -72,8 +72,7 @@ impl Plan {
     }
 
     fn case(&self, number: u64, only: Option<&'static Class>, motions: &Motions) -> Case {
-        let case = Case::deal(self.seed, number, only, motions);
-        if self.guard_alone { case.guard_alone() } else { case }
+        Case::deal(self.seed, number, only, motions).beside(self.beside)
     }
 
     /// Does the runs of one chunk.
@@ -165,12 +164,12 @@ mod tests {
     #[test]
     fn every_class_keeps_its_promise_in_a_few_runs() {
         let motions = Motions::new(None).unwrap();
-        for class in CLASSES {
+        for class in CLASSES.iter() {
             let plan = Plan {
                 seed: 20262,
                 runs: 6,
                 class: Some(class.id.into()),
-                guard_alone: false,
+                beside: Beside::LimitSwitches,
                 records: Vec::new(),
                 version: String::new(),
             };

@@ -1,21 +1,41 @@
 //! One run as its number deals it: table, controller, record, fault and when.
 
+pub(super) mod draw;
+mod orders;
+
 use super::class::{CLASSES, Class, Fault};
 use super::dice::Dice;
 use super::limit_switches::limit_switches;
-use super::machine::{Break, Oil, Table};
+use super::machine::{BLOCK, Break, Table};
 use super::motions::{Motions, RATE};
-use shakedown_core::settings::{
-    Detection, EnvelopeSettings, Gains, GuardSettings, InnerLoop, RampSettings, Ranges, TrackingSettings,
-};
-use shakedown_core::{Mode, Modification, Settings};
+use orders::orders;
+use shakedown_core::settings::{GuardSettings, InnerLoop, InputSettings};
+use shakedown_core::{Mode, OperatorRequest, Settings};
 
-/// Length of a run at most, ticks.
-pub const TICKS: usize = 9000;
-/// At rest before the test is armed, ticks.
-pub const REST: usize = 60;
+/// Length of a run at most, s.
+pub const LENGTH: f64 = 9.0;
+/// The same in points of a record.
+pub const POINTS: usize = 9000;
+/// At rest before the test is armed, s.
+pub const REST: f64 = 0.06;
 /// Share of runs without a fault.
 const CONTROLS: f64 = 0.03;
+/// How long a test that is held and resumed takes to fade, s.
+const RESUMED: f32 = 1.5;
+/// Most by which a second displacement sensor and the LVDT may differ, m.
+const SECOND: f32 = 0.005;
+
+/// The aid beside guard, LVDT and accelerometer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Beside {
+    /// The limit switches that docs/commissioning.md asks for.
+    LimitSwitches,
+    /// A second displacement sensor that the device reads, and no limit switches.
+    SecondSensor,
+    /// Nothing: the guard is alone.
+    Nothing,
+}
 
 /// A run.
 #[derive(Debug, Clone)]
@@ -28,17 +48,25 @@ pub struct Case {
     pub fault: Fault,
     /// First tick with it.
     pub onset: usize,
+    /// A second fault and its first tick.
+    pub second: Option<(Fault, usize)>,
     /// What the core is set to.
     pub settings: Settings,
+    /// What the operator asks for, and at which tick.
+    pub orders: Vec<(usize, OperatorRequest)>,
     /// The existing controller's proportional gain, 1; also behind a modifier.
     pub existing: f64,
     /// What it feeds forward of the reference's velocity in front of a guard, s.
     pub feed_forward: f64,
     /// The table, which is not quite the one in the settings.
     pub table: Table,
+    /// How long its hydraulic block takes to shut, s: at most as declared.
+    pub block: f64,
+    /// Whether sensors, command and output go through the converters of a board.
+    pub converters: bool,
     /// Where in [`Motions::all`] the record is.
     pub motion: usize,
-    /// What is played of it, m.
+    /// What is played of it, m, by tick.
     pub reference: Vec<f64>,
     /// Whether the reference is streamed through the link.
     pub streamed: bool,
@@ -60,37 +88,96 @@ impl Case {
     pub fn deal_with(mut dice: Dice, number: u64, only: Option<&'static Class>, motions: &Motions) -> Self {
         let class = only.unwrap_or_else(|| draw(&mut dice));
         let fault = (class.deal)(&mut dice);
-        let table = table(&mut dice, matches!(fault, Fault::Table(Break::Payload { .. })));
-        let mode = mode(&mut dice, fault);
-        let kp = gain(&mut dice, &table);
-        let (motion, reference) = slice(&mut dice, motions);
-        let onset = 1500 + dice.below(4500);
-        let mut settings = settings(&mut dice, mode, kp, &table);
-        if matches!(fault, Fault::Shared(_)) && mode == Mode::Controller {
+        let second = class.second.map(|deal| deal(&mut dice));
+        let table = draw::table(&mut dice, matches!(fault, Fault::Table(Break::Payload { .. })));
+        let mode = draw::mode(&mut dice, fault, second);
+        let kp = draw::gain(&mut dice, &table);
+        let (motion, record) = draw::slice(&mut dice, motions);
+        let began = 1.5 + 4.5 * dice.unit();
+        let mut settings = draw::settings(&mut dice, mode, kp, &table);
+        if shares(fault, second) && mode == Mode::Controller {
             settings.inner_loop = InnerLoop::Hardwired;
         }
+        if matches!(fault, Fault::Signal(super::class::Channel::Second, _)) {
+            fit_second(&mut settings);
+        }
+        let streamed = matches!(fault, Fault::LinkCut | Fault::LinkGarbled(_));
+        let rate = if streamed { RATE } else { draw::rate(&mut dice, &mut settings) };
+        draw::modification(&mut dice, &mut settings);
+        let (orders, onset) = orders(&mut dice, fault, began, rate);
+        if let (Some(guard), true) = (&mut settings.guard, orders.len() > 2) {
+            // A test that is held and resumed goes back to where its reference has gone meanwhile.
+            guard.ramps.test = RESUMED;
+        }
+        let later = (2.0 * dice.unit() * rate) as usize;
         Self {
             number,
             class,
             fault,
             onset,
+            second: second.map(|fault| (fault, onset + later)),
             limit_switches: limit_switches(&settings),
             settings,
+            orders,
             existing: kp,
             feed_forward: 0.0,
+            block: if dice.chance(0.5) { BLOCK } else { BLOCK * dice.uniform(0.1, 1.0) },
+            converters: dice.chance(0.2),
             table,
             motion,
-            reference,
-            streamed: matches!(fault, Fault::LinkCut | Fault::LinkGarbled(_)),
+            reference: at_rate(&record, rate),
+            streamed,
             noise: dice.bits(),
             dice,
         }
     }
 
+    /// The same with only this beside the guard.
+    #[must_use]
+    pub fn beside(mut self, what: Beside) -> Self {
+        if what != Beside::LimitSwitches {
+            self.limit_switches = None;
+        }
+        if what == Beside::SecondSensor {
+            fit_second(&mut self.settings);
+        }
+        self
+    }
+
     /// The same without what commissioning asks for beside the guard.
     #[must_use]
     pub fn guard_alone(self) -> Self {
-        Self { limit_switches: None, ..self }
+        self.beside(Beside::Nothing)
+    }
+
+    /// Whether the device reads a second displacement sensor.
+    pub fn second_sensor(&self) -> bool {
+        self.settings.guard.is_some_and(|guard| guard.inputs.second_displacement.is_some())
+    }
+
+    /// Whether there is something that contradicts the LVDT however slowly it goes wrong.
+    pub fn aided(&self) -> bool {
+        self.limit_switches.is_some() || self.second_sensor()
+    }
+
+    /// Whether a fault sits on an LVDT that a loop behind the device shares.
+    pub fn shares(&self) -> bool {
+        shares(self.fault, self.second.map(|(fault, _)| fault))
+    }
+
+    /// Ticks a second, 1/s.
+    pub fn rate(&self) -> f64 {
+        f64::from(self.settings.rate)
+    }
+
+    /// Length of the run at most, ticks.
+    pub fn ticks(&self) -> usize {
+        (LENGTH * self.rate()) as usize
+    }
+
+    /// Farthest from the middle that the reference is, m.
+    pub fn peak(&self) -> f64 {
+        self.reference.iter().fold(0.0, |most, x| most.max(x.abs()))
     }
 
     /// Mode in words.
@@ -109,85 +196,27 @@ fn draw(dice: &mut Dice) -> &'static Class {
     if dice.chance(CONTROLS) { &CLASSES[0] } else { &CLASSES[1 + dice.below(CLASSES.len() - 1)] }
 }
 
-/// A table within a tenth of the one in the settings; on oil where asked for, and a third of the time.
-pub(super) fn table(dice: &mut Dice, oil: bool) -> Table {
-    let gain = dice.uniform(0.9, 1.1);
-    let a1 = 57.65 * dice.uniform(0.85, 1.15);
-    let oil = (oil || dice.chance(0.33))
-        .then(|| Oil { omega: std::f64::consts::TAU * dice.uniform(20.0, 40.0), damping: dice.uniform(0.1, 0.3) });
-    Table {
-        b1: 0.69 * gain,
-        b0: 138.0 / 57.65 * a1 * gain,
-        a1,
-        limit: 0.242 * dice.uniform(0.95, 1.0),
-        null: 0.001 * dice.uniform(-1.0, 1.0),
-        oil,
+fn shares(fault: Fault, second: Option<Fault>) -> bool {
+    [Some(fault), second].iter().flatten().any(|fault| matches!(fault, Fault::Shared(_)))
+}
+
+fn fit_second(settings: &mut Settings) {
+    if let Some(guard) = &mut settings.guard {
+        *guard =
+            GuardSettings { inputs: InputSettings { second_displacement: Some(SECOND), ..guard.inputs }, ..*guard };
     }
 }
 
-/// Streams and settings are the controller's business; the rest is dealt to guard and controller, and some to modifier.
-fn mode(dice: &mut Dice, fault: Fault) -> Mode {
-    match fault {
-        Fault::Behind(_) => Mode::Modifier,
-        Fault::Shared(_) if dice.chance(0.5) => Mode::Modifier,
-        Fault::Shared(_) => Mode::Controller,
-        Fault::Table(Break::Stuck(_) | Break::Frozen | Break::Supply(_)) if dice.chance(0.5) => Mode::Guard,
-        Fault::Table(Break::Stuck(_) | Break::Frozen | Break::Supply(_)) => Mode::Controller,
-        Fault::LinkCut | Fault::LinkGarbled(_) | Fault::SettingsWrong(_) | Fault::SettingsNonsense => Mode::Controller,
-        _ => [Mode::Guard, Mode::Controller, Mode::Guard, Mode::Controller, Mode::Modifier][dice.below(5)],
+/// The `record` (m, at 1 kHz) by ticks of `rate` (1/s), m.
+fn at_rate(record: &[f64], rate: f64) -> Vec<f64> {
+    if rate == RATE {
+        return record.to_vec();
     }
-}
-
-/// A proportional gain that the table takes with 6 dB to spare.
-pub(super) fn gain(dice: &mut Dice, table: &Table) -> f64 {
-    let kp = dice.uniform(3.0, 10.0);
-    table.oil.map_or(kp, |oil| kp.min(0.4 * oil.damping * oil.omega * 57.65 / 138.0))
-}
-
-pub(super) fn settings(dice: &mut Dice, mode: Mode, kp: f64, table: &Table) -> Settings {
-    let tracks = mode == Mode::Controller && table.oil.is_none() && dice.chance(0.3);
-    let modification = if mode == Mode::Guard { Modification::Off } else { Modification::Causal };
-    Settings {
-        rate: RATE as f32,
-        mode,
-        displacement: Gains::new(kp as f32, dice.uniform(0.0, 1.0) as f32),
-        modification,
-        anti_windup: true,
-        ranges: Ranges {
-            reference: 0.2,
-            displacement: 0.16,
-            // An accelerometer that covers what a stiff table under the tracking law does: 4 g at the foot of a fade.
-            acceleration: 60.0,
-            // Wide open three times over at the gain of the existing controller.
-            external: 3.0,
-            ..Ranges::default()
-        },
-        tracking: tracks.then(TrackingSettings::default),
-        saturation: Some(Detection::default()),
-        guard: Some(GuardSettings {
-            // A table that is followed through a valve of this gain lags by half of 60 mm at its full speed.
-            // A millimetre more room than the watcher asks for: an unknown null goes on through ramp and block.
-            envelope: EnvelopeSettings { margin: 0.006, tracking: 0.06, ..EnvelopeSettings::default() },
-            ramps: RampSettings { test: 0.5, safe: 0.05 },
-            ..GuardSettings::default()
-        }),
-        ..Settings::default()
-    }
-}
-
-/// A stretch of a record, scaled so that it stays 35 mm inside the stroke and asks for no more than half as much again as the
-/// table's speed.
-pub(super) fn slice(dice: &mut Dice, motions: &Motions) -> (usize, Vec<f64>) {
-    let motion = dice.below(motions.all.len());
-    let all = &motions.all[motion].displacement;
-    let room = all.len().saturating_sub(TICKS);
-    let from = dice.below(room.max(1));
-    let part = &all[from..all.len().min(from + TICKS)];
-    let peak = part.iter().fold(1e-6_f64, |m, x| m.max(x.abs()));
-    let speed = part.windows(2).fold(1e-6_f64, |m, w| m.max((w[1] - w[0]).abs() * RATE));
-    let scale = (dice.uniform(0.02, 0.08) / peak).min(dice.uniform(0.05, 0.36) / speed);
-    let last = part.last().copied().unwrap_or(0.0) * scale;
-    let mut reference: Vec<f64> = part.iter().map(|x| x * scale).collect();
-    reference.resize(TICKS, last);
-    (motion, reference)
+    let point = |k: usize| {
+        let at = k as f64 / rate * RATE;
+        let (whole, part) = (at as usize, at.fract());
+        let of = |k: usize| record.get(k).or(record.last()).copied().unwrap_or(0.0);
+        of(whole) + part * (of(whole + 1) - of(whole))
+    };
+    (0..(LENGTH * rate) as usize).map(point).collect()
 }

@@ -15,6 +15,8 @@ use serde::Serialize;
 pub enum Channel {
     /// LVDT.
     Displacement,
+    /// Second displacement sensor.
+    Second,
     /// Accelerometer.
     Acceleration,
     /// What drives the table: the reference, in guard mode the existing controller's command.
@@ -50,6 +52,10 @@ pub enum Fault {
     Table(Break),
     /// The same behind an existing controller, whose valve is not the device's to judge.
     Behind(Break),
+    /// The relay's contact is welded: it stays closed. By itself it comes with an emergency stop.
+    Welded,
+    /// The hydraulic block takes this long to shut, s.
+    Block(f64),
 }
 
 /// What starts the clock of a latency.
@@ -67,6 +73,10 @@ pub enum Clock {
     Deviation(f64),
 }
 
+/// Room that a reference leaves at either end of the stroke where the model has to tell where the table is, m: what its errors hide
+/// of an LVDT's creep, stopping and margin.
+pub const ROOM: f64 = 0.04;
+
 /// What the hazard table promises of a class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Promise {
@@ -78,6 +88,13 @@ pub enum Promise {
     Harmless(f64),
     /// The table obeys, and stays inside its stroke.
     Inside,
+    /// The same, by the valve command and the model alone where the reference leaves [`ROOM`] at either end.
+    Roomy,
+    /// The same where limit switches or a second displacement sensor are fitted: nothing else that the device reads contradicts
+    /// the LVDT. Without them what becomes of it is measured.
+    Aided,
+    /// Nothing is: what becomes of it is measured.
+    Measured,
 }
 
 /// A class of faults.
@@ -91,6 +108,8 @@ pub struct Class {
     pub promise: Promise,
     /// Deals a member.
     pub deal: fn(&mut Dice) -> Fault,
+    /// Deals a second fault, where there are two.
+    pub second: Option<fn(&mut Dice) -> Fault>,
 }
 
 impl std::fmt::Display for Clock {
@@ -115,11 +134,26 @@ impl std::fmt::Display for Promise {
             Self::Harmless(most) if most < 1e-6 => f.write_str("changes nothing, or reported"),
             Self::Harmless(most) => write!(f, "strays at most {} mm, or reported", (1e3 * most).round()),
             Self::Inside => f.write_str("stays inside its stroke"),
+            Self::Roomy => {
+                write!(f, "stays inside its stroke; the guard alone where the reference leaves {:.0} mm", 1e3 * ROOM)
+            }
+            Self::Aided => f.write_str("stays inside its stroke with limit switches or a second displacement sensor"),
+            Self::Measured => f.write_str("nothing: measured"),
         }
     }
 }
 
 impl Class {
+    /// A class of one fault.
+    const fn new(id: &'static str, what: &'static str, promise: Promise, deal: fn(&mut Dice) -> Fault) -> Self {
+        Self { id, what, promise, deal, second: None }
+    }
+
+    /// The same with a second fault beside it.
+    const fn with(self, second: fn(&mut Dice) -> Fault) -> Self {
+        Self { second: Some(second), ..self }
+    }
+
     /// The class of this name.
     pub fn named(id: &str) -> Option<&'static Self> {
         CLASSES.iter().find(|class| class.id == id)

@@ -5,16 +5,16 @@
 //! feeds the velocity forward there, so that the table does reach them; where that meets an oil column's resonance, the sine is
 //! as much smaller as the table makes it larger, for a table that leaves its envelope is not healthy.
 
-use super::case::{self, Case, REST, TICKS};
-use super::class::{CLASSES, Fault};
+use super::case::{Beside, Case, LENGTH, REST};
+use super::class::CLASSES;
 use super::dice::Dice;
 use super::machine::{Oil, Table};
-use super::motions::{Motions, RATE};
+use super::motions::Motions;
 use super::rig::{self, RigError};
 use nalgebra::Complex;
 use rayon::prelude::*;
 use serde::Serialize;
-use shakedown_core::{Mode, State};
+use shakedown_core::{Mode, Modification, OperatorRequest, State};
 use std::f64::consts::TAU;
 
 /// Most that a sine asks for: displacement, m; velocity, m/s; acceleration, m/s2.
@@ -29,6 +29,14 @@ pub struct Healthy {
     pub run: u64,
     /// Where the device sat, or which law ran.
     pub mode: &'static str,
+    /// Control rate, 1/s.
+    pub rate: f64,
+    /// How the reference is modified.
+    pub modification: Modification,
+    /// Whether it goes through a board's converters.
+    pub converters: bool,
+    /// The table.
+    pub table: Table,
     /// Frequency of its sine, Hz; none where it was a record.
     pub sine_hz: Option<f64>,
     /// Largest acceleration of the table, mean over 3 ms, m/s2.
@@ -39,39 +47,31 @@ pub struct Healthy {
     pub tripped: Option<String>,
 }
 
-/// The healthy run `number` of `seed`.
+/// The healthy run `number` of `seed`: as the campaign deals its runs without a fault, and half of them sines instead of records.
 pub fn deal(seed: u64, number: u64, motions: &Motions) -> (Case, Option<f64>) {
     let mut dice = Dice::new(seed, number);
-    let table = case::table(&mut dice, false);
-    let mode = [Mode::Guard, Mode::Modifier, Mode::Controller][dice.below(3)];
-    let kp = case::gain(&mut dice, &table);
-    let (motion, mut reference) = case::slice(&mut dice, motions);
     let sine = dice.chance(0.5).then(|| (dice.scale(0.1, 30.0), dice.uniform(0.3, 1.0)));
-    let settings = case::settings(&mut dice, mode, kp, &table);
-    // The existing controller knows its table's gain as well as ours does.
-    let feed_forward = if sine.is_some() && mode == Mode::Guard { 1.0 / f64::from(settings.valve.gain) } else { 0.0 };
-    if let Some((frequency, share)) = sine {
-        let enlarged = if mode == Mode::Guard { enlarged(&table, (kp, feed_forward), frequency) } else { 1.0 };
-        reference = steady(frequency, share / enlarged.max(1.0));
+    let case = Case::deal_with(dice, number, Some(&CLASSES[0]), motions).beside(Beside::Nothing);
+    let case = Case { onset: case.ticks(), ..case };
+    match sine {
+        None => (case, None),
+        Some((frequency, share)) => (sine_instead(case, frequency, share), Some(frequency)),
     }
-    let sine = sine.map(|(frequency, _)| frequency);
-    let case = Case {
-        number,
-        class: &CLASSES[0],
-        fault: Fault::None,
-        onset: TICKS,
-        limit_switches: None,
-        settings,
-        existing: kp,
-        feed_forward,
-        table,
-        motion,
-        reference,
-        streamed: false,
-        noise: dice.bits(),
-        dice,
-    };
-    (case, sine)
+}
+
+/// `case` with a sine of `frequency` (Hz) that carries the table to a `share` of what is allowed, instead of its record.
+fn sine_instead(mut case: Case, frequency: f64, share: f64) -> Case {
+    // A sine reaches its amplitude while the test runs.
+    case.orders =
+        [OperatorRequest::Arm, OperatorRequest::Start].map(|order| ((REST * case.rate()) as usize, order)).to_vec();
+    let guards = case.settings.mode == Mode::Guard;
+    if guards {
+        // The existing controller knows its table's gain as well as ours does.
+        case.feed_forward = 1.0 / f64::from(case.settings.valve.gain);
+    }
+    let enlarged = if guards { enlarged(&case.table, (case.existing, case.feed_forward), frequency) } else { 1.0 };
+    case.reference = steady(frequency, share / enlarged.max(1.0), case.rate());
+    case
 }
 
 /// How much larger than asked for a sine of `frequency` (Hz) comes out of `table` under a proportional loop (1) with a forward
@@ -88,27 +88,37 @@ fn enlarged(table: &Table, (proportional, forward): (f64, f64), frequency: f64) 
 }
 
 /// A sine that grows to a `share` of what is allowed at its `frequency` (Hz), m.
-fn steady(frequency: f64, share: f64) -> Vec<f64> {
+fn steady(frequency: f64, share: f64, rate: f64) -> Vec<f64> {
     let w = TAU * frequency;
     let amplitude = share * MOST[0].min(MOST[1] / w).min(MOST[2] / (w * w));
     let tick = |k: usize| {
-        let t = (k as f64 - REST as f64) / RATE - SINE[0];
+        let t = k as f64 / rate - REST - SINE[0];
         let grown = (t / SINE[1]).clamp(0.0, 1.0);
         amplitude * grown * grown * (3.0 - 2.0 * grown) * (w * t.max(0.0)).sin()
     };
-    (0..TICKS).map(tick).collect()
+    (0..(LENGTH * rate) as usize).map(tick).collect()
 }
 
 /// Runs and judges one.
 pub fn judge(seed: u64, number: u64, motions: &Motions) -> Result<Healthy, RigError> {
     let (case, sine_hz) = deal(seed, number, motions);
-    let seen = rig::run(&case)?.seen;
+    judge_case(&case, sine_hz)
+}
+
+fn judge_case(case: &Case, sine_hz: Option<f64>) -> Result<Healthy, RigError> {
+    let seen = rig::run(case)?.seen;
     let ran = seen.iter().any(|tick| tick.state == State::Running);
     let trip = seen.iter().find_map(|tick| tick.trip).map(|trip| format!("{trip:?}"));
-    let acceleration = seen.windows(4).map(|four| (four[3].v - four[0].v).abs() * RATE / 3.0).fold(0.0, f64::max);
+    let ticks = (3e-3 * case.rate()).max(1.0) as usize;
+    let over = |k: usize| (seen[k + ticks].v - seen[k].v).abs() * case.rate() / ticks as f64;
+    let acceleration = (0..seen.len().saturating_sub(ticks)).map(over).fold(0.0, f64::max);
     Ok(Healthy {
-        run: number,
+        run: case.number,
         mode: case.mode(),
+        rate: case.rate(),
+        modification: case.settings.modification,
+        converters: case.converters,
+        table: case.table,
         sine_hz,
         acceleration,
         farthest_m: seen.iter().fold(0.0, |most, tick| most.max(tick.x.abs())),
@@ -131,14 +141,22 @@ mod tests {
     use super::*;
 
     /// The existing controller in front of the guard feeds 25 Hz forward into an oil column that resonates there: asked for 27 m/s2
-    /// the table did 47, which is beyond the envelope, and the guard was right.
+    /// the table does 40 and more, which is beyond the envelope, and the guard is right to trip.
     #[test]
     fn a_sine_that_meets_an_oil_columns_resonance_stays_within_the_envelope() {
         let motions = Motions::new(None).unwrap();
-        let (case, sine) = deal(20261, 1393, &motions);
-        let (table, forward) = (case.table, (case.existing, case.feed_forward));
-        assert!(enlarged(&table, forward, sine.unwrap()) > 1.3 && enlarged(&table, forward, 1.0) < 1.2);
-        let found = judge(20261, 1393, &motions).unwrap();
+        let plain = |case: &Case| case.settings.mode == Mode::Guard && case.rate() == 1000.0 && !case.converters;
+        let dealt = (0..100).map(|number| deal(1, number, &motions).0).find(plain).unwrap();
+        let frequency = 25.3;
+        let oil = Some(Oil { omega: TAU * frequency, damping: 0.13 });
+        let table = Table { b1: 0.69, b0: 138.0, a1: 57.65, limit: 0.242, null: 0.0, oil };
+        let case = sine_instead(Case { table, existing: 3.0, ..dealt }, frequency, 1.0);
+        let forward = (case.existing, case.feed_forward);
+        assert!(enlarged(&table, forward, frequency) > 1.3 && enlarged(&table, forward, 1.0) < 1.2);
+        let found = judge_case(&case, Some(frequency)).unwrap();
         assert!(found.tripped.is_none() && found.acceleration < 30.0, "{found:?}");
+        let unheeded = Case { reference: steady(frequency, 1.0, case.rate()), ..case };
+        let found = judge_case(&unheeded, Some(frequency)).unwrap();
+        assert!(found.tripped.is_some() && found.acceleration > 35.0, "{found:?}");
     }
 }

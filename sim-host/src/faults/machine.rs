@@ -4,15 +4,18 @@
 //! z' = -a1 z + (b0 - b1 a1) u,   w = clamp(z + b1 u, +/- limit) sqrt(supply)          flow over piston area, m/s
 //! stiff:  v = w                   oil:  v' = omega^2 (q - x) + 2 zeta omega (w - v) + push,   q' = w
 //! ```
-//! The relay's opening shuts the block [`BLOCK`] later: no oil flows, and the oil column holds the table where it is. A
+//! The relay's opening shuts the block [`BLOCK`] later or sooner: no oil flows, and the oil column holds the table where it is. A
 //! second valve that never fails gets the same commands: what the table should have done.
 
+use super::spoil::{BITS, Converter};
 use serde::Serialize;
 
-/// From the relay's opening to no oil at the valve, s.
+/// From the relay's opening to no oil at the valve at most, s, as it is declared.
 pub const BLOCK: f64 = 0.03;
-/// Integration steps a tick.
-const STEPS: usize = 5;
+/// The output's converter, in m of command: wide open three times over.
+pub const OUTPUT: Converter = Converter { bits: BITS[1], span: 0.3 };
+/// Integration steps a second, at least one a tick.
+const STEPS: f64 = 5000.0;
 
 /// An oil column: frequency, rad/s, and damping ratio, 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -50,6 +53,8 @@ pub enum Break {
     Stuck(f64),
     /// The valve stays where it is.
     Frozen,
+    /// This bit of the output's converter stands, at 1 or at 0.
+    Bit(u32, bool),
     /// The supply falls with this time constant, s.
     Supply(f64),
     /// The payload comes off: this share of the moving mass, knocking with this acceleration (m/s2) at each of so many
@@ -81,6 +86,10 @@ pub struct Machine {
     /// Length of a step, s, and what of the lag's state is left after it.
     decay: (f64, f64),
     broken: Option<Break>,
+    /// From the relay's opening to no oil, s.
+    pub block: f64,
+    /// Whether the relay's contact stays closed.
+    pub welded: bool,
     stuck: Option<f64>,
     command: f64,
     /// Time since the break, s.
@@ -103,6 +112,8 @@ impl Machine {
             supply: 1.0,
             decay: (0.0, 1.0),
             broken: None,
+            block: BLOCK,
+            welded: false,
             stuck: None,
             command: 0.0,
             since: 0.0,
@@ -124,14 +135,15 @@ impl Machine {
 
     /// Moves on by `dt` (s) under `command` (m), with the relay open or closed.
     pub fn advance(&mut self, command: f64, relay_open: bool, dt: f64) {
-        let h = dt / STEPS as f64;
+        let steps = (STEPS * dt).round().max(1.0);
+        let h = dt / steps;
         if h != self.decay.0 {
             self.decay = (h, (-self.table.a1 * h).exp());
         }
         let decay = self.decay.1;
         self.command = command - self.table.null;
-        for _ in 0..STEPS {
-            self.open_for = if relay_open { self.open_for + h } else { 0.0 };
+        for _ in 0..steps as usize {
+            self.open_for = if relay_open && !self.welded { self.open_for + h } else { 0.0 };
             self.since += if self.broken.is_some() { h } else { 0.0 };
             self.step(h, decay);
         }
@@ -139,12 +151,15 @@ impl Machine {
 
     fn step(&mut self, h: f64, decay: f64) {
         let t = self.table;
-        let u = self.stuck.unwrap_or(self.command);
+        let mut u = self.stuck.unwrap_or(self.command);
+        if let Some(Break::Bit(bit, set)) = self.broken {
+            u = OUTPUT.pass_with(u + t.null, bit, set) - t.null;
+        }
         let through = |lag: &mut f64, u: f64| {
             *lag = decay * *lag + (1.0 - decay) / t.a1 * (t.b0 - t.b1 * t.a1) * u;
             (*lag + t.b1 * u).clamp(-t.limit, t.limit)
         };
-        let shut = self.open_for >= BLOCK;
+        let shut = self.open_for >= self.block;
         if let Some(Break::Supply(time)) = self.broken {
             self.supply *= (-h / time).exp();
         }

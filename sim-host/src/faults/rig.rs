@@ -1,15 +1,17 @@
 //! One run: the core in charge of a table, what surrounds it as the board does, and the fault.
 
-use super::case::{Case, REST, TICKS};
-use super::class::{Channel, Fault};
+mod signals;
+
+use super::case::Case;
+use super::class::Fault;
 use super::dice::Dice;
-use super::feed::{Feed, Line};
+use super::feed::Feed;
 use super::machine::Machine;
-use super::motions::RATE;
 use super::settings;
 use super::spoil::Spoiled;
 use crate::plant::sensors::{SensorModel, Sensors};
-use shakedown_core::{Command, Controller, Mode, OperatorRequest, Relay, Sample, Settings, SettingsError, State, Trip};
+use shakedown_core::{Command, Controller, OperatorRequest, Relay, Sample, Settings, SettingsError, State, Trip};
+use signals::Active;
 
 /// A tick as an onlooker sees it who knows the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,11 +48,14 @@ pub struct Seen {
 #[derive(Clone)]
 struct Rig<'a> {
     case: &'a Case,
-    fault: Fault,
+    /// Ticks a second, 1/s.
+    rate: f64,
+    /// Whether its faults begin in their turn.
+    faulty: bool,
+    active: Vec<Active>,
     controller: Controller,
     machine: Machine,
     sensors: Sensors,
-    spoiled: Option<Spoiled>,
     feed: Option<Feed<'a>>,
     dice: Dice,
     time: f64,
@@ -80,13 +85,12 @@ pub struct Pair {
     pub seen: Vec<Seen>,
     /// The table without the fault, m, as long.
     pub without: Vec<f64>,
+    /// Where the test without the fault stands.
+    pub expected: Vec<State>,
 }
 
-/// From a table at a limit switch to its circuit open, ticks: a roller's way, and the contact's own.
-const CONTACT: u32 = 5;
-
-/// What a loop behind the device reads of a broken wire, m: the end of its converter.
-const RAIL: f64 = 0.16;
+/// From a table at a limit switch to its circuit open, s: a roller's way, and the contact's own.
+const CONTACT: f64 = 0.005;
 
 /// How long a run goes on after a trip, s.
 pub const AFTER: f64 = 0.8;
@@ -94,21 +98,18 @@ pub const AFTER: f64 = 0.8;
 /// Runs `case` with its fault and without; they are one up to the fault.
 pub fn run(case: &Case) -> Result<Pair, RigError> {
     let mut rig = Rig::new(case)?;
-    let mut pair = Pair { seen: Vec::with_capacity(TICKS), without: Vec::with_capacity(TICKS) };
-    for tick in 0..case.onset {
+    let mut pair = Pair::default();
+    for tick in 0..case.onset.min(case.ticks()) {
         let seen = rig.tick(tick);
-        pair.without.push(seen.x);
-        pair.seen.push(seen);
+        pair.push(seen, &seen);
     }
     let mut twin = rig.clone();
-    rig.fault = case.fault;
-    rig.begin();
-    let mut left = (AFTER * RATE) as usize;
-    for tick in case.onset..TICKS {
+    rig.faulty = true;
+    let mut left = (AFTER * rig.rate) as usize;
+    for tick in case.onset..case.ticks() {
         let seen = rig.tick(tick);
         left -= usize::from(seen.trip.is_some());
-        pair.seen.push(seen);
-        pair.without.push(twin.tick(tick).x);
+        pair.push(seen, &twin.tick(tick));
         if left == 0 {
             break;
         }
@@ -116,18 +117,30 @@ pub fn run(case: &Case) -> Result<Pair, RigError> {
     Ok(pair)
 }
 
+impl Pair {
+    fn push(&mut self, seen: Seen, twin: &Seen) {
+        self.without.push(twin.x);
+        self.expected.push(twin.state);
+        self.seen.push(seen);
+    }
+}
+
 impl<'a> Rig<'a> {
     fn new(case: &'a Case) -> Result<Self, RigError> {
         let controller = Controller::new(&case.settings).map_err(|cause| RigError { number: case.number, cause })?;
         let start = case.reference.first().copied().unwrap_or(0.0);
+        let mut machine = Machine::new(case.table, start);
+        machine.block = case.block;
+        let arm = case.orders.first().map_or(0, |(tick, _)| *tick);
         Ok(Self {
             case,
-            fault: Fault::None,
+            rate: case.rate(),
+            faulty: false,
+            active: Vec::new(),
             controller,
-            machine: Machine::new(case.table, start),
+            machine,
             sensors: Sensors::new(SensorModel::laboratory(case.noise)),
-            spoiled: None,
-            feed: case.streamed.then(|| Feed::new(case.reference.get(REST..).unwrap_or_default())),
+            feed: case.streamed.then(|| Feed::new(case.reference.get(arm..).unwrap_or_default())),
             dice: case.dice.clone(),
             time: 0.0,
             velocity_before: 0.0,
@@ -138,11 +151,37 @@ impl<'a> Rig<'a> {
         })
     }
 
-    /// The fault begins.
-    fn begin(&mut self) {
-        match self.fault {
-            Fault::Signal(_, how) | Fault::Shared(how) => self.spoiled = Some(Spoiled::new(how, 1.0 / RATE)),
+    /// Begins the faults whose tick it is.
+    fn begin(&mut self, tick: usize) {
+        let case = self.case;
+        if tick == case.onset {
+            self.fail(case.fault);
+            if matches!(case.fault, Fault::Welded) {
+                let _ = self.controller.request(OperatorRequest::Trip);
+            }
+        }
+        if let Some((fault, onset)) = case.second
+            && tick == onset
+        {
+            self.fail(fault);
+        }
+    }
+
+    fn fail(&mut self, fault: Fault) {
+        let spoiled = match fault {
+            Fault::Signal(_, how) | Fault::Shared(how) => Some(Spoiled::new(how, 1.0 / self.rate)),
+            _ => None,
+        };
+        self.active.push(Active { fault, spoiled });
+        match fault {
             Fault::Table(how) | Fault::Behind(how) => self.machine.fail(how),
+            Fault::Welded => self.machine.welded = true,
+            Fault::Block(latency) => self.machine.block = latency,
+            Fault::Missed(length) => {
+                (0..(1e-3 * f64::from(length) * self.rate).ceil() as u32).for_each(|_| self.coast());
+                // As the firmware does when the board tells it of an overrun.
+                let _ = self.controller.request(OperatorRequest::Trip);
+            }
             Fault::SettingsGarbled(bits) => {
                 let taken = settings::garbled(&self.case.settings, bits, &mut self.dice);
                 self.retune(taken.as_ref());
@@ -167,26 +206,17 @@ impl<'a> Rig<'a> {
     }
 
     fn tick(&mut self, tick: usize) -> Seen {
-        if tick == REST {
+        for (_, order) in self.case.orders.iter().filter(|(at, _)| *at == tick) {
             // Refused only where the guard has a reason, which is then what the watcher is shown.
-            let _ = self.controller.request(OperatorRequest::Arm);
-            let _ = self.controller.request(OperatorRequest::Start);
+            let _ = self.controller.request(*order);
         }
-        let faulty = tick >= self.case.onset;
-        if let Fault::Missed(count) = self.fault
-            && tick == self.case.onset
-        {
-            (0..count).for_each(|_| self.coast());
-            // As the firmware does when the board tells it of an overrun.
-            let _ = self.controller.request(OperatorRequest::Trip);
+        if self.faulty {
+            self.begin(tick);
         }
         self.limit_switches();
-        let (sample, errors) = self.measure(tick, faulty);
+        let (sample, errors) = self.measure(tick);
         let command = self.controller.step(&sample);
-        let dt = match self.fault {
-            Fault::Jitter(share) if faulty => (1.0 + self.dice.uniform(-share, share)) / RATE,
-            _ => 1.0 / RATE,
-        };
+        let dt = self.length();
         let valve = self.valve(f64::from(command.valve));
         self.velocity_before = self.machine.v;
         self.machine.advance(valve, command.status.relay == Relay::Open, dt);
@@ -196,11 +226,20 @@ impl<'a> Rig<'a> {
         seen
     }
 
+    /// Length of this tick, s.
+    fn length(&mut self) -> f64 {
+        let jitter = self.active.iter().find_map(|active| match active.fault {
+            Fault::Jitter(share) => Some(share),
+            _ => None,
+        });
+        jitter.map_or(1.0, |share| 1.0 + self.dice.uniform(-share, share)) / self.rate
+    }
+
     /// The emergency-stop circuit, which the board looks at in every tick.
     fn limit_switches(&mut self) {
         let at_switch = self.case.limit_switches.is_some_and(|from| self.machine.x.abs() > from);
         self.at_switch = if at_switch { self.at_switch + 1 } else { 0 };
-        if self.at_switch > CONTACT {
+        if f64::from(self.at_switch) > CONTACT * self.rate {
             let _ = self.controller.request(OperatorRequest::Trip);
         }
     }
@@ -227,71 +266,7 @@ impl<'a> Rig<'a> {
     fn coast(&mut self) {
         let (output, open) = self.last.map_or((0.0, true), |seen| (seen.output, seen.relay == Relay::Open));
         let valve = self.valve(output);
-        self.machine.advance(valve, open, 1.0 / RATE);
-        self.time += 1.0 / RATE;
-    }
-
-    /// What the valve gets of the core's output: in modifier mode an existing controller stands between, with an LVDT of its
-    /// own or the device's; behind a device that cancels it, a hard-wired loop of unity gain over the device's.
-    fn valve(&self, output: f64) -> f64 {
-        let shares = matches!(self.case.fault, Fault::Shared(_));
-        match self.case.settings.mode {
-            Mode::Modifier => self.case.existing * (output - if shares { self.shared } else { self.machine.x }),
-            Mode::Controller if shares => output - self.shared,
-            _ => output,
-        }
-    }
-
-    /// What the converters read, and by how much LVDT and accelerometer are wrong.
-    fn measure(&mut self, tick: usize, faulty: bool) -> (Sample, [f64; 2]) {
-        let truth = [self.machine.x, (self.machine.v - self.velocity_before) * RATE];
-        let mut x = self.sensors.displacement(self.time, truth[0]);
-        let mut a = self.sensors.acceleration(self.time, truth[1]);
-        let wanted = self.case.reference.get(tick).copied().unwrap_or(0.0);
-        // The existing controller closes its loop over its own reading of the same LVDT.
-        let before = self.case.reference.get(tick.saturating_sub(1)).copied().unwrap_or(wanted);
-        let fed = self.case.feed_forward * (wanted - before) * RATE;
-        let mut external = self.case.existing * (wanted - x) + fed;
-        let mut reference = if self.feed.is_some() { self.next_point(faulty) } else { wanted as f32 };
-        if let (Some(spoiled), Fault::Signal(channel, _)) = (&mut self.spoiled, self.fault) {
-            match channel {
-                Channel::Displacement => x = spoiled.pass(x, &mut self.dice),
-                Channel::Acceleration => a = spoiled.pass(a, &mut self.dice),
-                Channel::Command if self.case.settings.mode == Mode::Guard => {
-                    external = spoiled.pass(external, &mut self.dice);
-                }
-                Channel::Command => reference = spoiled.pass(wanted, &mut self.dice) as f32,
-            }
-            if channel == Channel::Displacement {
-                external = self.case.existing * (wanted - x) + fed;
-            }
-        }
-        if let (Some(spoiled), Fault::Shared(_)) = (&mut self.spoiled, self.fault) {
-            x = spoiled.pass(x, &mut self.dice);
-        }
-        // A broken wire is pulled to the rail that drives the table outward.
-        self.shared = if x.is_finite() { x } else { RAIL.copysign(-truth[0]) };
-        let sample = Sample { external: external as f32, ..Sample::new(reference, x as f32, a as f32) };
-        (sample, [x - truth[0], a - truth[1]])
-    }
-
-    /// The next point of the stream, as the firmware's loop takes it: its absence fades the test out.
-    fn next_point(&mut self, faulty: bool) -> f32 {
-        let line = match self.fault {
-            Fault::LinkCut if faulty => Line::Cut,
-            Fault::LinkGarbled(share) if faulty => Line::Garbled(share),
-            _ => Line::Whole,
-        };
-        if self.controller.state() == State::Running
-            && let Some(feed) = &mut self.feed
-        {
-            match feed.tick(line, &mut self.dice) {
-                Some(point) => self.reference = point,
-                None => {
-                    let _ = self.controller.request(OperatorRequest::Stop);
-                }
-            }
-        }
-        self.reference
+        self.machine.advance(valve, open, 1.0 / self.rate);
+        self.time += 1.0 / self.rate;
     }
 }

@@ -23,17 +23,42 @@ pub enum Spoil {
     Drifting(f64),
     /// Off by this much.
     Offset(f64),
-    /// Spikes of a height that last so many ticks, so many ticks apart.
+    /// Spikes of a height that last so long, so far apart.
     Spikes {
         /// Height.
         height: f64,
-        /// Length, ticks.
+        /// Length, ms.
         length: u32,
-        /// From one to the next, ticks.
+        /// From one to the next, ms.
         period: u32,
     },
-    /// No number for so many ticks, then good again.
+    /// No number for so many ms, then good again.
     Gap(u32),
+    /// No number for so long, again and again: a loose contact.
+    Flicker {
+        /// Length, ms.
+        length: u32,
+        /// From one to the next, ms.
+        period: u32,
+    },
+    /// Reads zero, with white noise of this standard deviation: a short.
+    Short(f64),
+    /// A sine on top.
+    Hum {
+        /// Its peak.
+        amplitude: f64,
+        /// Its frequency, Hz.
+        frequency: f64,
+    },
+    /// One bit of an input's converter stands.
+    Bit {
+        /// What the converter's codes reach, either way.
+        span: f64,
+        /// Which bit, 0 the least.
+        bit: u32,
+        /// Whether it is 1.
+        set: bool,
+    },
     /// Its sign turned.
     Reversed,
     /// Its gain goes to this multiple of what it was, evenly over so many seconds.
@@ -43,6 +68,43 @@ pub enum Spoil {
         /// How long it takes, s.
         over: f64,
     },
+}
+
+/// Bits of an input's converter, the sum of sixteen scans of twelve, and of the output's.
+pub const BITS: [u32; 2] = [16, 12];
+
+/// A converter of so many bits that reaches `span` either way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Converter {
+    /// Its bits.
+    pub bits: u32,
+    /// What its codes reach, either way.
+    pub span: f64,
+}
+
+impl Converter {
+    fn half(self) -> f64 {
+        f64::from(1_u32 << (self.bits - 1))
+    }
+
+    fn code(self, value: f64) -> u32 {
+        (self.half() * (1.0 + value / self.span)).round().clamp(0.0, 2.0 * self.half() - 1.0) as u32
+    }
+
+    fn value(self, code: u32) -> f64 {
+        (f64::from(code) / self.half() - 1.0) * self.span
+    }
+
+    /// What it makes of a value.
+    pub fn pass(self, value: f64) -> f64 {
+        if value.is_nan() { value } else { self.value(self.code(value)) }
+    }
+
+    /// The same with one bit that stands.
+    pub fn pass_with(self, value: f64, bit: u32, set: bool) -> f64 {
+        let code = self.code(value);
+        self.value(if set { code | 1 << bit } else { code & !(1 << bit) })
+    }
 }
 
 /// A signal that is being spoilt.
@@ -65,7 +127,9 @@ impl Spoiled {
         if self.ticks == 0 {
             self.held = value;
         }
-        let ticks = self.ticks;
+        let time = self.dt * f64::from(self.ticks);
+        // A little later than the tick, so that the first tick of a millisecond is one of it.
+        let ms = (1e3 * time + 1e-6) as u32;
         self.ticks = self.ticks.saturating_add(1);
         match self.how {
             Spoil::Open => f64::NAN,
@@ -74,20 +138,18 @@ impl Spoiled {
             Spoil::Stuck => self.held,
             Spoil::Detached(deviation) => self.held + deviation * dice.normal(),
             Spoil::Noisy(deviation) => value + deviation * dice.normal(),
-            Spoil::Drifting(rate) => value + rate * self.dt * f64::from(ticks),
+            Spoil::Drifting(rate) => value + rate * time,
             Spoil::Offset(offset) => value + offset,
-            Spoil::Spikes { height, length, period } => {
-                value + if ticks % period.max(1) < length { height } else { 0.0 }
-            }
-            Spoil::Gap(length) => {
-                if ticks < length {
-                    f64::NAN
-                } else {
-                    value
-                }
-            }
+            Spoil::Spikes { height, length, period } => value + if ms % period.max(1) < length { height } else { 0.0 },
+            Spoil::Gap(length) if ms < length => f64::NAN,
+            Spoil::Gap(_) => value,
+            Spoil::Flicker { length, period } if ms % period.max(1) < length => f64::NAN,
+            Spoil::Flicker { .. } => value,
+            Spoil::Short(deviation) => deviation * dice.normal(),
+            Spoil::Hum { amplitude, frequency } => value + amplitude * (std::f64::consts::TAU * frequency * time).sin(),
+            Spoil::Bit { span, bit, set } => Converter { bits: BITS[0], span }.pass_with(value, bit, set),
             Spoil::Reversed => -value,
-            Spoil::Gain { left, over } => value * (1.0 + (left - 1.0) * (self.dt * f64::from(ticks) / over).min(1.0)),
+            Spoil::Gain { left, over } => value * (1.0 + (left - 1.0) * (time / over).min(1.0)),
         }
     }
 }
@@ -110,10 +172,16 @@ mod tests {
         assert_eq!(passed(Spoil::Stuck, &v), [1.0; 3]);
         assert_eq!(passed(Spoil::Drifting(2.0), &v), [1.0, 3.0, -1.0]);
         assert_eq!(passed(Spoil::Offset(1.0), &v), [2.0, 3.0, -2.0]);
-        assert_eq!(passed(Spoil::Spikes { height: 5.0, length: 1, period: 2 }, &v), [6.0, 2.0, 2.0]);
+        assert_eq!(passed(Spoil::Spikes { height: 5.0, length: 400, period: 1000 }, &v), [6.0, 2.0, 2.0]);
+        let flicker = passed(Spoil::Flicker { length: 400, period: 1000 }, &v);
+        assert!(flicker[0].is_nan() && flicker[1] == 2.0 && flicker[2].is_nan());
+        assert_eq!(passed(Spoil::Short(0.0), &v), [0.0; 3]);
+        assert!((passed(Spoil::Hum { amplitude: 2.0, frequency: 0.5 }, &v)[1] - 4.0).abs() < 1e-9);
+        // Of codes 32768 + 8192, + 16384 and - 24576 the bit of 8192 stands at 1.
+        assert_eq!(passed(Spoil::Bit { span: 4.0, bit: 13, set: true }, &v), [1.0, 3.0, -3.0]);
         assert_eq!(passed(Spoil::Reversed, &v), [-1.0, -2.0, 3.0]);
         assert_eq!(passed(Spoil::Gain { left: 0.5, over: 1.0 }, &v), [1.0, 1.5, -1.5]);
-        let gap = passed(Spoil::Gap(1), &v);
+        let gap = passed(Spoil::Gap(400), &v);
         assert!(gap[0].is_nan() && gap[1..] == [2.0, -3.0]);
         assert_ne!(passed(Spoil::Noisy(1.0), &v), v);
     }

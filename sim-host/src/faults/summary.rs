@@ -21,10 +21,14 @@ pub struct Row {
     pub bound_s: Option<f64>,
     /// Latencies of those reported, s: median, 95th, 99th percentile, largest.
     pub latency_s: Option<[f64; 4]>,
+    /// Runs that left the stroke less the margin, or the stroke where the valve does not obey, promised or not.
+    pub outside: u64,
     /// Farthest from the middle, m.
     pub farthest_m: f64,
     /// Farthest from where it would have been until it was reported, m.
     pub deviation_m: f64,
+    /// Largest acceleration of the specimen, m/s2.
+    pub acceleration_m_s2: f64,
     /// Runs that broke a promise, by which.
     pub broken: Vec<(Broken, u64)>,
 }
@@ -40,7 +44,8 @@ pub struct Summary {
     pub failed: Vec<Outcome>,
 }
 
-const KINDS: [Broken; 5] = [Broken::Excursion, Broken::Unreported, Broken::Late, Broken::Moving, Broken::Alarm];
+const KINDS: [Broken; 6] =
+    [Broken::Excursion, Broken::Unreported, Broken::Late, Broken::Moving, Broken::Rough, Broken::Alarm];
 
 impl Summary {
     /// Of `outcomes`, in any order.
@@ -84,8 +89,10 @@ fn row(class: &Class, outcomes: &[Outcome]) -> Row {
             _ => None,
         },
         latency_s: (!latencies.is_empty()).then(|| [rank(0.5), rank(0.95), rank(0.99), rank(1.0)]),
+        outside: met.iter().filter(|o| o.outside).count() as u64,
         farthest_m: largest(&|o| o.farthest_m),
         deviation_m: largest(&|o| o.deviation_m),
+        acceleration_m_s2: largest(&|o| o.acceleration_m_s2),
         broken: count(&of),
     }
 }

@@ -2,16 +2,23 @@
 //! works.
 
 use super::case::Case;
-use super::class::{Clock, Fault, Promise};
-use super::motions::RATE;
+use super::class::{Clock, Fault, Promise, ROOM};
+use super::machine::Break;
 use super::rig::{self, AFTER, Pair, RigError, Seen};
 use serde::{Deserialize, Serialize};
 use shakedown_core::{Relay, State};
+use std::collections::VecDeque;
 
 /// Half the table's travel, m.
 pub const STROKE: f64 = 0.12;
 /// Room that the envelope keeps free at each end, m; a table beyond it has made an excursion.
 pub const MARGIN: f64 = 0.005;
+/// Largest acceleration within the envelope, m/s2, and over how long it is averaged, s: as long as it may persist.
+const ROUGH: f64 = 30.0;
+/// The same, s.
+pub const SHAKEN: f64 = 0.02;
+/// Ticks by which a rate below 1 kHz may make a report later: three until a monitor's next turn, and one.
+const TURNS: f64 = 4.0;
 /// A table stands a while after a trip when it is slower than this, m/s.
 const STAND: f64 = 0.01;
 
@@ -36,6 +43,10 @@ pub struct Outcome {
     pub farthest_m: f64,
     /// Farthest from where it would have been without the fault until it was reported, m.
     pub deviation_m: f64,
+    /// Whether the table left its stroke less the margin, or its stroke where the valve does not obey, promised or not.
+    pub outside: bool,
+    /// Largest acceleration of the table and its specimen, mean over [`SHAKEN`], m/s2.
+    pub acceleration_m_s2: f64,
     /// What was not kept.
     pub broken: Vec<Broken>,
 }
@@ -52,14 +63,20 @@ pub enum Broken {
     Late,
     /// It still moved long after the trip.
     Moving,
+    /// The specimen was accelerated beyond the envelope.
+    Rough,
     /// A trip with no fault.
     Alarm,
 }
 
 struct Watcher<'a> {
     case: &'a Case,
-    /// Where the table would have been, m, by tick.
-    without: &'a [f64],
+    /// The run without the fault as well.
+    pair: &'a Pair,
+    rate: f64,
+    /// Velocity so long ago as accelerations are averaged, m/s.
+    velocities: VecDeque<f64>,
+    acceleration: f64,
     began: Option<f64>,
     started: Option<f64>,
     reported: Option<(f64, String)>,
@@ -72,9 +89,10 @@ struct Watcher<'a> {
     now: f64,
 }
 
-/// What the device says of the fault, if anything: a trip, or the test faded out.
-fn report(seen: &Seen) -> Option<String> {
-    let faded = matches!(seen.state, State::RampDown | State::Ready | State::Hold | State::Off);
+/// What the device says of the fault, if anything: a trip, or a test that is not where it would be.
+fn report(seen: &Seen, expected: State) -> Option<String> {
+    let faded =
+        matches!(seen.state, State::RampDown | State::Ready | State::Hold | State::Off) && seen.state != expected;
     seen.trip.map(|trip| format!("{trip:?}")).or_else(|| faded.then(|| "faded".into()))
 }
 
@@ -85,7 +103,7 @@ pub fn judge(case: &Case) -> Result<Outcome, RigError> {
 
 /// Judges a run of `case`.
 pub fn judge_pair(case: &Case, pair: &Pair) -> Outcome {
-    let mut watcher = Watcher::new(case, &pair.without);
+    let mut watcher = Watcher::new(case, pair);
     for seen in &pair.seen {
         if !watcher.see(seen) {
             break;
@@ -95,10 +113,13 @@ pub fn judge_pair(case: &Case, pair: &Pair) -> Outcome {
 }
 
 impl<'a> Watcher<'a> {
-    fn new(case: &'a Case, without: &'a [f64]) -> Self {
+    fn new(case: &'a Case, pair: &'a Pair) -> Self {
         Self {
             case,
-            without,
+            pair,
+            rate: case.rate(),
+            velocities: VecDeque::new(),
+            acceleration: 0.0,
             began: None,
             started: None,
             reported: None,
@@ -118,14 +139,20 @@ impl<'a> Watcher<'a> {
         self.now = seen.time;
         if seen.tick < self.case.onset {
             self.alarm = seen.trip.is_some();
+            self.reported = seen.trip.map(|trip| (seen.time, format!("{trip:?}")));
             return !self.alarm;
         }
+        let expected = self.pair.expected.get(seen.tick).copied().unwrap_or(seen.state);
         self.began.get_or_insert(before);
         self.farthest = self.farthest.max(seen.x.abs());
-        let off = (seen.x - self.without.get(seen.tick).copied().unwrap_or(seen.x)).abs();
-        self.clock(seen, before, off);
+        self.shaken(seen);
+        let off = (seen.x - self.pair.without.get(seen.tick).copied().unwrap_or(seen.x)).abs();
+        // A table without oil is hurt by nothing, and nothing is reported of it before somebody wants to arm it.
+        if expected != State::Off {
+            self.clock(seen, before, off);
+        }
         if self.reported.is_none() {
-            self.reported = report(seen).map(|why| (seen.time, why));
+            self.reported = report(seen, expected).map(|why| (seen.time, why));
         }
         if self.reported.is_none() {
             self.deviation = self.deviation.max(off);
@@ -142,11 +169,21 @@ impl<'a> Watcher<'a> {
         }
     }
 
+    /// How hard the specimen is shaken.
+    fn shaken(&mut self, seen: &Seen) {
+        self.velocities.push_back(seen.v);
+        if self.velocities.len() as f64 > SHAKEN * self.rate
+            && let Some(before) = self.velocities.pop_front()
+        {
+            self.acceleration = self.acceleration.max((seen.v - before).abs() / SHAKEN);
+        }
+    }
+
     /// Looks whether the clock of the class starts at this tick.
     fn clock(&mut self, seen: &Seen, before: f64, off: f64) {
         if seen.acceleration_error.is_finite() {
             // The mean over 50 ms.
-            self.mean_error += (seen.acceleration_error - self.mean_error) / (0.05 * RATE);
+            self.mean_error += (seen.acceleration_error - self.mean_error) / (0.05 * self.rate);
         }
         let starts = match self.case.class.promise {
             Promise::Reported(clock, _) | Promise::Relay(clock, _) => match clock {
@@ -156,7 +193,7 @@ impl<'a> Watcher<'a> {
                 Clock::Valve(least) => seen.unexplained.abs() > least,
                 Clock::Deviation(least) => off > least,
             },
-            Promise::Harmless(_) | Promise::Inside => true,
+            Promise::Harmless(_) | Promise::Inside | Promise::Roomy | Promise::Aided | Promise::Measured => true,
         };
         if starts && self.started.is_none() {
             self.started = Some(before);
@@ -171,11 +208,12 @@ impl<'a> Watcher<'a> {
             _ => self.reported.as_ref().map(|(at, _)| *at),
         };
         let latency = at.map(|at| (at - from).max(0.0));
+        let outside = self.farthest > farthest(self.case);
         let mut broken = Vec::new();
         if self.alarm || self.case.fault == Fault::None && self.reported.is_some() {
             broken.push(Broken::Alarm);
         } else {
-            broken = self.promises(latency, from);
+            broken = self.promises(latency, from, outside);
         }
         Outcome {
             run: self.case.number,
@@ -187,24 +225,31 @@ impl<'a> Watcher<'a> {
             visible: self.started.is_some(),
             farthest_m: self.farthest,
             deviation_m: self.deviation,
+            outside,
+            acceleration_m_s2: self.acceleration,
             broken,
         }
     }
 
     /// What of the promises was not kept.
-    fn promises(&self, latency: Option<f64>, from: f64) -> Vec<Broken> {
+    fn promises(&self, latency: Option<f64>, from: f64, outside: bool) -> Vec<Broken> {
         let promise = self.case.class.promise;
         let mut broken = Vec::new();
-        // A valve that does not obey is stopped by the block alone: the stroke itself is all that is promised of it.
-        let farthest = if matches!(promise, Promise::Relay(..)) { STROKE } else { STROKE - MARGIN };
-        if self.farthest > farthest {
+        if promise == Promise::Measured {
+            return broken;
+        }
+        let promised = match promise {
+            Promise::Aided => self.case.aided(),
+            Promise::Roomy => self.case.aided() || self.case.peak() <= STROKE - ROOM,
+            _ => true,
+        };
+        if outside && promised {
             broken.push(Broken::Excursion);
         }
         match promise {
             Promise::Reported(_, within) | Promise::Relay(_, within) if self.started.is_some() => match latency {
-                // Half a tick of slack: times are sums of ticks.
-                Some(latency) if latency > within + 0.5 / RATE => broken.push(Broken::Late),
-                None if self.now - from > within => broken.push(Broken::Unreported),
+                Some(latency) if latency > within + self.slack() => broken.push(Broken::Late),
+                None if self.now - from > within + self.slack() => broken.push(Broken::Unreported),
                 _ => {}
             },
             Promise::Harmless(most) if self.deviation > most => broken.push(Broken::Unreported),
@@ -213,6 +258,36 @@ impl<'a> Watcher<'a> {
         if self.moving {
             broken.push(Broken::Moving);
         }
+        if self.acceleration > ROUGH && softened(self.case) {
+            broken.push(Broken::Rough);
+        }
         broken
     }
+
+    /// How much later than promised is not late, s: half a tick, for times are sums of ticks, and what slow ticks add.
+    fn slack(&self) -> f64 {
+        0.5 / self.rate + TURNS * (1.0 / self.rate - 1e-3).max(0.0)
+    }
+}
+
+/// How far the table may come from the middle, m. A valve that does not obey is stopped by the block alone: the stroke itself is
+/// all that is promised of it.
+fn farthest(case: &Case) -> f64 {
+    let disobeys = |fault: Fault| match fault {
+        Fault::Table(how) | Fault::Behind(how) => match how {
+            Break::Stuck(at) => at != 0.0,
+            Break::Frozen | Break::Bit(..) => true,
+            Break::Supply(_) | Break::Payload { .. } => false,
+        },
+        _ => false,
+    };
+    let disobeyed = disobeys(case.fault) || case.second.is_some_and(|(fault, _)| disobeys(fault));
+    if disobeyed { STROKE } else { STROKE - MARGIN }
+}
+
+/// Whether a command softens what the specimen feels: none does where the loop behind the device follows a broken wire, the valve
+/// nothing, or a payload knocks.
+fn softened(case: &Case) -> bool {
+    let knocks = matches!(case.fault, Fault::Table(Break::Payload { .. }));
+    !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !knocks
 }

@@ -10,6 +10,7 @@ impl Channel {
     const fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Displacement => ("LVDT", "m"),
+            Self::Second => ("second displacement sensor", "m"),
             Self::Acceleration => ("accelerometer", "m/s2"),
             Self::Command => ("command", "m"),
         }
@@ -31,7 +32,9 @@ impl Display for Fault {
             Self::SettingsNonsense => f.write_str("settings with one number that makes no sense"),
             Self::SettingsWrong(factor) => write!(f, "gains off by factors up to {factor:.3}"),
             Self::Jitter(share) => write!(f, "ticks longer or shorter by up to {:.2} %", 100.0 * share),
-            Self::Missed(ticks) => write!(f, "{ticks} ticks do not run"),
+            Self::Missed(length) => write!(f, "no tick for {length} ms"),
+            Self::Welded => f.write_str("the relay is welded"),
+            Self::Block(latency) => write!(f, "the block shuts in {:.0} ms", 1e3 * latency),
             Self::Table(how) => write!(f, "table: {how}"),
             Self::Behind(how) => write!(f, "behind an existing controller: {how}"),
         }
@@ -51,12 +54,16 @@ fn signal(f: &mut Formatter<'_>, channel: Channel, spoil: Spoil) -> Result {
         Spoil::Drifting(rate) => write!(f, "moves away at {rate:.5} {unit} a second"),
         Spoil::Offset(offset) => write!(f, "off by {offset:.4} {unit}"),
         Spoil::Spikes { height, length, period: u32::MAX } => {
-            write!(f, "a spike of {height:.4} {unit} that lasts {length} ticks")
+            write!(f, "a spike of {height:.4} {unit} that lasts {length} ms")
         }
         Spoil::Spikes { height, length, period } => {
-            write!(f, "spikes of {height:.4} {unit} that last {length} ticks, every {period}")
+            write!(f, "spikes of {height:.4} {unit} that last {length} ms, every {period} ms")
         }
-        Spoil::Gap(ticks) => write!(f, "no number for {ticks} ticks"),
+        Spoil::Gap(length) => write!(f, "no number for {length} ms"),
+        Spoil::Flicker { length, period } => write!(f, "no number for {length} ms, every {period} ms"),
+        Spoil::Short(noise) => write!(f, "reads zero, with noise of {noise:.6} {unit}"),
+        Spoil::Hum { amplitude, frequency } => write!(f, "hum of {amplitude:.4} {unit} at {frequency:.1} Hz"),
+        Spoil::Bit { bit, set, .. } => write!(f, "bit {bit} of its converter stands at {}", u8::from(set)),
         Spoil::Reversed => f.write_str("its sign turned"),
         Spoil::Gain { left, over } => write!(f, "its gain goes to {left:.3} of itself over {over:.2} s"),
     }
@@ -67,6 +74,7 @@ impl Display for Break {
         match *self {
             Self::Stuck(command) => write!(f, "the valve stays with a command of {command:.4} m"),
             Self::Frozen => f.write_str("the valve stays where it is"),
+            Self::Bit(bit, set) => write!(f, "bit {bit} of the output's converter stands at {}", u8::from(set)),
             Self::Supply(time) => write!(f, "the supply falls with a time constant of {time:.3} s"),
             Self::Payload { mass, blow, length, count } => write!(
                 f,
@@ -103,7 +111,7 @@ mod tests {
             told(Fault::Behind(Break::Supply(0.25))),
             "behind an existing controller: the supply falls with a time constant of 0.250 s"
         );
-        for class in CLASSES {
+        for class in CLASSES.iter() {
             let text = told((class.deal)(&mut Dice::new(1, 1)));
             assert!(!text.is_empty() && !text.contains(['{', '(']), "{}: {text}", class.id);
         }

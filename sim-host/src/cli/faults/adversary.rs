@@ -4,30 +4,33 @@ use super::super::{Failure, present, progress};
 use super::Args;
 use serde_json::json;
 use shakedown::faults::adversary::{Search, search};
-use shakedown::faults::{CLASSES, Class, Motions};
+use shakedown::faults::{Beside, CLASSES, Class, Motions};
 use shakedown::report::{Item, Page, Section, Table};
 
 /// Searches and shows what was found.
 pub(super) fn adversary(args: &Args, runs: u64, motions: &Motions) -> Result<(), Failure> {
     let only = args.class.as_deref().and_then(Class::named);
-    let classes: Vec<&'static Class> = CLASSES.iter().skip(1).filter(|c| only.is_none_or(|o| o.id == c.id)).collect();
+    let wanted = CLASSES.iter().skip(1).filter(|class| only.is_none_or(|only| only.id == class.id));
+    // A shard takes every so manyeth class.
+    let mine = |k: &usize| *k as u64 % args.shard.of == args.shard.number - 1;
+    let classes: Vec<&'static Class> = wanted.enumerate().filter(|(k, _)| mine(k)).map(|(_, class)| class).collect();
     if let Some(folder) = &args.out {
         std::fs::create_dir_all(folder).map_err(|e| Failure::Input(format!("--out {}: {e}", folder.display())))?;
     }
     let bar = progress::bar(runs * classes.len() as u64, "runs");
     let mut found = Vec::new();
     for class in classes {
-        let begin = Search::new(class, args.seed, args.guard_alone);
+        let begin = Search::new(class, args.seed, args.beside());
         let done = search(begin, class, runs, args.out.as_deref(), motions, &|n| bar.inc(n));
         found.push((class, done.map_err(|e| Failure::Work(e.to_string()))?));
     }
     bar.finish_and_clear();
-    let sections = vec![section(&found, args.guard_alone)];
+    let sections = vec![section(&found, args.beside())];
     if !args.outputs.quiet() {
         sections.iter().for_each(present::print_section);
     }
     let searches: Vec<&Search> = found.iter().map(|(_, search)| search).collect();
-    let json = json!({"schema": "shakedown.adversary/1", "seed": args.seed, "guard_alone": args.guard_alone,
+    let json = json!({"schema": "shakedown.adversary/1", "seed": args.seed, "beside": args.beside(),
                       "searches": searches});
     args.outputs.write_json(json, &motions.files)?;
     let broken: u64 = searches.iter().map(|search| search.broken).sum();
@@ -42,7 +45,7 @@ pub(super) fn adversary(args: &Args, runs: u64, motions: &Motions) -> Result<(),
     Ok(())
 }
 
-fn section(found: &[(&'static Class, Search)], guard_alone: bool) -> Section {
+fn section(found: &[(&'static Class, Search)], beside: Beside) -> Section {
     let row = |(class, search): &(&'static Class, Search)| {
         let mut cells = vec![class.id.to_owned(), class.promise.to_string(), search.runs.to_string()];
         cells.push(search.broken.to_string());
@@ -60,7 +63,7 @@ fn section(found: &[(&'static Class, Search)], guard_alone: bool) -> Section {
         cells
     };
     let columns = ["class", "promised", "runs", "broken", "promise used", "mode", "farthest [mm]", "reported"];
-    let switches = if guard_alone { "without limit switches" } else { "with limit switches" };
+    let switches = super::page::beside_words(beside);
     let table = Table {
         columns: columns.map(String::from).to_vec(),
         rows: found.iter().map(row).collect(),

@@ -1,11 +1,12 @@
 //! What a campaign of faults, or one run of it, looks like.
 
-use shakedown::faults::Summary;
 use shakedown::faults::case::Case;
 use shakedown::faults::rig::{Pair, Seen};
 use shakedown::faults::summary::Row;
 use shakedown::faults::watcher::{Broken, MARGIN, Outcome, STROKE};
+use shakedown::faults::{Beside, Summary};
 use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
+use shakedown_core::OperatorRequest;
 
 fn millis(seconds: f64) -> String {
     format!("{:.0}", 1e3 * seconds)
@@ -15,8 +16,17 @@ fn millimetres(metres: f64) -> String {
     format!("{:.1}", 1e3 * metres)
 }
 
+/// The aid beside the guard, in words.
+pub(super) const fn beside_words(beside: Beside) -> &'static str {
+    match beside {
+        Beside::LimitSwitches => "with limit switches",
+        Beside::SecondSensor => "with a second displacement sensor and without limit switches",
+        Beside::Nothing => "the guard alone",
+    }
+}
+
 /// The tables, for terminal and page.
-pub(super) fn sections(summary: &Summary, guard_alone: bool) -> Vec<Section> {
+pub(super) fn sections(summary: &Summary, beside: Beside) -> Vec<Section> {
     let count = |how: Broken| summary.broken(how).to_string();
     let tiles = [
         ("runs", summary.runs.to_string()),
@@ -24,17 +34,18 @@ pub(super) fn sections(summary: &Summary, guard_alone: bool) -> Vec<Section> {
         ("unreported", count(Broken::Unreported)),
         ("late", count(Broken::Late)),
         ("moving after a trip", count(Broken::Moving)),
+        ("too rough", count(Broken::Rough)),
         ("trips without a fault", count(Broken::Alarm)),
     ];
     let tiles = tiles.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    let switches = if guard_alone {
-        "The tables have no limit switches: the guard is alone, and an LVDT that creeps carries some of them out."
-    } else {
-        "The tables have the limit switches that docs/commissioning.md asks for."
+    let tables = match beside {
+        Beside::LimitSwitches => "The tables have the limit switches that docs/commissioning.md asks for.",
+        Beside::SecondSensor => "The tables have a second displacement sensor, and no limit switches.",
+        Beside::Nothing => "The guard is alone: an LVDT that creeps carries some of the tables out.",
     };
     let room = 1e3 * (STROKE - MARGIN);
     let note = format!(
-        "An excursion is a table more than {room:.0} mm from the middle, the stroke less the margin. {switches}"
+        "An excursion is a table more than {room:.0} mm from the middle, the stroke less the margin, whether promised or not. {tables}"
     );
     let mut items = vec![Item::Tiles(tiles), Item::Note(note), Item::Table(classes(summary))];
     if !summary.failed.is_empty() {
@@ -54,8 +65,10 @@ fn classes(summary: &Summary) -> Table {
         "95 % [ms]",
         "99 % [ms]",
         "largest [ms]",
+        "outside",
         "farthest [mm]",
         "undetected deviation [mm]",
+        "largest acceleration [m/s2]",
         "broken",
     ];
     Table {
@@ -75,7 +88,13 @@ fn cells(row: &Row) -> Vec<String> {
         row.reported.to_string(),
         row.bound_s.map(millis).unwrap_or_default(),
     ];
-    let back = vec![millimetres(row.farthest_m), millimetres(row.deviation_m), broken.join(", ")];
+    let back = vec![
+        row.outside.to_string(),
+        millimetres(row.farthest_m),
+        millimetres(row.deviation_m),
+        format!("{:.1}", row.acceleration_m_s2),
+        broken.join(", "),
+    ];
     [front, latency, back].concat()
 }
 
@@ -85,6 +104,7 @@ fn word(how: Broken) -> &'static str {
         Broken::Unreported => "unreported",
         Broken::Late => "late",
         Broken::Moving => "moving",
+        Broken::Rough => "rough",
         Broken::Alarm => "alarms",
     }
 }
@@ -139,6 +159,10 @@ pub(super) fn facts(case: &Case, outcome: &Outcome, record: &str) -> Table {
         ("class", case.class.id.to_owned()),
         ("what happens", case.class.what.to_owned()),
         ("fault", case.fault.to_string()),
+        ("second fault", case.second.map(|(fault, _)| fault.to_string()).unwrap_or_default()),
+        ("rate [1/s]", format!("{:.0}", case.rate())),
+        ("modification", format!("{:?}", case.settings.modification)),
+        ("orders [s]", orders(case)),
         ("mode", case.mode().to_owned()),
         ("record", record.to_owned()),
         ("table", case.table.to_string()),
@@ -156,6 +180,12 @@ pub(super) fn facts(case: &Case, outcome: &Outcome, record: &str) -> Table {
         rows: rows.into_iter().map(|(name, value)| vec![name.into(), value]).collect(),
         caption: "One run".into(),
     }
+}
+
+/// What the operator asks for and when.
+fn orders(case: &Case) -> String {
+    let order = |(tick, order): &(usize, OperatorRequest)| format!("{order:?} {:.2}", *tick as f64 / case.rate());
+    case.orders.iter().map(order).collect::<Vec<_>>().join(", ")
 }
 
 /// One run, drawn.
