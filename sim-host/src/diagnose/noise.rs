@@ -210,7 +210,7 @@ mod tests {
         for seed in 0..20 {
             let blow = |k: usize| if k % 60 < 3 && k > 1500 { 15.0 } else { 0.0 };
             let struck: Vec<f64> = white(seed).iter().enumerate().map(|(k, e)| e * (1.0 + blow(k))).collect();
-            let (power, _) = differences(&[struck.clone()]).unwrap();
+            let (power, _) = differences(std::slice::from_ref(&struck)).unwrap();
             assert!((power.sqrt() - 1.0).abs() < 0.15, "{seed}: {}", power.sqrt());
             assert!(everywhere(&[struck]).sqrt() > 2.0);
         }

@@ -25,18 +25,23 @@ const END: usize = 14_000;
 /// From a trip to the relay: the safe ramp, and a tick on the way in and out.
 const RAMP: f64 = 0.053;
 
-/// Where a channel's code stands among the inputs, and its scale.
-fn place(channel: Channel, setup: &Setup) -> (usize, shakedown_core::link::Scale) {
+/// Where a channel's code stands among the inputs, and its scale; none for one that no board reads.
+fn place(channel: Channel, setup: &Setup) -> Option<(usize, shakedown_core::link::Scale)> {
     match channel {
-        Channel::Displacement => (1, setup.wiring.displacement),
-        Channel::Acceleration => (2, setup.wiring.acceleration),
-        Channel::Command => (3, setup.wiring.external),
+        Channel::Displacement => Some((1, setup.wiring.displacement)),
+        Channel::Second => None,
+        Channel::Acceleration => Some((2, setup.wiring.acceleration)),
+        Channel::Command => Some((3, setup.wiring.external)),
     }
 }
 
 /// The mode in which a case's fault can be put on the codes; none where it cannot.
 fn mode(case: &Case) -> Option<Mode> {
     match case.fault {
+        // One fault at a time: a second one is a class of its own on the host.
+        _ if case.second.is_some() => None,
+        // No board reads a second displacement sensor.
+        Fault::Signal(Channel::Second, _) => None,
         // A streamed reference has no code; an existing controller's command has.
         Fault::Signal(Channel::Command, _) => Some(Mode::Guard),
         Fault::Signal(..) if case.settings.mode == Mode::Guard => Some(Mode::Guard),
@@ -59,7 +64,7 @@ fn mischief(case: &Case, setup: Setup, truth: Arc<Mutex<Vec<f32>>>) -> Mischief 
         }
         match (fault, &mut spoiled) {
             (Fault::Signal(channel, _), Some(spoiled)) => {
-                let (at, scale) = place(channel, &setup);
+                let Some((at, scale)) = place(channel, &setup) else { return };
                 let arrives = spoiled.pass(f64::from(scale.to_si(tick.inputs[at])), &mut dice);
                 let code = arrives / f64::from(scale.per_code) + f64::from(scale.zero);
                 // An open wire ends at a rail.
