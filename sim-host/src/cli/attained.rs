@@ -139,13 +139,17 @@ impl Sought<'_> {
 
 /// The frequencies, each with its bound.
 fn unreachable(proof: &[Unreachable]) -> Rows {
-    let g = |a: f64| format!("{:.3}", a / STANDARD_GRAVITY);
     let rows = proof.iter().map(|u| vec![place(u.frequency), g(u.required), g(u.bound), u.limit.into()]);
     Rows {
         caption: "Frequencies that no motion within the limits reaches, however long and of whatever shape".into(),
         columns: ["frequency", "required at least [g]", "bound [g]", "by its limit"].map(String::from).into(),
         rows: rows.collect(),
     }
+}
+
+/// An acceleration, in g.
+fn g(acceleration: f64) -> String {
+    format!("{:.3}", acceleration / STANDARD_GRAVITY)
 }
 
 /// A frequency, or none.
@@ -155,7 +159,6 @@ fn place(frequency: f64) -> String {
 
 /// The worst of them in a sentence.
 fn beyond(standard: &Standard, proof: &[Unreachable]) -> String {
-    let g = |a: f64| format!("{:.3}", a / STANDARD_GRAVITY);
     let worst = proof.iter().min_by(|a, b| (a.bound / a.required).total_cmp(&(b.bound / b.required)));
     worst.map_or_else(String::new, |u| {
         format!(

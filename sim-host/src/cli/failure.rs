@@ -76,6 +76,11 @@ pub(crate) fn number(value: f64) -> String {
     if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
 }
 
+/// The first of these options that is given.
+pub(crate) fn first_given(options: impl IntoIterator<Item = (&'static str, bool)>) -> Option<&'static str> {
+    options.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
+}
+
 /// Refuses an option whose value lies outside its range in `unit`, or is no number.
 pub(crate) fn within(option: &str, value: f64, low: f64, high: f64, unit: &str) -> Result<(), Failure> {
     if (low..=high).contains(&value) {

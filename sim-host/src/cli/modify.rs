@@ -5,7 +5,7 @@ mod out;
 mod page;
 mod required;
 
-use super::failure::number;
+use super::failure::{first_given, number};
 use super::output::Outputs;
 use super::places::place;
 use super::required::Demand;
@@ -262,7 +262,7 @@ impl Args {
             ("--damping", self.damping.is_some()),
             ("--tolerance", self.tolerance.is_some()),
         ];
-        if let Some((name, _)) = spectral.iter().find(|(_, given)| *given && !kept) {
+        if let Some(name) = first_given(spectral).filter(|_| !kept) {
             return clash(&format!("{name} says what --objective spectrum keeps: add that, or leave {name} out"));
         }
         if self.norm.is_some() && (kept || named != How::Convex) {
@@ -327,7 +327,7 @@ impl Args {
         };
         if let Some(recipe) = generated {
             let own = [("--dt", self.dt.is_some()), ("--unit", unit.is_some()), ("--channel", self.channel.is_some())];
-            let given = own.into_iter().find(|(_, given)| *given).map(|(name, _)| name).or_else(|| self.text.given());
+            let given = first_given(own).or_else(|| self.text.given());
             if let Some(option) = given {
                 return Err(Failure::Input(format!(
                     "{option} describes a file, and {} is generated: leave it out",

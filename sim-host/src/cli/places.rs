@@ -7,6 +7,11 @@ use std::any::TypeId;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+/// A file by its name, without its folder.
+pub(crate) fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
 /// Reads where a file goes.
 pub(crate) fn place() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| {

@@ -1,7 +1,7 @@
 //! What a standard asks of a motion, as options: the standard, its level, or a required spectrum of one's own.
 
 use super::Failure;
-use super::failure::within;
+use super::failure::{first_given, within};
 use super::output::sha256;
 use super::written::provenance::Fact;
 use clap::ValueEnum;
@@ -101,8 +101,8 @@ impl Demand {
             ("--rrs", self.rrs.is_some()),
             ("--lowest", self.lowest.is_some()),
         ];
-        match all.into_iter().find(|(_, given)| *given) {
-            Some((option, _)) => Err(Failure::Input(format!(
+        match first_given(all) {
+            Some(option) => Err(Failure::Input(format!(
                 "{option}: says what a standard asks for: name it with --standard, one of {}",
                 STANDARDS.map(|s| s.id).join(", ")
             ))),

@@ -229,7 +229,7 @@ fn drive(scenario: &Scenario, text: &Text, setup: &Setup) -> Result<Option<Playe
         ("--unit", record.unit.is_some()),
         ("--channel", record.channel.is_some()),
     ];
-    let option = given.into_iter().find(|(_, given)| *given).map(|(name, _)| name).or_else(|| text.given());
+    let option = failure::first_given(given).or_else(|| text.given());
     if let Some(option) = option {
         return Err(Failure::Input(format!("{place}: is a drive and played as it is: leave {option} out")));
     }

@@ -1,6 +1,7 @@
 //! The ground motion of a command: a file, or a generated near-field motion.
 
 use super::Failure;
+use super::failure::first_given;
 use super::output::tell;
 use shakedown::files::layout::{Decimal, Delimiter, Stated};
 use shakedown::motion::read::Options;
@@ -65,7 +66,7 @@ impl Text {
             ("--decimal", self.decimal.is_some()),
             ("--units", self.units.is_some()),
         ];
-        all.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+        first_given(all)
     }
 }
 
@@ -96,13 +97,13 @@ impl Source {
     /// The first option given that describes a file.
     fn describes(&self) -> Option<&'static str> {
         let own = [("--dt", self.dt.is_some()), ("--unit", self.unit.is_some()), ("--channel", self.channel.is_some())];
-        own.into_iter().find(|(_, given)| *given).map(|(name, _)| name).or_else(|| self.text.given())
+        first_given(own).or_else(|| self.text.given())
     }
 
     /// The first option given, for parts of a command that take no motion.
     pub(crate) fn given(&self) -> Option<&'static str> {
         let own = [("--record", self.record.is_some()), ("--seed", self.seed.is_some())];
-        own.into_iter().find(|(_, given)| *given).map(|(name, _)| name).or_else(|| self.describes())
+        first_given(own).or_else(|| self.describes())
     }
 
     /// The files read.

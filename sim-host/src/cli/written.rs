@@ -3,7 +3,7 @@
 pub(crate) mod provenance;
 
 use super::Failure;
-use super::failure::within;
+use super::failure::{first_given, within};
 use super::output::{announce, tell};
 use shakedown::motion::Motion;
 use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
@@ -59,8 +59,8 @@ impl Shape {
             ("--rate", self.rate.is_some()),
             ("--sixteen-bit", self.sixteen_bit),
         ];
-        match all.into_iter().find(|(_, given)| *given) {
-            Some((option, _)) => {
+        match first_given(all) {
+            Some(option) => {
                 refuse(option, &format!("describes the drive that {out} writes: add that, or leave it out"))
             }
             None => Ok(()),

@@ -110,7 +110,7 @@ pub(super) fn weigh(
         (unlisted, unlisted_probability) = (false, IRREGULAR);
     }
     let larger = irregular || (!unlisted && quiet > CALIBRATION.negligible);
-    let noise = if larger { larger_noise(weighing, &after, &follows, CALIBRATION.negligible) } else { Vec::new() };
+    let noise = if larger { larger_noise(weighing, &after, &follows) } else { Vec::new() };
     let mut ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
     let mut unnamed = false;
     if !unlisted && let Some(surer) = surer(weighing, &after, &candidates)? {
@@ -127,8 +127,7 @@ pub(super) fn weigh(
     if unlisted {
         after = before.clone();
     }
-    let more_missing =
-        unnamed || follows.is_certain() && more_is_missing(&before, &after, CALIBRATION.negligible, quiet);
+    let more_missing = unnamed || follows.is_certain() && more_is_missing(&before, &after, quiet);
     let mut decision =
         Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise };
     scatter(&mut decision);

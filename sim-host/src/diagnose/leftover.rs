@@ -10,16 +10,15 @@ use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
 impl Decision {
+    /// These effects as they were weighed, with nothing beside them.
+    pub(super) fn weighed(&self, names: &[&'static str]) -> impl Iterator<Item = &Judged> {
+        self.candidates.iter().chain(&self.partial).filter(move |judged| judged.added == names)
+    }
+
     /// True where these effects alone, without what was found beside them, foresee more than the stated model.
     pub(super) fn explain_a_part(&self, names: &[&'static str]) -> bool {
         let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
-        let mut known = self.candidates.iter().chain(&self.partial).filter(|judged| judged.added == names);
-        known.any(|judged| left(judged) < left(&self.before))
-    }
-
-    /// Names that stand beside a curve, as they were weighed without it.
-    pub(super) fn without_the_curve(&self, names: &[&'static str]) -> Option<&Judged> {
-        self.candidates.iter().chain(&self.partial).find(|judged| judged.added == names)
+        self.weighed(names).any(|judged| left(judged) < left(&self.before))
     }
 
     /// Names effects that explain a part and cannot be left to a curve; more is missing beside them.
@@ -38,12 +37,12 @@ impl Decision {
     }
 }
 
-/// True where named effects leave more than noise, an excess of chi2 that is `negligible`, and the simplicity of their equations;
-/// `noise` of what is left is the noise of channels that follow nothing.
-pub(super) fn more_is_missing(before: &Judged, after: &Judged, negligible: f64, noise: f64) -> bool {
+/// True where named effects leave more than a negligible excess of chi2 and the simplicity of their equations; `noise` of what is
+/// left is the noise of channels that follow nothing.
+pub(super) fn more_is_missing(before: &Judged, after: &Judged, noise: f64) -> bool {
     let left = (after.hold.chi2 - 1.0 - noise).max(0.0);
     let excess = (before.hold.chi2 - 1.0 - noise).max(1e-9);
-    !after.added.is_empty() && left > negligible && left > CALIBRATION.simple * excess
+    !after.added.is_empty() && left > CALIBRATION.negligible && left > CALIBRATION.simple * excess
 }
 
 /// Which channels of what a model leaves follow the motion.
@@ -85,14 +84,11 @@ impl Followed {
 
     /// Excess of chi2 that lies in channels of which nothing follows the motion, where it is modest: their noise was stated too small.
     pub(super) fn noise(&self, judged: &Judged) -> f64 {
-        let motion = |channel| matches!(channel, Channel::Displacement | Channel::Acceleration);
-        let any = judged.hold.channels.iter().any(|(channel, ..)| motion(*channel));
-        let excess = |&(channel, chi2, rows): &(Channel, f64, usize)| {
+        let excess = |(channel, chi2, rows): (Channel, f64, usize)| {
             let known = self.structures.iter().any(|(of, structure)| *of == channel && !structure.is_certain());
             if known && chi2 < self.most(channel) { (chi2 - 1.0).max(0.0) * rows as f64 } else { 0.0 }
         };
-        let counted = judged.hold.channels.iter().filter(|(channel, ..)| !any || motion(*channel));
-        counted.map(excess).sum::<f64>() / judged.hold.samples.max(1) as f64
+        judged.hold.counted().map(excess).sum::<f64>() / judged.hold.samples.max(1) as f64
     }
 }
 
@@ -106,14 +102,9 @@ pub(super) fn follows(weighing: &Weighing, judged: &Judged) -> Result<Followed, 
     Ok(Followed::of(&runs, &predicted))
 }
 
-/// The noise that stands for what a model leaves in the channels of which nothing follows the motion; an excess of chi2 that is
-/// `negligible` is none.
-pub(super) fn larger_noise(
-    weighing: &Weighing,
-    judged: &Judged,
-    follows: &Followed,
-    negligible: f64,
-) -> Vec<SetUpFinding> {
+/// The noise that stands for what a model leaves in the channels of which nothing follows the motion; a negligible excess of chi2 is
+/// none.
+pub(super) fn larger_noise(weighing: &Weighing, judged: &Judged, follows: &Followed) -> Vec<SetUpFinding> {
     let runs = weighing.weighed();
     let mut findings: Vec<SetUpFinding> = Vec::new();
     let channels = runs.first().map(super::residual::judged_channels).unwrap_or_default();
@@ -126,7 +117,7 @@ pub(super) fn larger_noise(
             stated = run.channel(channel).map_or(stated, |m| m.noise);
         }
         let factor = (squares / f64::max(count, 1.0)).sqrt();
-        if factor > 1.0 + negligible / 2.0 {
+        if factor > 1.0 + CALIBRATION.negligible / 2.0 {
             let (found, std) = (stated * factor, stated * factor / (2.0 * f64::max(count, 1.0)).sqrt());
             findings.push(SetUpFinding::noise(channel.name(), stated, found, std, channel.unit()));
         }

@@ -145,7 +145,7 @@ pub(super) fn verdict(
     let mut named = selected.or(with_curve);
     let mut refusal = named.as_ref().and_then(refused);
     if (named.is_none() || refusal.is_some())
-        && let Some(names) = beside.and_then(|modelled| decision.without_the_curve(&modelled.judged.added))
+        && let Some(names) = beside.and_then(|modelled| decision.weighed(&modelled.judged.added).next())
         && let alone = last(names)?
         && refused(&alone).is_none()
     {
@@ -168,13 +168,14 @@ pub(super) fn verdict(
         None => {}
     }
     // A misfit far from the noise is physics whether or not it follows the motion.
-    let follows = Followed::of(&judging, &after.hold.predicted);
-    let far = !follows.is_modest(&after);
-    let quiet = follows.noise(&after);
-    if !unlisted && (far || follows.is_certain()) {
+    if !unlisted
+        && let follows = Followed::of(&judging, &after.hold.predicted)
+        && (!follows.is_modest(&after) || follows.is_certain())
+    {
+        let quiet = follows.noise(&after);
         // What shows on the runs held out alone: more than the names explain, or anything at all.
         if !after.added.is_empty() {
-            more_missing |= more_is_missing(&before, &after, CALIBRATION.negligible, quiet);
+            more_missing |= more_is_missing(&before, &after, quiet);
         } else if beyond(before.hold.chi2 - 1.0, &after, quiet).0 {
             unlisted = true;
             decision.take_back(CALIBRATION.failed);

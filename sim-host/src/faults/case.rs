@@ -8,6 +8,7 @@ use super::dice::Dice;
 use super::limit_switches::limit_switches;
 use super::machine::{BLOCK, Break, Table};
 use super::motions::{Motions, RATE};
+use crate::motion::resample::linear;
 use orders::orders;
 use shakedown_core::settings::{GuardSettings, InnerLoop, InputSettings};
 use shakedown_core::{Mode, OperatorRequest, Settings};
@@ -212,11 +213,5 @@ fn at_rate(record: &[f64], rate: f64) -> Vec<f64> {
     if rate == RATE {
         return record.to_vec();
     }
-    let point = |k: usize| {
-        let at = k as f64 / rate * RATE;
-        let (whole, part) = (at as usize, at.fract());
-        let of = |k: usize| record.get(k).or(record.last()).copied().unwrap_or(0.0);
-        of(whole) + part * (of(whole + 1) - of(whole))
-    };
-    (0..(LENGTH * rate) as usize).map(point).collect()
+    (0..(LENGTH * rate) as usize).map(|k| linear(record, k as f64 / rate * RATE)).collect()
 }

@@ -2,26 +2,21 @@
 
 use super::nearest::nearest;
 
-/// The names between back ticks.
-fn quoted(text: &str) -> Vec<&str> {
-    text.split('`').skip(1).step_by(2).collect()
+/// What was found, what is known here, and the nearest of it as a question: of a message that names both between back ticks.
+fn unknown(text: &str) -> Option<(&str, String, String)> {
+    let names: Vec<&str> = text.split('`').skip(1).step_by(2).collect();
+    let (found, known) = names.split_first()?;
+    let meant = nearest(found, known.iter().copied());
+    Some((found, known.join(", "), meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))))
 }
 
 /// The message of a deserializer: unknown keys with the nearest known one, types by their names in TOML.
 pub fn plain(message: &str) -> String {
-    if let Some(rest) = message.strip_prefix("unknown field ") {
-        let names = quoted(rest);
-        let Some((found, known)) = names.split_first() else { return message.to_owned() };
-        let meant = nearest(found, known.iter().copied());
-        let meant = meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"));
-        return format!("unknown key `{found}`{meant}; known here: {}", known.join(", "));
+    if let Some((found, known, meant)) = message.strip_prefix("unknown field ").and_then(unknown) {
+        return format!("unknown key `{found}`{meant}; known here: {known}");
     }
-    if let Some(rest) = message.strip_prefix("unknown variant ") {
-        let names = quoted(rest);
-        let Some((found, known)) = names.split_first() else { return message.to_owned() };
-        let meant = nearest(found, known.iter().copied());
-        let meant = meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"));
-        return format!("`{found}` is not among {}{meant}", known.join(", "));
+    if let Some((found, known, meant)) = message.strip_prefix("unknown variant ").and_then(unknown) {
+        return format!("`{found}` is not among {known}{meant}");
     }
     if let Some(key) = message.strip_prefix("missing field ") {
         return format!("{key} is missing");

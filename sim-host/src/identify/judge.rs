@@ -38,6 +38,12 @@ impl Score {
         }
     }
 
+    /// The judged channels that count in chi2: mean of (residual / noise)^2 and number of residuals of each.
+    pub fn counted(&self) -> impl Iterator<Item = (Channel, f64, usize)> + '_ {
+        let judged = || self.channels.iter().map(|(channel, ..)| *channel);
+        self.channels.iter().copied().filter(move |(channel, ..)| counts_beside(*channel, judged()))
+    }
+
     /// Sum of squares of all judged channels.
     pub fn squares(&self) -> f64 {
         self.blocks.iter().sum()
@@ -132,10 +138,14 @@ fn colour(measured: &Measured, series: &[f64]) -> f64 {
 
 /// Whether a channel counts in chi2.
 fn counts(run: &Run, measured: &Measured) -> bool {
+    let judged = run.measured.iter().filter(|m| m.judged).map(|m| m.channel);
+    measured.judged && counts_beside(measured.channel, judged)
+}
+
+/// Whether a judged channel counts in chi2 beside all that are judged: motion and effort do, the rest where there is no motion.
+fn counts_beside(channel: Channel, mut judged: impl Iterator<Item = Channel>) -> bool {
     let motion = |c| matches!(c, Channel::Displacement | Channel::Acceleration);
-    let any_motion = run.measured.iter().any(|m| m.judged && motion(m.channel));
-    let effort = |m: &Measured| m.judged && m.channel == Channel::Command;
-    measured.judged && (!any_motion || motion(measured.channel) || effort(measured))
+    motion(channel) || channel == Channel::Command || !judged.any(motion)
 }
 
 #[derive(Debug, Clone, Copy, Default)]

@@ -93,7 +93,7 @@ impl Identified {
 fn doubt(name: &str, q: &Quantity) -> Option<String> {
     let unit = if q.unit == "1" { String::new() } else { format!(" {}", q.unit) };
     // An end that stands alone has no error of its own: three digits.
-    let one = |x: f64| format!("{}{unit}", digits::to(x, 0.1 * x));
+    let one = |x: f64| format!("{}{unit}", digits::three(x));
     let both = |low: f64, high: f64| {
         let width = high - low;
         format!("{} to {}{unit}", digits::to(low, width), digits::to(high, width))

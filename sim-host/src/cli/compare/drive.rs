@@ -1,6 +1,7 @@
 //! A drive and the recording of it: how near the table came, and the entry of `[[runs]]` that the recording makes.
 
 use super::super::output::{fingerprints, print, tell};
+use super::super::places::file_name;
 use super::super::{Failure, histories, indices, present};
 use super::{Args, Asked};
 use serde_json::json;
@@ -119,8 +120,7 @@ fn entry(
     let drive = if recording == args.first { &args.second } else { &args.first };
     let prints = fingerprints(inputs)?;
     let hash = prints.get(drive.display().to_string()).and_then(|v| v.as_str()).unwrap_or_default().to_owned();
-    let name = recording.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let name = toml_string(&name);
+    let name = toml_string(&file_name(recording));
     let (from, to) = (found.samples.start as f64 * signals.dt, found.samples.end as f64 * signals.dt);
     Ok(format!(
         "[[runs]]\nfile = {name}\n# drive: {}, SHA-256 {hash}, from {:.3} s after the first row\n# from_s = {from:.4}   to_s = {to:.4}   \

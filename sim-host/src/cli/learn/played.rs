@@ -1,6 +1,7 @@
 //! The next drive from what a real table made of the last one: learning run by run, with no model of the table.
 
 use super::super::compare;
+use super::super::places::file_name;
 use super::super::written::Plan;
 use super::super::{Failure, present};
 use super::{Args, RUN, limited, page, written};
@@ -74,8 +75,7 @@ impl Next<'_> {
     fn seen(&self, found: &Played) -> Vec<f64> {
         let (x, dt) = (&found.achieved.displacement, found.achieved.dt);
         let first = found.samples.start as f64 * dt - found.start;
-        let last = x.len().saturating_sub(1) as f64;
-        (0..self.wanted.len()).map(|k| linear(x, ((k as f64 * self.wanted.dt - first) / dt).clamp(0.0, last))).collect()
+        (0..self.wanted.len()).map(|k| linear(x, (k as f64 * self.wanted.dt - first) / dt)).collect()
     }
 
     fn show(
@@ -119,8 +119,4 @@ impl Next<'_> {
             .outputs
             .write_report(&mut Page { title, lead, advice, sections: vec![section], ..Page::default() }, inputs)
     }
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }

@@ -1,6 +1,7 @@
 //! A record fitted to a required spectrum and to the table's limits, or the frequencies that no motion within them reaches.
 
 use super::super::attained::Sought;
+use super::super::failure::first_given;
 use super::super::required::Demanded;
 use super::super::source::plausible;
 use super::super::written::provenance;
@@ -48,8 +49,8 @@ impl Args {
             ("--tolerance", self.tolerance.is_some()),
             ("--target", self.target.is_some()),
         ];
-        match others.into_iter().find(|(_, given)| *given) {
-            Some((option, _)) => refuse(format!(
+        match first_given(others) {
+            Some(option) => refuse(format!(
                 "{option} is for the record's own spectrum, and --standard asks for another: leave one of them out"
             )),
             None => Ok(()),

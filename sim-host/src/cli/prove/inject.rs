@@ -4,6 +4,7 @@
 mod units;
 
 use super::super::output::{Outputs, print_table};
+use super::super::places::file_name;
 use super::super::{Failure, progress};
 use super::engine::Engine;
 use rand::SeedableRng as _;
@@ -216,7 +217,7 @@ fn trial(engine: &Engine, source: &Source, stretch: Stretch, seed: u64, number: 
     let (untouched, planted) = (ask(&run)?, ask(&spoilt)?);
     Ok(Some(Trial {
         number,
-        recording: whole.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        recording: file_name(&whole.path),
         from_s: whole.time[stretch.from],
         to_s: whole.time[stretch.from + stretch.rows - 1],
         found: found(&fault, &planted, &untouched),

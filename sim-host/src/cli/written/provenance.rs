@@ -2,6 +2,7 @@
 //! for, and which program made it when.
 
 use super::super::output::sha256;
+use super::super::places::file_name;
 use super::super::{Failure, asked};
 use shakedown::motion::fit::Limits;
 use std::path::Path;
@@ -14,8 +15,7 @@ pub(crate) fn source(file: Option<&Path>, made: String, seed: Option<u64>) -> Re
     let Some(path) = file else {
         return Ok(vec![("source".into(), made), ("seed".into(), seed.unwrap_or(1).to_string())]);
     };
-    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    Ok(vec![("source".into(), name), ("source_sha256".into(), sha256(path)?)])
+    Ok(vec![("source".into(), file_name(path)), ("source_sha256".into(), sha256(path)?)])
 }
 
 /// The limits that it keeps, SI.
