@@ -8,6 +8,7 @@ pub mod attain;
 mod judge;
 mod measures;
 mod required;
+mod rigid;
 mod standard;
 mod synthesise;
 

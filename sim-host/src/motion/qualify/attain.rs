@@ -1,6 +1,6 @@
 //! A motion that satisfies a standard within a table's limits, or the proof that none exists.
 //!
-//! Three ways are tried, the most like an earthquake first: random motion as [`super::synthesise()`] makes it; the same with its velocity
+//! Three ways are tried, the most like an earthquake first: random motion as [`super::synthesise()`] begins with; the same with its velocity
 //! clipped and its spectrum corrected, again and again; and a sweep, whose amplitude at each frequency is what the limits leave and
 //! the required spectrum needs. A sweep asks of the table least for what it gives, for it shakes one oscillator at a time; where a standard
 //! asks for steadiness, it is made several times. What such a motion lacks of the zero-period acceleration a burst above the band adds.
@@ -11,12 +11,11 @@
 pub mod bound;
 mod proof;
 mod random;
-mod rigid;
 mod sweep;
 
 use super::super::Motion;
 use super::super::fit::Limits;
-use super::{Judged, Ordinate, QualifyError, Required, Standard, judge};
+use super::{Judged, Ordinate, QualifyError, Required, Standard, judge, rigid};
 use proof::unreachable;
 
 pub use proof::Unreachable;

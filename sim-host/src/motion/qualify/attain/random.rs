@@ -4,7 +4,8 @@ use super::super::super::condition::{Recipe, Step};
 use super::super::super::fit::Limits;
 use super::super::super::resample::Interpolation;
 use super::super::super::{Motion, peak};
-use super::super::{QualifyError, Required, Shape, Standard, synthesise};
+use super::super::synthesise::sines;
+use super::super::{QualifyError, Required, Shape, Standard};
 use super::reached;
 use realfft::RealFftPlanner;
 
@@ -31,7 +32,7 @@ pub(super) fn plain(
     seed: u64,
 ) -> Result<Motion, QualifyError> {
     let shape = shape(standard);
-    let made = synthesise(standard, required, lowest, margin, &shape, seed)?;
+    let made = sines(standard, required, lowest, margin, &shape, seed)?;
     Ok(settled(Motion::from_acceleration(1.0 / shape.rate, made), lowest))
 }
 

@@ -6,9 +6,10 @@
 //! It begins and ends at rest where it began, so the rest of the motion stays as it is. It is laid where the motion's own acceleration
 //! is large already, on the first of such places at which the limits are kept.
 
-use super::super::super::fit::Limits;
-use super::super::super::{Motion, peak};
-use super::super::{Required, Standard};
+use super::super::fit::Limits;
+use super::super::{Motion, peak};
+use super::attain::used;
+use super::{Required, Standard};
 use std::f64::consts::{PI, TAU};
 
 /// Frequency over the highest of the standard's band.
@@ -23,13 +24,30 @@ const OVER: f64 = 1.002;
 /// The motion with its peak acceleration raised to what the standard asks of it; none where it has that, or no place leaves the limits
 /// room for it.
 pub(super) fn raised(motion: &Motion, standard: &Standard, required: &Required, limits: &Limits) -> Option<Motion> {
-    let wanted = OVER * standard.zero_period * required.zero_period();
-    if peak(&motion.acceleration) >= wanted {
-        return None;
-    }
-    let burst = Burst::new(motion.dt, ABOVE * standard.band.1);
+    let (burst, wanted) = lacking(&motion.acceleration, motion.dt, standard, required)?;
     let candidates = places(&motion.acceleration, burst.reach);
-    candidates.into_iter().map(|at| burst.laid(motion, at, wanted)).find(|made| super::used(made, limits) <= 1.0)
+    candidates.into_iter().map(|at| burst.laid(motion, at, wanted)).find(|made| used(made, limits) <= 1.0)
+}
+
+/// The same of an acceleration alone, m/s2, every `dt` s, which no limit binds; none where it has what is asked.
+pub(super) fn raised_acceleration(
+    acceleration: &[f64],
+    dt: f64,
+    standard: &Standard,
+    required: &Required,
+) -> Option<Vec<f64>> {
+    let (burst, wanted) = lacking(acceleration, dt, standard, required)?;
+    let at = places(acceleration, burst.reach).into_iter().next()?;
+    let (first, size) = burst.size(acceleration, at, wanted);
+    let mut made = acceleration.to_vec();
+    made[first..].iter_mut().zip(&burst.samples).for_each(|(made, [_, _, a])| *made += size * a);
+    Some(made)
+}
+
+/// The burst and the peak acceleration that a motion lacks, m/s2; none where it has what is asked.
+fn lacking(acceleration: &[f64], dt: f64, standard: &Standard, required: &Required) -> Option<(Burst, f64)> {
+    let wanted = OVER * standard.zero_period * required.zero_period();
+    (peak(acceleration) < wanted).then(|| (Burst::new(dt, ABOVE * standard.band.1), wanted))
 }
 
 /// The samples at which a burst may lie: the largest accelerations first, none within a burst of another.
@@ -87,15 +105,19 @@ impl Burst {
     /// The motion with the burst about a sample, where the acceleration becomes `wanted`, its sign kept.
     fn laid(&self, motion: &Motion, at: usize, wanted: f64) -> Motion {
         let mut made = motion.clone();
-        let own = motion.acceleration[at];
-        let size = wanted.copysign(own) - own;
-        for (k, [x, v, a]) in self.samples.iter().enumerate() {
-            let i = at + k - self.reach;
+        let (first, size) = self.size(&motion.acceleration, at, wanted);
+        for (i, [x, v, a]) in (first..).zip(&self.samples) {
             made.displacement[i] += size * x;
             made.velocity[i] += size * v;
             made.acceleration[i] += size * a;
         }
         made
+    }
+
+    /// Sample at which the burst about a sample begins, and its peak, m/s2.
+    fn size(&self, acceleration: &[f64], at: usize, wanted: f64) -> (usize, f64) {
+        let own = acceleration[at];
+        (at - self.reach, wanted.copysign(own) - own)
     }
 }
 
