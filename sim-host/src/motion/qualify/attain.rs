@@ -178,11 +178,11 @@ fn accept(
     limits: &Limits,
     best: &mut Option<(Motion, Judged)>,
 ) -> Result<Option<Attained>, QualifyError> {
-    let inside = used(&motion, limits) <= 1.0;
-    if !inside {
+    let inside = |motion: &Motion| used(motion, limits) <= 1.0;
+    if !inside(&motion) {
         return Ok(None);
     }
-    let whole = rigid::raised(&motion, standard, required, limits).unwrap_or(motion);
+    let whole = rigid::raised(&motion, standard, required, inside).unwrap_or(motion);
     let judged = judge(&whole.acceleration, whole.dt, &[], standard, required, lowest)?;
     if judged.complies() {
         return Ok(Some(Attained::Motion { motion: whole, way, judged, lost: Vec::new() }));

@@ -6,9 +6,7 @@
 //! It begins and ends at rest where it began, so the rest of the motion stays as it is. It is laid where the motion's own acceleration
 //! is large already, on the first of such places at which the limits are kept.
 
-use super::super::fit::Limits;
 use super::super::{Motion, peak};
-use super::attain::used;
 use super::{Required, Standard};
 use std::f64::consts::{PI, TAU};
 
@@ -21,12 +19,17 @@ const PLACES: usize = 24;
 /// The peak over what is asked: what rounding leaves.
 const OVER: f64 = 1.002;
 
-/// The motion with its peak acceleration raised to what the standard asks of it; none where it has that, or no place leaves the limits
-/// room for it.
-pub(super) fn raised(motion: &Motion, standard: &Standard, required: &Required, limits: &Limits) -> Option<Motion> {
+/// The motion with its peak acceleration raised to what the standard asks of it; none where it has that, or where no place gives a motion
+/// that is `allowed`.
+pub(super) fn raised(
+    motion: &Motion,
+    standard: &Standard,
+    required: &Required,
+    allowed: impl Fn(&Motion) -> bool,
+) -> Option<Motion> {
     let (burst, wanted) = lacking(&motion.acceleration, motion.dt, standard, required)?;
     let candidates = places(&motion.acceleration, burst.reach);
-    candidates.into_iter().map(|at| burst.laid(motion, at, wanted)).find(|made| used(made, limits) <= 1.0)
+    candidates.into_iter().map(|at| burst.laid(motion, at, wanted)).find(allowed)
 }
 
 /// The same of an acceleration alone, m/s2, every `dt` s, which no limit binds; none where it has what is asked.
