@@ -11,6 +11,7 @@ mod calibration;
 pub mod change;
 mod clock;
 pub mod decide;
+mod departure;
 mod finish;
 pub mod judged;
 mod leftover;

@@ -2,8 +2,8 @@
 "use strict";
 const charts = (() => {
   const WINDOW = 20;
-  // A bucket is drawn as its smallest and its largest value, so that no spike is lost between pixels.
-  const BUCKET = 0.02;
+  // A bucket is drawn as its smallest and its largest value, so that no spike is lost between pixels; it is a pixel or two wide.
+  const BUCKET = 0.04;
   const KEPT = Math.round(WINDOW / BUCKET);
   const paint = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 

@@ -123,7 +123,9 @@
       for (let k = y.length - 1; k >= 0; k--) if (y[k] != null) return y[k];
       return null;
     };
-    const second = recent.filter(([time]) => time > traces.end - 1);
+    let from = recent.length;
+    while (from > 0 && recent[from - 1][0] > traces.end - 1) from--;
+    const second = recent.slice(from);
     const rms = Math.sqrt(second.reduce((sum, [, e]) => sum + e * e, 0) / Math.max(second.length, 1));
     const at = second.filter(([, , flags]) => flags & 1).length / Math.max(second.length, 1);
     const lost = status.missing + seen.skipped;

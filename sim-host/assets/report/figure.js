@@ -6,7 +6,7 @@ const figures = (() => {
   const CURVES = 7;
   const STEPS = 12;
   const SHADES = 3;
-  const DEEPEST = 1e13;
+  const DEEPEST = 1e8;
   // Width of a figure that is folded away when it is made.
   const UNSEEN = 640;
 

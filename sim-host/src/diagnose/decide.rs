@@ -61,7 +61,7 @@ fn best_of_its_size(before: &Judged, less: Judged, sizes: &[Vec<Judged>]) -> Jud
 fn choose(before: &Judged, sizes: &[Vec<Judged>], alone: &Alone) -> Judged {
     let mut after = before.clone();
     // What already leaves less than the noise has nothing to explain, however surely a line stands within it.
-    let believed = before.disbelief < CHANCE;
+    let believed = before.departure.disbelief() < CHANCE;
     if believed && before.hold.chi2 < 1.0 && before.fit.squares < before.fit.rows as f64 {
         return after;
     }

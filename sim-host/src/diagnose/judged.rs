@@ -1,12 +1,12 @@
 //! A model with its standing, and what was decided of many.
 
 use super::calibration::CALIBRATION;
+use super::departure::Departure;
 use super::split::Weighing;
 use crate::identify::data::Channel;
 use crate::identify::fit::Fit;
 use crate::identify::judge::Score;
 use crate::identify::model::Model;
-use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
@@ -21,16 +21,16 @@ pub struct Judged {
     pub added: Vec<&'static str>,
     /// Its share of belief among the candidates.
     pub probability: f64,
-    /// How far the stated values had to go: the sum of squares of what they are away, in what stated values are wrong by.
-    pub disbelief: f64,
+    /// How far the stated values had to go, and how firmly the data hold them there.
+    pub(super) departure: Departure,
 }
 
 impl Judged {
     /// Scores a fitted model on the stretches that weigh.
     pub(super) fn of(fit: Fit, weighing: &Weighing) -> Result<Self, SimulateError> {
         let added = fit.model.ids_beside(&weighing.model().ids());
-        let disbelief = disbelief(weighing.model(), &fit.model);
-        Ok(Self { hold: weighing.score(&fit)?, fit, added, probability: 0.0, disbelief })
+        let departure = Departure::of(weighing.model(), &fit);
+        Ok(Self { hold: weighing.score(&fit)?, fit, added, probability: 0.0, departure })
     }
 
     /// The model without some of its effects, its other values as they were fitted.
@@ -86,18 +86,6 @@ impl Decision {
     pub(super) fn left(&self) -> f64 {
         (self.after.hold.chi2 - 1.0).max(0.0) / (self.before.hold.chi2 - 1.0).max(1e-9)
     }
-}
-
-/// How far the stated values had to go: a sum of squares in standard deviations of what stated values are wrong by. Masses and
-/// dashpots may be stated in any way: residuals depend on them almost linearly.
-pub(super) fn disbelief(stated: &Model, fitted: &Model) -> f64 {
-    let clock = super::clock::disbelief(fitted);
-    if stated.kind != Kind::Servo {
-        return clock;
-    }
-    let known = stated.own.iter().zip(&fitted.own).filter(|(stated, _)| stated.free && stated.value != 0.0);
-    known.map(|(stated, fitted)| ((fitted.value / stated.value - 1.0) / CALIBRATION.stated_share).powi(2)).sum::<f64>()
-        + clock
 }
 
 /// The channel of which a model explains nearly all that another lacks far beyond the noise, and what it leaves of that.

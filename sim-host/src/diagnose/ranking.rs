@@ -60,14 +60,19 @@ impl Ranking {
 
     fn misfit(&self, judged: &Judged) -> f64 {
         let freedom = CALIBRATION.form_freedom;
-        let each = looks(judged).zip(&self.floors).zip(&self.forms);
-        let misfit: f64 = each
-            .map(|(((chi2, rows, say), floor), form)| {
+        let [(_, fitted), _] = judged.kinds();
+        judged.departure.least(|squares| {
+            // What a value put back leaves lies where the mismatch lies: as much as there on the runs fitted, and in proportion elsewhere.
+            let more = squares / fitted.max(1.0);
+            let scale = self.forms.first().filter(|form| **form > 0.0);
+            let each = looks(judged).zip(&self.floors).zip(&self.forms);
+            each.map(|(((chi2, rows, say), floor), form)| {
                 // Excess that the noise of so many samples makes as likely as not.
                 let chance = freedom * self.colour * floor / rows.max(1.0);
-                say * freedom * ((chi2 - floor).max(0.0) / (chance + form).max(f64::MIN_POSITIVE)).ln_1p()
+                let here = chi2 + more * scale.map_or(1.0, |scale| form / scale);
+                say * freedom * ((here - floor).max(0.0) / (chance + form).max(f64::MIN_POSITIVE)).ln_1p()
             })
-            .sum();
-        misfit + judged.disbelief
+            .sum()
+        })
     }
 }

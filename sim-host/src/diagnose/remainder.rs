@@ -1,7 +1,8 @@
 //! What the library does not hold, modelled: the curve that foresees best, in the coordinate it follows.
 
+use super::departure::Departure;
 use super::finish::without;
-use super::judged::{Judged, disbelief, explains_a_channel};
+use super::judged::{Judged, explains_a_channel};
 use super::split::Weighing;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::gains;
@@ -82,8 +83,8 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
     let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<Judged, SimulateError> {
         fit.improve(weighing.fitted(), FULL)?;
         let hold = weighing.score(&fit)?;
-        let disbelief = disbelief(weighing.model(), &fit.model);
-        Ok(Judged { fit, hold, added, probability: 0.0, disbelief })
+        let departure = Departure::of(weighing.model(), &fit);
+        Ok(Judged { fit, hold, added, probability: 0.0, departure })
     };
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));

@@ -5,7 +5,7 @@ mod seedlings;
 
 use super::Options;
 use super::calibration::CALIBRATION;
-use super::judged::disbelief;
+use super::departure::Departure;
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
@@ -62,7 +62,7 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
     let held_back = Foresight::of(weighing, &search.baseline)?;
     // A refit bends a model far from the truth to hide what is missing, and may hide it whole: values near those stated are a
     // second start, and the only one where it hid all.
-    let bent = |fit: &Fit| disbelief(weighing.model(), &fit.model) > CHANCE;
+    let bent = |fit: &Fit| Departure::of(weighing.model(), fit).disbelief() > CHANCE;
     if explains(&search.baseline) && (bent(&search.baseline) || !held_back.reaches(&search.baseline)?) {
         parents = fit_near(prepared, &search.baseline)?.map_or(parents, |near| vec![near]);
     } else {

@@ -51,7 +51,7 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinc
     // What values far from those stated hide on the runs fitted shows on those held back.
     let shown_there = gained > -CHANCE && better - worse > OVERWHELMING * colour;
     // One that explains as much with values near those stated stands against one that bends them.
-    let beliefs = present.disbelief - larger.disbelief - CALIBRATION.parameter_price * added;
+    let beliefs = present.departure.disbelief() - larger.departure.disbelief() - CALIBRATION.parameter_price * added;
     if beliefs > CHANCE && worse - better < SURE * colour {
         return true;
     }
@@ -112,7 +112,7 @@ pub(super) fn strained(judged: &Judged) -> bool {
 /// the stated values hides most of a delay; how much of it a simple equation may leave is a share of all that it does.
 pub(super) fn accounted(weighing: &Weighing, before: &Judged, after: &Judged) -> Result<f64, SimulateError> {
     let excess = before.hold.chi2 - 1.0;
-    if after.added.is_empty() || after.disbelief >= before.disbelief {
+    if after.added.is_empty() || after.departure.disbelief() >= before.departure.disbelief() {
         return Ok(excess);
     }
     let bare = Fit::resume(after.model_without(&after.added), after.fit.locals.clone(), weighing.fitted())?;

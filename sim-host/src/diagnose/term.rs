@@ -18,7 +18,8 @@ mod screening;
 mod sizes;
 mod writing;
 
-use super::judged::{Judged, disbelief};
+use super::departure::Departure;
+use super::judged::Judged;
 use super::remainder::{Curved, Remainder, names_needed, remainder};
 use super::split::Weighing;
 use super::standing::SURE;
@@ -162,8 +163,8 @@ fn fitted(
     let full = |(mut fit, pieces, candidate): (Fit, Vec<Piece>, Candidate)| -> Result<_, SimulateError> {
         fit.improve(weighing.fitted(), FULL)?;
         let hold = score(&fit.model, weighing.weighed())?;
-        let disbelief = disbelief(weighing.model(), &fit.model);
-        Ok((Judged { fit, hold, added: parent.added.clone(), probability: 0.0, disbelief }, pieces, candidate))
+        let departure = Departure::of(weighing.model(), &fit);
+        Ok((Judged { fit, hold, added: parent.added.clone(), probability: 0.0, departure }, pieces, candidate))
     };
     let mut all = looks.into_par_iter().map(full).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.0.hold.chi2.total_cmp(&b.0.hold.chi2));

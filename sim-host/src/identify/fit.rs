@@ -170,6 +170,13 @@ impl Fit {
         Some(covariance(&self.normal)?.view((0, 0), (shared, shared)).into_owned())
     }
 
+    /// Inverse of the curvature of the squares by the free shared values' coordinates, all else fitted along; none where the data do not
+    /// determine them.
+    pub fn spread(&self) -> Option<DMatrix<f64>> {
+        let shared = self.model.values().filter(|v| v.free).count();
+        Some(self.normal.inverse()?.view((0, 0), (shared, shared)).into_owned())
+    }
+
     /// By how much colour and misfit of the residuals widen each free shared coordinate's variance against white noise
     /// of the stated size; none where the data do not determine them.
     pub fn inflation(&self) -> Option<Vec<f64>> {

@@ -1,3 +1,4 @@
+use super::super::departure::Departure;
 use super::super::judged::explains_a_channel;
 use super::super::standing::{outside, sound, strained};
 use super::*;
@@ -23,7 +24,7 @@ pub(crate) fn judged(model: Model, runs: &[Run]) -> Judged {
     let mut fit = Fit::begin(model, fitted).unwrap();
     fit.improve(fitted, Effort::FULL).unwrap();
     let added = fit.model.ids_beside(&[]);
-    Judged { hold: score(&fit.model, held_back).unwrap(), fit, added, probability: 0.0, disbelief: 0.0 }
+    Judged { hold: score(&fit.model, held_back).unwrap(), fit, added, probability: 0.0, departure: Departure::none() }
 }
 
 /// A drag that grows faster than speed bends an equation of friction to the end of what makes sense. That explains most of

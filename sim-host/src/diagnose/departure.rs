@@ -1,0 +1,108 @@
+//! How far a fitted model's values are from those stated, and how firmly the data hold them there.
+
+use super::calibration::CALIBRATION;
+use super::clock;
+use crate::identify::fit::Fit;
+use crate::identify::model::Model;
+use crate::plant::model::Kind;
+use nalgebra::{DMatrix, DVector};
+
+/// Stated values that were fitted: where they came to lie, and what their return would cost.
+///
+/// A value that the data hardly determine lies wherever an equation's error of form leads it, and says nothing against that equation: it
+/// could be put back for a little of what the fit explains. So what counts is the least of both together,
+///
+/// ```text
+/// min over u:  misfit(S + u' H u) + |r + u|^2
+/// ```
+/// with the squares S of the best fit, their curvature H by the stated values, all others fitted along, and r how far these are from
+/// what was stated, in standard deviations of what stated values are wrong by.
+#[derive(Debug, Clone)]
+pub(super) struct Departure {
+    away: DVector<f64>,
+    /// Inverse of H in the same unit; none where the data do not determine the model.
+    spread: Option<DMatrix<f64>>,
+    /// What speaks against a clock at another rate, which no value of the plant can take back.
+    clock: f64,
+}
+
+/// Prices of a square at which the values are put back, as powers of ten, and how many a decade.
+const PRICES: (f64, f64) = (-9.0, 3.0);
+const A_DECADE: f64 = 4.0;
+
+impl Departure {
+    /// Of a fit from what was stated. Masses and dashpots may be stated in any way: residuals depend on them almost linearly.
+    pub(super) fn of(stated: &Model, fit: &Fit) -> Self {
+        let clock = clock::disbelief(&fit.model);
+        if stated.kind != Kind::Servo {
+            return Self { away: DVector::zeros(0), spread: None, clock };
+        }
+        // Coordinates of the fit: its free values in their order, of which the plant's own are the first.
+        let pairs = stated.own.iter().zip(&fit.model.own).filter(|(_, fitted)| fitted.free).enumerate();
+        let known: Vec<(usize, f64, f64)> = pairs
+            .filter(|(_, (stated, _))| stated.free && stated.value != 0.0)
+            .map(|(i, (stated, fitted))| {
+                let unit = CALIBRATION.stated_share * stated.value;
+                (i, (fitted.value - stated.value) / unit, fitted.slope() / unit)
+            })
+            .collect();
+        let of = |all: DMatrix<f64>| {
+            DMatrix::from_fn(known.len(), known.len(), |i, j| all[(known[i].0, known[j].0)] * known[i].2 * known[j].2)
+        };
+        Self {
+            away: DVector::from_iterator(known.len(), known.iter().map(|k| k.1)),
+            spread: fit.spread().map(of),
+            clock,
+        }
+    }
+
+    /// How far the stated values went: the sum of squares of what they are away, in what stated values are wrong by.
+    pub(super) fn disbelief(&self) -> f64 {
+        self.away.norm_squared() + self.clock
+    }
+
+    /// The least of a misfit, which grows with what is added to the squares of the fit, and of what the values are still away.
+    pub(super) fn least(&self, misfit: impl Fn(f64) -> f64) -> f64 {
+        let as_fitted = misfit(0.0) + self.away.norm_squared();
+        let Some(spread) = &self.spread else { return as_fitted + self.clock };
+        let count = ((PRICES.1 - PRICES.0) * A_DECADE) as i32;
+        let put_back = |k: i32| {
+            let price = 10f64.powf(PRICES.0 + f64::from(k) / A_DECADE);
+            let priced = spread + DMatrix::identity(self.away.len(), self.away.len()) * price;
+            let part = priced.cholesky()?.solve(&self.away);
+            let added = part.dot(&(spread * &part));
+            Some(misfit(added) + (part * price).norm_squared())
+        };
+        (0..=count).filter_map(put_back).fold(as_fitted, f64::min) + self.clock
+    }
+
+    /// Of values that are as stated.
+    #[cfg(test)]
+    pub(super) fn none() -> Self {
+        Self { away: DVector::zeros(0), spread: None, clock: 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn away(by: f64, variance: f64) -> Departure {
+        Departure {
+            away: DVector::from_element(1, by),
+            spread: Some(DMatrix::from_element(1, 1, variance)),
+            clock: 0.0,
+        }
+    }
+
+    /// Where a square counts as it is, the least is that of two parabolas: r^2 / (1 + variance).
+    #[test]
+    fn a_value_is_put_back_as_far_as_the_data_let_it() {
+        for variance in [1e-4, 0.3, 20.0] {
+            let least = away(3.0, variance).least(|squares| squares);
+            let exact = 9.0 / (1.0 + variance);
+            assert!((least / exact - 1.0).abs() < 0.1 && least >= exact - 1e-9, "{variance}: {least} of {exact}");
+        }
+        assert!((away(3.0, 1e-12).disbelief() - 9.0).abs() < 1e-12);
+    }
+}
