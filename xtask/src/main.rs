@@ -2,6 +2,7 @@
 
 mod benchmarks;
 mod boards;
+mod book;
 mod deny;
 mod figures;
 mod firmware;
@@ -99,6 +100,7 @@ const CHORES: &[Chore] = &[
         does: "tests every property on cases drawn anew [ROUNDS [SEED]]",
         run: properties::run,
     },
+    Chore { name: "book", does: "builds the tutorial as a book (mdBook)", run: book::run },
     Chore { name: "deny", does: "checks licences, sources and banned crates (cargo-deny)", run: deny::run },
     Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
     Chore {

@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use crate::shell::{Problem, command, no_words, run as execute};
-use crate::{front_end, header, hil, hosts, packages, setup};
+use crate::{book, front_end, header, hil, hosts, packages, setup};
 
 type Chore = (&'static str, fn() -> Result<(), Problem>);
 
@@ -14,6 +14,7 @@ const CHORES: &[Chore] = &[
     ("examples", hosts::examples),
     ("notebooks", hosts::notebooks),
     ("packages", || packages::run(&[]).and_then(|()| packages::run(&["semver".into()]))),
+    ("book", || book::run(&[])),
     ("page", || hosts::page::run(&[]).and_then(|()| shown("web"))),
     ("pages", || shown("pages")),
     ("results", || shown("json_schema")),

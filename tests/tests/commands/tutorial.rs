@@ -1,5 +1,5 @@
 //! The tutorial's commands, typed as they stand, chapter by chapter in one folder; what a block shows below a command stands in
-//! what that command prints.
+//! what that command prints, and each picture is what a command drew.
 
 #![allow(
     clippy::unwrap_used,
@@ -40,14 +40,30 @@ fn commands(text: &str) -> Vec<(String, Vec<String>)> {
     found
 }
 
+/// The pictures of a chapter.
+fn pictures(text: &str) -> impl Iterator<Item = String> {
+    text.lines().filter_map(|line| Some(line.strip_prefix("![")?.split_once("](")?.1.strip_suffix(')')?.to_owned()))
+}
+
+/// Holds a picture of the tutorial against what the command drew; `UPDATE_GOLDEN=1` takes it over.
+fn as_drawn(path: &str, folder: &Path) {
+    let (kept, drawn) = (source().join(path), fs::read(folder.join(path)).unwrap());
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        fs::create_dir_all(kept.parent().unwrap()).unwrap();
+        fs::write(&kept, &drawn).unwrap();
+    }
+    assert!(fs::read(&kept).unwrap() == drawn, "{path} is not what the command draws: UPDATE_GOLDEN=1 takes it over");
+}
+
 #[test]
 fn every_command_of_the_tutorial_does_what_it_shows() {
     let folder = TempDir::new().unwrap();
     let chapters = chapters();
     assert_eq!(chapters.len(), 4);
-    let mut typed = 0;
+    let (mut typed, mut drawn) = (0, 0);
     for chapter in chapters {
-        for (command, shown) in commands(&fs::read_to_string(source().join(&chapter)).unwrap()) {
+        let text = fs::read_to_string(source().join(&chapter)).unwrap();
+        for (command, shown) in commands(&text) {
             let words: Vec<&str> = command.split(' ').collect();
             assert_eq!(words[0], "shakedown", "{chapter}: {command}");
             let output = shakedown().current_dir(folder.path()).args(&words[1..]).output().unwrap();
@@ -59,6 +75,7 @@ fn every_command_of_the_tutorial_does_what_it_shows() {
             }
             typed += 1;
         }
+        drawn += pictures(&text).map(|path| as_drawn(&path, folder.path())).count();
     }
-    assert!(typed >= 10, "{typed} commands");
+    assert!(typed >= 10 && drawn >= 3, "{typed} commands, {drawn} pictures");
 }
