@@ -43,7 +43,9 @@ fn whole(source: &Path, book: &Path) -> Result<usize, Problem> {
     let chapters: Vec<&str> = links(&summary).collect();
     for chapter in &chapters {
         let page = read(&book.join(chapter).with_extension("html"))?;
-        for picture in links(&read(&source.join(chapter))?).filter(|link| link.ends_with(".svg")) {
+        for picture in
+            links(&read(&source.join(chapter))?).filter(|link| Path::new(link).extension().is_some_and(|e| e == "svg"))
+        {
             if !page.contains(picture) || !book.join(picture).is_file() {
                 return Err(Problem::Failed(format!("{chapter}: {picture} is not in the book")));
             }
