@@ -150,3 +150,22 @@ pub(crate) fn main() -> ExitCode {
         Err(failure) => failure.report(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Clap's own checks are compiled out with all other dependencies' assertions: of two options of one name it takes the first.
+    #[test]
+    fn no_command_has_two_options_of_one_name() {
+        fn repeated(command: &clap::Command) -> Vec<String> {
+            let names: Vec<&str> = command.get_arguments().filter_map(clap::Arg::get_long).collect();
+            let twice = names.iter().enumerate().filter(|(i, name)| names[..*i].contains(name));
+            let own = twice.map(|(_, name)| format!("{} --{name}", command.get_name()));
+            own.chain(command.get_subcommands().flat_map(repeated)).collect()
+        }
+        let command = Arguments::command();
+        assert!(command.get_subcommands().count() > 20);
+        assert_eq!(repeated(&command), [""; 0]);
+    }
+}

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   shakedown bench --records DIR --report bench.html
-  shakedown bench --records DIR --figures               only figures with acceptance limits
+  shakedown bench --records DIR --limits-only           only figures with acceptance limits
   shakedown bench --tables paper,oil                    two tables, generated records
 
 DIR holds the PEER files of El Centro (IELC180), Kobe (KJM000) and Taft (TAF021); what is
@@ -33,7 +33,7 @@ pub(crate) struct Args {
     tables: Option<Vec<String>>,
     /// Only figures with acceptance limits.
     #[arg(long, requires = "records")]
-    figures: bool,
+    limits_only: bool,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -83,7 +83,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let played = played(args.records.as_deref())?;
     let held = held(&played, args)?;
     let names: Vec<&str> = match &args.tables {
-        _ if args.figures => Vec::new(),
+        _ if args.limits_only => Vec::new(),
         None => TABLES.to_vec(),
         Some(names) => names.iter().map(String::as_str).collect(),
     };
@@ -103,7 +103,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 fn held(played: &Played, args: &Args) -> Result<Vec<Figure>, Failure> {
     let find = |name: &str| played.cases.iter().find(|case| case.name == name);
     let (Some(el_centro), Some(kobe)) = (find(FILES[0].0), find(FILES[1].0)) else {
-        let Some(folder) = args.records.as_ref().filter(|_| args.figures) else { return Ok(Vec::new()) };
+        let Some(folder) = args.records.as_ref().filter(|_| args.limits_only) else { return Ok(Vec::new()) };
         let need = "no file of El Centro and Kobe: --figures needs files whose names hold IELC180 and KJM000";
         return Err(Failure::Input(format!("{}: {need}", folder.display())));
     };
