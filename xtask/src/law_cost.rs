@@ -3,8 +3,8 @@
 
 use crate::firmware::image_path;
 use crate::output::say;
-use crate::shell::{Problem, command, no_words, read, run, top};
 use crate::setup::{self, QEMU};
+use crate::shell::{Problem, command, no_words, read, run, top};
 use crate::toolchain::{self, TARGET};
 
 /// What is held to a bound: most instructions that a tick of it may retire.
