@@ -99,7 +99,7 @@ impl Flash {
 }
 
 /// Whether what interrupts is a word of the settings with two wrong bits, as power that fails while it is programmed leaves one (RM0440,
-/// 3.3.8): then the slot's check sum refuses what was read, and the program goes on. In the second bank there is nothing but settings.
+/// error code correction): then the slot's check sum refuses what was read, and the program goes on. In the second bank there is nothing but settings.
 pub(crate) fn was_a_torn_setting() -> bool {
     // SAFETY: the write clears one flag, and nobody else reads the register.
     let flash = unsafe { FLASH::steal() };
