@@ -11,9 +11,10 @@ use shakedown_core::{Modification, Settings};
 use crate::converters::SCANS;
 use crate::limits::Limits;
 
-/// A processor of 168 MHz with the converters on the chip, which sum up 16 scans of 12 bits. At 5 kHz a tick has 33,600 cycles of 168 MHz: 5.6 for each of the 6,000
-/// instructions that a tick takes at most (`tests/replay/tests/cost.rs`), where five wait states at every fetch of a line make 6
-/// for one that needs a line of its own.
+/// A processor of 168 MHz with the converters on the chip, which sum up 16 scans of 12 bits. At 5 kHz a tick has 33,600 cycles: 5.6 for each of
+/// the 6,000 instructions that one with the relay closed takes at most, where five wait states at every fetch of a line make 6 for one that
+/// needs a line of its own; and 3.5 for each of those of a tick that empties a preview's memory, nearly all of which are one loop
+/// (`tests/replay/tests/cost.rs` has both).
 pub const LIMITS: Limits = Limits { full_scale: 4095 * SCANS as u16, highest_rate: 5000 };
 
 /// The wiring.

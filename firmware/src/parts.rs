@@ -71,7 +71,7 @@ pub trait Pair: Converters {
 }
 
 /// The flash.
-pub trait Flash: Slots + Sized {
+pub trait Flash: Slots<Error: defmt::Format> + Sized {
     /// Lets `work` write. The ticks stop meanwhile, with the output as it is: only with the relay open.
     fn write<T>(&mut self, open: &OpenRelay, work: impl FnOnce(&mut Self) -> T) -> T;
 }
@@ -162,11 +162,11 @@ impl<C: Chip> LinkBoard for Linked<C> {
     }
 
     fn save(&mut self, proof: &OpenRelay, setup: &Setup) -> bool {
-        let done = self.flash.write(proof, |flash| store::save(flash, setup)).is_ok();
-        if !done {
-            defmt::error!("settings not saved");
+        let done = self.flash.write(proof, |flash| store::save(flash, setup));
+        if let Err(why) = &done {
+            defmt::error!("settings not saved: {}", why);
         }
-        done
+        done.is_ok()
     }
 
     fn standing_cause(&self) -> Option<StopCause> {

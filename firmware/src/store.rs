@@ -119,6 +119,7 @@ fn encoded(setup: &Setup, sequence: u32, bytes: &mut [u8; SLOT]) -> Option<usize
 
 /// Why a setup was not saved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "log", derive(defmt::Format))]
 pub enum SaveError<E> {
     /// It does not fit a slot.
     TooLong,

@@ -8,7 +8,7 @@ use object::{LittleEndian, Object as _, ObjectSection as _, SectionKind};
 use crate::boards::{self, Board};
 use crate::output::say;
 use crate::setup::{self, QEMU};
-use crate::shell::{Problem, command, no_words, run as execute, top, works};
+use crate::shell::{Problem, command, no_words, run as execute, target, top, works};
 use crate::toolchain::{self, TARGET, Toolchain};
 
 /// What the linker is told; the same as in `firmware/.cargo/config.toml`, which only a build from that folder reads.
@@ -40,9 +40,10 @@ pub(crate) fn build(words: &[String]) -> Result<(), Problem> {
         Toolchain::Rustup => "compiler: rustup's, with its standard library for the target",
         Toolchain::Debian => "compiler: Debian's rustc-web, compiling core from rust-web-src",
     });
+    let folder = target()?;
     for board in boards::all()? {
         execute(board.command()?.env("RUSTFLAGS", LINKER).current_dir(top()))?;
-        let path = board.built(&top().join("target"));
+        let path = board.built(&folder);
         let (flash, ram) = size(&path)?;
         say(&format!("{}: {}, {flash} bytes of flash, {ram} of RAM beside the stack", board.title, path.display()));
     }
@@ -69,7 +70,7 @@ pub(crate) fn flash(words: &[String]) -> Result<(), Problem> {
         return Err(Problem::Failed("probe-rs is not here: `cargo install probe-rs-tools --locked`".into()));
     }
     let board = boards::default()?;
-    let image = board.built(&top().join("target")).display().to_string();
+    let image = board.built(&target()?).display().to_string();
     execute(&mut command(&["probe-rs", "run", "--chip", &board.chip, &image]))
 }
 
@@ -121,7 +122,7 @@ fn beside_image() -> Result<(), Problem> {
         say(&format!("SKIPPED: the laws in C: no {GCC} here; `cargo xtask setup` installs it"));
         return bare("shakedown-beside", &[]);
     }
-    let object = top().join("target/laws.o");
+    let object = target()?.join("laws.o");
     let to = object.display().to_string();
     let flags = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O2", "-ffp-contract=off"];
     execute(&mut command(&[&[GCC], flags.as_slice(), &["-c", "tests/beside/src/laws.c", "-o", &to]].concat()))?;
@@ -164,6 +165,11 @@ fn found() -> Result<Toolchain, Problem> {
 /// The command that builds an image, without its flags.
 pub(crate) fn image_command(package: &str) -> Result<std::process::Command, Problem> {
     found()?.cargo(&["build", "--locked", "--profile", "firmware", "--package", package])
+}
+
+/// Where the image `name` of a package without a board's manifest is built.
+pub(crate) fn image_path(name: &str) -> Result<PathBuf, Problem> {
+    Ok(target()?.join(TARGET).join("firmware").join(name))
 }
 
 /// Builds an image that logs.

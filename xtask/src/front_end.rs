@@ -15,7 +15,7 @@ use deck::Corner;
 use sheet::Sheet;
 
 /// The sheets, in the order of the drawings.
-const SHEETS: [&str; 5] = ["input", "lvdt", "output", "relay", "reference"];
+const SHEETS: [&str; 5] = ["input", "sensor", "output", "relay", "reference"];
 /// Runs of every trial: nominal, and with every part at one end or the other of its tolerance.
 const RUNS: u64 = 10;
 
@@ -86,18 +86,25 @@ fn simulated(sheets: &[Sheet]) -> Result<(), Problem> {
     if broken.is_empty() { Ok(()) } else { Err(Problem::Failed(broken.join("\n"))) }
 }
 
-/// The control of the trials: without the resistor that pulls a broken wire to a rail, they find that it does not go there.
+/// The wire that a part draws to a rail when it breaks.
+const DRAWN: [(&str, &str); 3] = [("R1", "signal"), ("R2", "return"), ("D3", "return")];
+
+/// The control of the trials: without a part that draws a broken wire to a rail, one of them finds that it does not go there.
 fn planted(sheets: &[Sheet]) -> Result<Option<String>, Problem> {
-    let (bias, trial) = ("R1", "signal wire broken");
-    for sheet in sheets {
-        let Some(trial) = sheet.trials.iter().find(|tried| tried.name == trial) else { continue };
-        let mut without = sheet.clone();
-        without.parts.retain(|part| part.name != bias);
-        if trial.breach(&sheet.output, deck::solved(&without, trial, Corner::of(0))?).is_none() {
-            return Ok(Some(format!("{}: that {bias} is missing was not found", sheet.name)));
+    for sheet in sheets.iter().filter(|sheet| sheet.stimuli.contains_key("return")) {
+        for (missing, wire) in DRAWN {
+            let mut without = sheet.clone();
+            without.parts.retain(|part| part.name != missing);
+            let mut found = false;
+            for trial in sheet.trials.iter().filter(|trial| trial.broken == [wire]) {
+                found |= trial.breach(&sheet.output, deck::solved(&without, trial, Corner::of(0))?).is_some();
+            }
+            if !found {
+                return Ok(Some(format!("{}: that {missing} is missing was not found", sheet.name)));
+            }
         }
     }
-    say("\nwithout its bias resistor a broken wire ends elsewhere, and is found");
+    say("\nwithout the parts that draw it to a rail a broken wire ends elsewhere, and is found");
     Ok(None)
 }
 

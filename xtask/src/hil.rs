@@ -1,11 +1,13 @@
 //! The tests of the board's own code: on the emulated board, and on a real one where a probe is attached.
 
 use crate::boards;
-use crate::firmware::{image, test};
+use crate::firmware::{image, image_path, test};
 use crate::output::say;
+use crate::setup;
 use crate::shell::{Problem, command, no_words, read, run as execute, works};
+use crate::toolchain::TARGET;
 
-const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-hil";
+const IMAGE: &str = "shakedown-hil";
 
 /// What a board with `chip` needs to be tested.
 fn needs(chip: &str) -> String {
@@ -20,8 +22,9 @@ fn needs(chip: &str) -> String {
 /// The chore: the tests on the emulated board, then on the one that is attached.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     no_words(words)?;
+    setup::need(&[TARGET])?;
     let chip = boards::default()?.chip;
-    image("shakedown-hil")?;
+    image(IMAGE)?;
     test(&["hil".into()], &["--nocapture"])?;
     if !works(&["probe-rs", "--version"]) {
         say(&format!("SKIPPED: the board: no probe-rs here; {}", needs(&chip)));
@@ -33,5 +36,5 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
         return Ok(());
     }
     say(probes.trim_end());
-    execute(&mut command(&["probe-rs", "run", "--chip", &chip, IMAGE]))
+    execute(command(&["probe-rs", "run", "--chip", &chip]).arg(image_path(IMAGE)?))
 }

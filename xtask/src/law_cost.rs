@@ -1,8 +1,10 @@
 //! Counts the instructions of the tracking law and of the preview modifier on an emulated Cortex-M4, and checks that the
 //! law computes there what it does here.
 
+use crate::firmware::image_path;
 use crate::output::say;
-use crate::shell::{Problem, command, no_words, read, run, top, works};
+use crate::setup::{self, QEMU};
+use crate::shell::{Problem, command, no_words, read, run, top};
 use crate::toolchain::{self, TARGET};
 
 /// What is held to a bound: most instructions that a tick of it may retire.
@@ -30,21 +32,19 @@ const EMULATOR: &[&str] = &[
     "shift=0",
     "-kernel",
 ];
-const IMAGE: &str = "target/thumbv7em-none-eabihf/firmware/shakedown-law-cost";
+const IMAGE: &str = "shakedown-law-cost";
 
 /// The chore: builds the count, runs it under QEMU, holds what has a bound to it.
 pub(crate) fn count(words: &[String]) -> Result<(), Problem> {
     no_words(words)?;
+    setup::need(&[TARGET, QEMU])?;
     let none = "no compiler for the firmware's target: run `cargo xtask setup`";
     let found = toolchain::find().ok_or_else(|| Problem::Failed(none.into()))?;
-    if !works(&["qemu-system-arm", "--version"]) {
-        return Err(Problem::Failed("qemu-system-arm is not here: install QEMU for ARM systems".into()));
-    }
-    let words = ["rustc", "--locked", "--profile", "firmware", "--package", "shakedown-law-cost"];
+    let words = ["rustc", "--locked", "--profile", "firmware", "--package", IMAGE];
     let mut cargo = found.cargo(&words)?;
     cargo.env("RUSTFLAGS", "-C link-arg=-Tlink.x").current_dir(top());
     run(&mut cargo)?;
-    let said = read(command(&[EMULATOR, &[IMAGE]].concat()).current_dir(top()))?;
+    let said = read(command(EMULATOR).arg(image_path(IMAGE)?).current_dir(top()))?;
     say(&format!("instructions a tick ({TARGET}, QEMU):\n{}", said.trim_end()));
     let here = read(
         command(&["cargo", "run", "--locked", "--release", "--package", "shakedown-law-cost"]).current_dir(top()),

@@ -72,6 +72,12 @@ pub(crate) fn works(words: &[&str]) -> bool {
     command(words).output().is_ok_and(|output| output.status.success())
 }
 
+/// Where this machine's cargo puts what it builds: beside the sources, or wherever its configuration says.
+pub(crate) fn target() -> Result<PathBuf, Problem> {
+    let metadata = metadata(false)?;
+    Ok(metadata["target_directory"].as_str().map_or_else(|| top().join("target"), PathBuf::from))
+}
+
 /// What `cargo metadata` knows, of this workspace alone or with all it depends on.
 pub(crate) fn metadata(dependencies: bool) -> Result<serde_json::Value, Problem> {
     metadata_of("Cargo.toml", dependencies)

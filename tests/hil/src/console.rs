@@ -20,6 +20,8 @@ pub(crate) enum Fatal {
     Starved,
     /// The program panics.
     Panicked,
+    /// The clock fails.
+    Unclocked,
 }
 
 /// Mark, failures so far, cycles.
@@ -45,6 +47,7 @@ impl Report {
         let fatal = match mark.swap(0, Ordering::Relaxed).wrapping_sub(MARK) {
             0 => Fatal::Starved,
             1 => Fatal::Panicked,
+            2 => Fatal::Unclocked,
             _ => return None,
         };
         Some((fatal, Self { failed: failed.load(Ordering::Relaxed) }, cycles.load(Ordering::Relaxed)))

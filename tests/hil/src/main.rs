@@ -1,7 +1,7 @@
 //! Tests of the firmware's board code on the board itself, through a debug probe, and unchanged on the emulated one.
 //!
 //! Each prints a line with what it measured and its bound by semihosting; the program's exit status says whether all held. A wire from PA4
-//! to PA1 loops the output back. The last two end in a reset by the watchdog, starved and after a panic; their results are printed after it.
+//! to PA1 loops the output back. The last three end in a reset by the watchdog: starved, after a panic and after a clock that failed; their results are printed after it.
 //!
 //! `embedded-test` asks the debugger for its command line, which the emulator does not serve: hence this plain list.
 #![cfg_attr(target_os = "none", no_std, no_main)]

@@ -1,6 +1,6 @@
 //! The tests, in their order.
 
-use cortex_m::peripheral::{DWT, NVIC};
+use cortex_m::peripheral::{DWT, NVIC, SCB};
 use cortex_m_rt::entry;
 use defmt_rtt as _;
 use shakedown_core::link::Clock;
@@ -45,6 +45,10 @@ fn run() -> ! {
         }
         Some((Fatal::Panicked, mut report, _)) => {
             report.bounded("a panic ends in a reset", 1.0, "", 1.0, 1.0);
+            lose_clock(&report, device)
+        }
+        Some((Fatal::Unclocked, mut report, went_on)) => {
+            report.bounded("a clock that fails ends in a reset", went_on as f32, "(1: it went on)", 0.0, 0.0);
             report.end()
         }
         None => Report::default(),
@@ -161,12 +165,30 @@ fn starve(report: &Report, _running: Watchdog) -> ! {
 /// Panics with the relay closed. That it opens before anything is logged only who watches its pin can say: the emulated board, or a scope.
 #[allow(clippy::panic, reason = "what is tested")]
 fn fail(report: &Report, device: pac::Peripherals) -> ! {
-    report.keep(Fatal::Panicked);
+    close_relay(report, Fatal::Panicked, device);
+    panic!()
+}
+
+/// Raises what the clock security system raises when the crystal stops, with the relay closed.
+fn lose_clock(report: &Report, device: pac::Peripherals) -> ! {
+    close_relay(report, Fatal::Unclocked, device);
+    Report::keep_cycles(0);
+    // SAFETY: the write pends the one exception (ARMv7-M, B3.2.4: NMIPENDSET).
+    unsafe { (*SCB::PTR).icsr.write(1 << 31) };
+    cortex_m::asm::isb();
+    Report::keep_cycles(1);
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+/// Closes the relay, and keeps the report over the reset that is to come of `fatal`.
+fn close_relay(report: &Report, fatal: Fatal, device: pac::Peripherals) {
+    report.keep(fatal);
     let (mut rcc, _) = clock::start(device.RCC);
     let port_b = device.GPIOB.split(&mut rcc);
     let mut pins = Pins::new(port_b.pb0.into_push_pull_output(), port_b.pb1.into_pull_up_input(), device.PWR, &mut rcc);
     let _running = Watchdog::start(Registers(device.IWDG));
     pins.set_relay(true);
     cortex_m::asm::delay(1000);
-    panic!()
 }

@@ -54,6 +54,8 @@ pub struct Ran<W> {
     pub silicon: Silicon,
     /// Instructions of the dearest tick, from the register access that begins it to the last that it makes.
     pub dearest_tick: u64,
+    /// The same of those that began with the relay closed.
+    pub dearest_closed: u64,
     /// What the program wrote to its console.
     pub console: String,
     /// The status that it ended with; none where it did not end by itself.
@@ -116,7 +118,7 @@ fn start<W: World>(
     let (resets, blind_spots) = (finished.session.resets(), blind_spots(&finished.session));
     let resets = resets.iter().map(|reset| reset.at.0).collect();
     let (stack, silicon) = (finished.driver.stack(), finished.driver.silicon());
-    let dearest_tick = finished.driver.tick_cost.most();
+    let (dearest_tick, dearest_closed) = finished.driver.tick_cost.most();
     let console = finished.driver.console.clone();
     let logged = finished.driver.logged.clone();
     let (world, followed) = finished.driver.into_world();
@@ -126,6 +128,7 @@ fn start<W: World>(
         stack,
         silicon,
         dearest_tick,
+        dearest_closed,
         console,
         status,
         followed,

@@ -7,8 +7,8 @@
 )]
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
+use crate::common::built;
 use shakedown_replay::Mark;
 
 /// Steps between the two marks of a measurement, and the marks (`tests/beside`).
@@ -41,10 +41,7 @@ const MODES: [(u64, &str); 4] =
 const STEP: f64 = 1200.0;
 
 fn marks() -> Vec<Mark> {
-    let image =
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware/shakedown-beside");
-    assert!(image.exists(), "{} is missing: run `cargo xtask beside`", image.display());
-    shakedown_replay::marks(&image).unwrap()
+    shakedown_replay::marks(&built("shakedown-beside")).unwrap()
 }
 
 /// Between every mark of a begin and that of its end: number and instructions.

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::common::{bench::Bench, image, near_field, seen::Codes, setup};
+use crate::common::{bench::Bench, image, near_field, seen::Codes, setup, tool};
 use rustix::fs::{OFlags, fcntl_setfl};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
@@ -134,9 +134,7 @@ fn begun(words: &[&str]) -> Child {
 }
 
 fn begun_in(folder: &Path, words: &[&str]) -> Child {
-    let tool = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/debug/shakedown").canonicalize().unwrap();
-    assert!(tool.exists(), "{} is missing: run `cargo build -p shakedown`", tool.display());
-    let mut command = Command::new(tool);
+    let mut command = Command::new(tool());
     command
         .args(words)
         .current_dir(folder)

@@ -6,10 +6,9 @@
     reason = "tests and their helpers"
 )]
 
-use std::path::PathBuf;
 use std::process::Command;
 
-use crate::common::{image, near_field, seen::Seen, setup};
+use crate::common::{image, near_field, seen::Seen, setup, tool};
 use shakedown::device::{Kept, Progress, Recorder};
 use shakedown_core::Mode;
 
@@ -51,8 +50,7 @@ fn a_recording_of_the_device_is_read_as_it_is() {
     assert!(text.contains("b1 = 0.0"));
     std::fs::write(&file, text.replace("b1 = 0.0", "b1 = 0.69")).unwrap();
 
-    let tool = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/debug/shakedown");
-    let output = Command::new(&tool).arg("diagnose").arg(&file).args(["--json", "-"]).output().unwrap();
+    let output = Command::new(tool()).arg("diagnose").arg(&file).args(["--json", "-"]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     println!("verdict {}, effects {}, held out {}", value["verdict"], value["effects"], value["holdout"]);

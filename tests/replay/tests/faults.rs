@@ -109,6 +109,29 @@ fn a_saturated_lvdt_amplifier_trips() {
     trips(inputs(|codes| codes[1] = 65520), &[StopCause::Guard(Trip::SensorLost)], 70);
 }
 
+/// With a live zero (`firmware/front-end/sensor.toml`) a broken wire ends at the upper rail, a short at the lower one.
+#[test]
+fn an_accelerometer_at_a_rail_trips() {
+    for rail in [0, 65520] {
+        trips(inputs(move |codes| codes[2] = rail), &[StopCause::Guard(Trip::SensorLost)], 70);
+    }
+}
+
+/// Without one a short reads zero for ever.
+#[test]
+fn an_accelerometer_that_is_shorted_trips() {
+    trips(inputs(|codes| codes[2] = MIDDLE), &[StopCause::Guard(Trip::AccelerationStuck)], 300);
+}
+
+/// A command that is shorted is one of zero, whatever the circuit: the table stands.
+#[test]
+fn an_existing_command_that_is_shorted_lets_the_table_stand() {
+    let outcome = run_under(setup(Mode::Guard), inputs(|codes| codes[3] = MIDDLE), None);
+    assert_eq!((cause(&outcome), outcome.seen.resets), (None, 0));
+    assert!(outcome.seen.codes[AT - 50..AT].iter().any(|codes| codes.output != MIDDLE), "the table stood before");
+    assert!(outcome.seen.codes[AT..AT + 3000].iter().all(|codes| codes.output == MIDDLE));
+}
+
 #[test]
 fn a_stuck_converter_trips() {
     let mut held = None;

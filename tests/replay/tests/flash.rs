@@ -130,3 +130,29 @@ fn a_save_that_the_flash_does_not_take_is_said() {
     }
     assert!(ran.stack.deepest * 4 <= ran.stack.size * 3, "{:?}", ran.stack);
 }
+
+/// `FLASH_ACR`, `FLASH_SR` and `FLASH_CR` of the reference manual (RM0090, 3.9), and what of them is looked at.
+const ACR: u64 = 0x4002_3C00;
+const SR: u64 = 0x4002_3C0C;
+const CR: u64 = 0x4002_3C10;
+const ERRORS: u64 = 0b1111_0010;
+const CACHE_ON: u64 = 1 << 10;
+const CACHE_RESET: u64 = 1 << 12;
+const PROGRAM: u64 = 1;
+const ERASE: u64 = 1 << 1;
+const START: u64 = 1 << 16;
+
+/// An error's flag stays until a one is written to it, and then every later save would look failed; the cache of the data keeps what was
+/// read before an erase, and takes its reset only while it is off. The emulated flash has neither.
+#[test]
+fn an_erase_leaves_no_old_error_and_no_old_reading() {
+    let ran = ask(&holding(&[gain(2.0), gain(3.0)]), vec![HostRequest::Save]);
+    let writes = ran.silicon.flash;
+    let start = writes.iter().position(|&(at, value)| at == CR && value & START != 0).expect("nothing was erased");
+    let (before, after) = writes.split_at(start);
+    assert!(before.iter().any(|&(at, value)| at == SR && value & ERRORS == ERRORS), "{before:X?}");
+    assert_eq!(after[0].1 & (PROGRAM | ERASE), ERASE, "programming and erasing at once");
+    let cache: Vec<u64> =
+        after.iter().filter(|&&(at, _)| at == ACR).map(|&(_, value)| value & (CACHE_ON | CACHE_RESET)).collect();
+    assert_eq!(cache, [0, CACHE_RESET, 0, CACHE_ON], "the cache of the data");
+}

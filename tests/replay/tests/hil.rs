@@ -1,8 +1,7 @@
 //! The tests that run on a board, unchanged on the emulated one, with a wire from output to input.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests and their helpers")]
 
-use std::path::PathBuf;
-
+use crate::common::built;
 use shakedown_replay::{Ran, Tick, World};
 
 /// Ticks after which it ends in any case.
@@ -21,28 +20,27 @@ impl World for Looped {
 }
 
 fn run(off: u16) -> Ran<Looped> {
-    let image =
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware/shakedown-hil");
-    assert!(image.exists(), "{} is missing: run `cargo xtask hil`", image.display());
-    shakedown_replay::run_logged(&image, Looped { off }).unwrap()
+    shakedown_replay::run_logged(&built("shakedown-hil"), Looped { off }).unwrap()
 }
 
 #[test]
 fn the_boards_own_tests_pass_on_the_emulated_board() {
     let ran = run(0);
     print!("{}", ran.console);
-    assert_eq!((ran.status, ran.resets.len()), (Some(0), 2), "{}", ran.console);
+    assert_eq!((ran.status, ran.resets.len()), (Some(0), 3), "{}", ran.console);
     let passed = ran.console.lines().filter(|line| line.contains("... ok")).count();
-    assert_eq!(passed, 11, "{}", ran.console);
+    assert_eq!(passed, 12, "{}", ran.console);
 }
 
-/// The program panics with the relay closed, and what it logs of that comes after the relay's opening.
+/// The program panics, and then its clock fails, with the relay closed: what it logs of that comes after the relay's opening.
 #[test]
-fn a_panic_opens_the_relay_before_it_logs() {
+fn a_panic_and_a_clock_that_fails_open_the_relay_before_they_log() {
     let ran = run(0);
-    assert!(ran.console.contains("a panic ends in a reset ... ok"), "{}", ran.console);
+    for what in ["a panic", "a clock that fails"] {
+        assert!(ran.console.contains(&format!("{what} ends in a reset ... ok")), "{}", ran.console);
+    }
     // Each start writes the word once, for its first value.
-    assert!(ran.logged.len() > ran.resets.len() + 1, "nothing was logged");
+    assert!(ran.logged.len() > ran.resets.len() + 2, "one of them logged nothing");
     assert!(ran.logged.iter().all(|closed| !closed), "it was logged with the relay closed: {:?}", ran.logged);
 }
 

@@ -8,10 +8,10 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use crate::common::{bench::Bench, near_field, setup};
+use crate::common::{bench::Bench, built, near_field, setup};
 use shakedown_core::link::Setup;
 use shakedown_core::{Mode, OperatorRequest};
 use shakedown_firmware::ControlLoop;
@@ -25,9 +25,7 @@ const START: usize = 40;
 const AFTER: usize = 4000;
 
 fn qemu(folder: &Path) -> Child {
-    let image = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../target/thumbv7em-none-eabihf/firmware/shakedown-second-opinion");
-    let image = image.canonicalize().expect("the image is missing: `cargo xtask replay second_opinion` builds it");
+    let image = built("shakedown-second-opinion");
     for name in [TO_DEVICE, FROM_DEVICE] {
         assert!(Command::new("mkfifo").arg(folder.join(name)).status().unwrap().success());
     }

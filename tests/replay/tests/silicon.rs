@@ -7,7 +7,9 @@
     reason = "tests and their helpers"
 )]
 
-use crate::common::{bench::Bench, g474_image, image, near_field, outboard, seen::Mischief, seen::Seen, setup};
+use crate::common::{
+    bench::Bench, g474_image, image, near_field, outboard, seen::Mischief, seen::Seen, setup, setup_outboard,
+};
 use shakedown::device::{DriveError, Progress, Talker};
 use shakedown_core::Mode;
 use shakedown_core::link::{Clock, HostRequest, Report, StopCause};
@@ -17,6 +19,10 @@ use shakedown_replay::{Oscillator, Ran, Tick, World};
 const AT: usize = 6000;
 const GPIOD_PUPDR: u64 = 0x4002_0C0C;
 const DAC_CR: u64 = 0x4000_7400;
+const RCC_CR: u64 = 0x4002_3800;
+const CSSON: u64 = 1 << 19;
+const RNG_CR: u64 = 0x5006_0800;
+const RNGEN: u64 = 1 << 2;
 
 fn seen(seconds: usize) -> Seen {
     let mut seen = Seen::new(setup(Mode::Controller), near_field(seconds));
@@ -111,6 +117,9 @@ fn the_device_starts_without_a_crystal_and_says_so() {
         let ran = shakedown_replay::run(&image(), world).unwrap();
         assert_eq!(ran.world.clock, Some(clock), "{oscillator:?}");
         assert!(ran.resets.is_empty(), "{oscillator:?}");
+        // A clock from outside is watched from then on (RM0090, 7.2.7); the internal oscillator has nothing to fall back to.
+        let watched = ran.silicon.ever_set(RCC_CR) & CSSON != 0;
+        assert_eq!(watched, clock != Clock::Internal, "{oscillator:?}");
     }
 }
 
@@ -129,6 +138,20 @@ fn the_watchdog_keeps_its_time_over_the_spread_of_its_clock() {
     well.watchdog_clock = 47_000;
     let well = run(well).world;
     assert_eq!((well.resets, &well.progress), (0, &Progress::Done));
+}
+
+/// The emulated generator draws none, so that it was asked is all there is to see.
+#[test]
+fn challenges_are_made_of_the_chips_own_random_numbers() {
+    for image in [image(), outboard()] {
+        let mut seen = seen(1);
+        if image == outboard() {
+            seen = Seen::new(setup_outboard(Mode::Controller), near_field(1));
+        }
+        let ran = shakedown_replay::run(&image, seen).unwrap();
+        assert_eq!(ran.silicon.ever_set(RNG_CR) & RNGEN, RNGEN);
+        assert!(ran.blind_spots.iter().any(|spot| spot == "RNG.DR" || spot == "RNG.SR"), "{:?}", ran.blind_spots);
+    }
 }
 
 #[test]

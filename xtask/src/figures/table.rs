@@ -21,6 +21,8 @@ const SHOWN: &str = "pages, live, input";
 const TABLE1: &str = "cargo run --release -- table1 --records ../shared/data/records";
 const BENCH: &str = "cargo bench -p shakedown --bench closed_loop";
 const PROVE: &str = "cargo run --release -- prove --seed N --cases K";
+const RESOLUTION: &str =
+    "cargo test --ignore-rust-version -p shakedown-replay --test emulated resolution:: -- --nocapture";
 const BITS: &str = "cargo test --ignore-rust-version -p shakedown-replay --test emulated bit_identity::";
 const FITTING: &str = "cargo test --release -p shakedown --test fitting -- --nocapture --test-threads 1";
 const HELD: &str = "cargo run --release -- bench --records ../shared/data/records --limits-only";
@@ -82,14 +84,21 @@ pub(super) const FIGURES: &[Figure] = &[
     figure(DEVICE, "front end: levels in ten runs over the tolerances", "within 0.5 %", "cargo xtask front-end"),
     figure(
         DEVICE,
-        "retired instructions of the core's step: controller; guard",
-        "at most 600; 250",
+        "front end: a wire that breaks, either of an input's; a short of a sensor, in the same runs",
+        "beyond a rail",
+        "cargo xtask front-end",
+    ),
+    figure(DEVICE, "displacement at rest, standard deviation: on the chip, outboard", "at most 25; 5 um", RESOLUTION),
+    figure(
+        DEVICE,
+        "retired instructions of the core's step, median, in every mode",
+        "at most 1,200",
         "cargo xtask beside",
     ),
     figure(
         DEVICE,
-        "retired instructions a tick, board included: controller, guard; flash; RAM",
-        "at most 600, 250; 96 KiB; 24 KiB",
+        "retired instructions a tick, board included, every mode: median; dearest with the relay closed; flash; RAM",
+        "at most 1,200; 6,000; 103,400; 29,200 byte",
         "cargo xtask replay cost",
     ),
     figure(DEVICE, "the core's laws beside the same in C, in instructions", "ratio at most 1.1", "cargo xtask beside"),

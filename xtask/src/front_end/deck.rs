@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::sheet::{FilterCorner, Kind, Sheet, Trial};
-use crate::shell::{Problem, command, read, top};
+use crate::shell::{Problem, command, read, target};
 
 /// A wire, and where there is none, ohm.
 const WIRE: f64 = 0.1;
@@ -15,6 +15,7 @@ const OFFSET: f64 = 1e-4;
 const MODELS: &str = "\
 .options reltol=1e-6
 .model BAT54 D(IS=3e-7 N=1.02 RS=0.5 CJO=10p BV=30)
+.model BAV199 D(IS=1e-14 N=1.35 RS=1)
 .model D1N4004 D(IS=7e-9 N=1.8 RS=0.04 BV=400)
 .model DZ18 D(IS=1e-12 N=1.2 RS=2 BV=18 IBV=1e-3)
 .model BSS138 NMOS(LEVEL=1 VTO=1.3 KP=0.2 LAMBDA=0.01)
@@ -141,7 +142,7 @@ fn outside(sheet: &Sheet, trial: Option<&Trial>, swept: Option<&FilterCorner>, c
 
 /// Has ngspice run `deck`; the number that it calls `answer`.
 fn answer(deck: &str, what: &str) -> Result<f64, Problem> {
-    let folder = top().join("target/front-end");
+    let folder = target()?.join("front-end");
     let path = folder.join("deck.cir");
     let failed = |e: std::io::Error| Problem::Failed(format!("{}: {e}", path.display()));
     std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&path, deck)).map_err(failed)?;

@@ -64,11 +64,12 @@ impl line::Port for Port {
         usize::from(self.dma.st(1).ndtr().read().ndt().bits())
     }
 
-    /// Reading the data register forgets it, and takes a byte that waits there, so not while one does: the DMA fetches it, which does
-    /// it as well, and if it does not this is asked again.
+    /// Reading the data register forgets that the line is idle, and that a byte was lost, after which the receiver takes no more (RM0090, 30.3.3,
+    /// ORE). It takes a byte that waits there, so not while one does: the DMA fetches it, which does it as well, and if it does not this is
+    /// asked again.
     fn acknowledge(&self) {
         let status = self.usart.sr().read();
-        if status.idle().bit_is_set() && status.rxne().bit_is_clear() {
+        if (status.idle().bit_is_set() || status.ore().bit_is_set()) && status.rxne().bit_is_clear() {
             let _ = self.usart.dr().read();
         }
     }

@@ -4,7 +4,7 @@
 use cortex_m_rt::exception;
 use shakedown_firmware::failure;
 
-use crate::pins;
+use crate::{flash, pins};
 
 /// The end, without a word.
 pub fn park() -> ! {
@@ -38,8 +38,12 @@ extern "C" fn after_fault() -> ! {
     failure::end(pins::open_relay, || defmt::error!("fault"))
 }
 
-/// The crystal has stopped: the processor runs at 16 MHz from here on, a tenth of what a tick needs (RM0440, clock security system).
+/// Power failed while settings were programmed, and what it left of them is read at the start: that is no failure. Or the crystal has stopped:
+/// the processor runs at 16 MHz from here on, a tenth of what a tick needs (RM0440, clock security system).
 #[exception]
-unsafe fn NonMaskableInt() -> ! {
+unsafe fn NonMaskableInt() {
+    if flash::was_a_torn_setting() {
+        return;
+    }
     failure::end(pins::open_relay, || defmt::error!("clock failed"))
 }

@@ -20,6 +20,9 @@ const BUSY: u32 = 1 << 16;
 const ERRORS: u32 = 0xC3FA;
 /// `FLASH_OPTR`: two banks.
 const TWO_BANKS: u32 = 1 << 22;
+/// `FLASH_ECCR`: two wrong bits were read, cleared by a one; in the second bank.
+const TWO_WRONG: u32 = 1 << 31;
+const SECOND_BANK: u32 = 1 << 21;
 /// Looks at an erase of 25 ms at most, or at a program of a double word.
 const LOOKS: u32 = 4_000_000;
 /// Bytes that are programmed at once, and once between two erases.
@@ -28,7 +31,7 @@ const WORD: usize = 8;
 const MARK: usize = 4;
 
 /// Why the flash refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, defmt::Format)]
 pub enum Error {
     /// There is no such slot, or no such place in it.
     Place,
@@ -93,6 +96,19 @@ impl Flash {
         }
         Ok(())
     }
+}
+
+/// Whether what interrupts is a word of the settings with two wrong bits, as power that fails while it is programmed leaves one (RM0440,
+/// error code correction): then the slot's check sum refuses what was read, and the program goes on. In the second bank there is nothing but settings.
+pub(crate) fn was_a_torn_setting() -> bool {
+    // SAFETY: the write clears one flag, and nobody else reads the register.
+    let flash = unsafe { FLASH::steal() };
+    let found = flash.eccr().read().bits();
+    let torn = found & TWO_WRONG != 0 && found & SECOND_BANK != 0;
+    if torn {
+        flash.eccr().write(|w| unsafe { w.bits(TWO_WRONG) });
+    }
+    torn
 }
 
 impl parts::Flash for Flash {

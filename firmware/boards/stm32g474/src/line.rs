@@ -9,9 +9,10 @@ use crate::chip::Line;
 
 /// 170 MHz to 1 Mbit/s.
 const DIVIDER: u32 = 170;
-/// `CR1`: on, receiver, transmitter, interrupt when idle. `CR3`: DMA both ways. `ISR` and `ICR`: idle.
+/// `CR1`: on, receiver, transmitter, interrupt when idle. `CR3`: DMA both ways; a byte that comes too early takes the place of the one before it,
+/// for an overrun would end the reception (RM0440, OVRDIS). `ISR` and `ICR`: idle.
 const LISTENING: u32 = 1 | 1 << 2 | 1 << 3 | 1 << 4;
-const BY_DMA: u32 = 1 << 6 | 1 << 7;
+const BY_DMA: u32 = 1 << 6 | 1 << 7 | 1 << 12;
 const IDLE: u32 = 1 << 4;
 /// DMA requests of USART3, on channels 2 and 3; the channels' flags.
 const RECEIVES: u32 = 28;

@@ -218,7 +218,7 @@ impl<W: World> Driver<Board> for Lockstep<W> {
     fn on_settled(&mut self, session: &mut Session<Board>, host: &mut dyn Host, settled: Settled) {
         match settled {
             Settled::Access { access, value } => {
-                self.tick_cost.settled(access);
+                self.tick_cost.settled(access, self.relay);
                 self.silicon.settled(session, host, self.world.oscillator(), access, value);
                 if access.kind == AccessKind::Write {
                     self.sampling.notice(access.address, value);

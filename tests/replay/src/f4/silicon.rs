@@ -18,11 +18,12 @@ const USART3_DR: u64 = 0x4000_4804;
 const IDLE: u64 = 1 << 4;
 const RXNE: u64 = 1 << 5;
 const FLASH_CR: u64 = 0x4002_3C10;
+const FLASH: std::ops::RangeInclusive<u64> = 0x4002_3C00..=FLASH_CR;
 const STRT: u64 = 1 << 16;
 /// Time in which a sector of 128 kB is erased, ns: typical at 32 bits a step (data sheet, table 42).
 const ERASE: u64 = 1_000_000_000;
-/// Port D's pulls, the supply monitor and the output converter.
-const CONFIGURATION: [u64; 3] = [0x4002_0C0C, 0x4000_7000, 0x4000_7400];
+/// Port D's pulls, the supply monitor, the output converter, the clocks' control and the generator of random numbers.
+const CONFIGURATION: [u64; 5] = [0x4002_0C0C, 0x4000_7000, 0x4000_7400, RCC_CR, 0x5006_0800];
 
 /// What the silicon would have taken amiss, and what was set.
 #[derive(Debug, Clone, Default)]
@@ -31,7 +32,10 @@ pub struct Silicon {
     pub stolen: u64,
     /// Times that the core stood for an erase.
     pub stalls: u64,
+    /// Writes to the flash's registers, by address, in their order.
+    pub flash: Vec<(u64, u64)>,
     configuration: BTreeMap<u64, u64>,
+    ever: BTreeMap<u64, u64>,
     status: u64,
     stands_until: Option<u64>,
 }
@@ -40,6 +44,11 @@ impl Silicon {
     /// What was last written to a register of [`CONFIGURATION`]; none where nothing was.
     pub fn written(&self, address: u64) -> Option<u64> {
         self.configuration.get(&address).copied()
+    }
+
+    /// The bits of a register of [`CONFIGURATION`] that were ever written as ones.
+    pub fn ever_set(&self, address: u64) -> u64 {
+        self.ever.get(&address).copied().unwrap_or(0)
     }
 
     /// An access that has settled.
@@ -51,6 +60,13 @@ impl Silicon {
         access: Access,
         value: u64,
     ) {
+        if access.kind == AccessKind::Write && FLASH.contains(&access.address) {
+            self.flash.push((access.address, value));
+        }
+        if access.kind == AccessKind::Write && CONFIGURATION.contains(&access.address) {
+            self.configuration.insert(access.address, value);
+            *self.ever.entry(access.address).or_default() |= value;
+        }
         match (access.kind, access.address) {
             (AccessKind::Read, USART3_SR) => self.status = value,
             (AccessKind::Read, USART3_DR) if access.program_counter.is_some() => {
@@ -60,9 +76,6 @@ impl Silicon {
             (AccessKind::Write, FLASH_CR) if value & STRT != 0 && self.stands_until.is_none() => {
                 self.stalls += 1;
                 self.stand(session, host, access.virtual_time.0 + ERASE);
-            }
-            (AccessKind::Write, address) if CONFIGURATION.contains(&address) => {
-                self.configuration.insert(address, value);
             }
             _ => {}
         }

@@ -7,7 +7,7 @@ pub(crate) mod twin;
 #[allow(unused_imports, reason = "each test uses its part")]
 pub(crate) use shakedown_replay::{bench, bench::near_field, seen};
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use shakedown_core::Mode;
 use shakedown_core::link::Setup;
@@ -29,10 +29,23 @@ pub(crate) fn g474_image() -> PathBuf {
     built("shakedown-stm32g474")
 }
 
-fn built(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware").join(name);
-    assert!(path.exists(), "{} is missing: run `cargo xtask firmware` first", path.display());
+/// The image `name`.
+pub(crate) fn built(name: &str) -> PathBuf {
+    let path = target().join("thumbv7em-none-eabihf/firmware").join(name);
+    assert!(path.exists(), "{} is missing: `cargo xtask replay` builds every image", path.display());
     path
+}
+
+/// The host tool.
+pub(crate) fn tool() -> PathBuf {
+    let path = target().join("debug/shakedown");
+    assert!(path.exists(), "{} is missing: run `cargo build -p shakedown`", path.display());
+    path
+}
+
+/// Where cargo puts what it builds: beside the sources, or wherever its configuration says.
+fn target() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("..").canonicalize().unwrap()
 }
 
 /// The setup for a mode: the paper's gains, every part of the core at work.
