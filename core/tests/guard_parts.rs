@@ -342,12 +342,18 @@ fn a_supervisor_ramps_in_as_many_ticks_as_its_time_has() {
         supervisor.steady()
     });
     assert_eq!(ticks, Some(10));
-    // Held, it falls as it rose, and resumed it rises again.
+    // Held, it falls as it rose, and resumed it rises again once it is out.
     supervisor.request(OperatorRequest::Hold).unwrap();
     supervisor.advance(ramps);
     assert!(!supervisor.steady() && (supervisor.test_weight() - 0.972).abs() < 1e-6, "{}", supervisor.test_weight());
     supervisor.request(OperatorRequest::Resume).unwrap();
-    supervisor.advance(ramps);
+    let mut before = supervisor.test_weight();
+    for k in 2..=20 {
+        supervisor.advance(ramps);
+        let weight = supervisor.test_weight();
+        assert!(if k <= 10 { weight < before } else { weight > before }, "{k}: {weight} after {before}");
+        before = weight;
+    }
     assert!(supervisor.steady() && supervisor.test_weight() == 1.0);
     let changes = supervisor.changes();
     supervisor.doubt(Trip::Velocity);
@@ -374,6 +380,57 @@ fn a_supervisor_ramps_in_as_many_ticks_as_its_time_has() {
     assert_eq!(supervisor.state(), State::Off);
     supervisor.request(OperatorRequest::Trip).unwrap();
     assert_eq!((supervisor.state(), supervisor.command()), (State::Tripped, 0.0));
+}
+
+/// A stop while the test fades in does not turn the fade around: the weight's slope changes no faster than that of two smooth steps.
+#[test]
+fn a_fade_never_turns_back() {
+    let ramps = Ramps::new(&RampSettings { test: 0.1, safe: 0.005 }, 0.001).unwrap();
+    for moment in 1..120 {
+        let mut supervisor = Supervisor::off();
+        supervisor.request(OperatorRequest::Arm).unwrap();
+        supervisor.request(OperatorRequest::Start).unwrap();
+        let mut weights = [0.0; 2];
+        let ended = (0..500).find(|&k| {
+            if k == moment {
+                supervisor.request(OperatorRequest::Stop).unwrap();
+            }
+            supervisor.advance(ramps);
+            let weight = supervisor.test_weight();
+            let [before, last] = weights;
+            weights = [last, weight];
+            // 6 / T^2 of each step, and twice 1.5 / T by 1.5 / T, of which 3 / T was the jump of a fade turned around.
+            assert!((weight - 2.0 * last + before).abs() < 1e-4 * (2.0 * 6.0 + 4.5), "{moment}, {k}");
+            supervisor.state() == State::Ready
+        });
+        assert_eq!(ended, Some(moment + 99), "{moment}");
+    }
+}
+
+/// At 5 kHz a table behind a 12-bit command steps by 0.9 mm/s within a tick, every second or third tick: its acceleration is rough and
+/// its sensor is not. White noise of 8 m/s2 is seen as at 1 kHz.
+#[test]
+fn steps_of_a_command_are_no_noise_at_any_rate() {
+    for rate in [1000.0, 2000.0, 5000.0_f32] {
+        let monitor = |tick: f32| {
+            NoiseMonitor::new(&PlausibilitySettings::default(), &EnvelopeSettings::default(), true, tick).unwrap()
+        };
+        let (monitor, ticks) = (monitor(1.0 / rate), (0.5 * rate) as u32);
+        let mut state = NoiseState::default();
+        let steps = (0..ticks).find_map(|k| {
+            let stepped = (f32::from((k % 1000) as u16) * 0.43).fract() < 0.43;
+            monitor.advance(&mut state, 0.0, if stepped { 0.9e-3 * rate } else { 0.0 })
+        });
+        assert_eq!(steps, None, "{rate}");
+        let (mut state, mut seed) = (NoiseState::default(), 1_u32);
+        let noisy = (0..ticks).find_map(|_| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Of a standard deviation of 1 / sqrt(12).
+            let uniform = (seed >> 8) as f32 / 16_777_216.0 - 0.5;
+            monitor.advance(&mut state, 0.0, 8.0 * 3.464_1 * uniform)
+        });
+        assert_eq!(noisy, Some(Trip::AccelerationNoisy), "{rate}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The state machine and arming, explored exhaustively: every request, every cause of a trip and every tick, in every order.
 //!
 //! The first test walks through all states that [`Supervisor`] has under given ramps, and holds each step to what the hazard
-//! table says of it. Its state is finite: two weights that move by fixed steps, and four discrete fields. The second runs the
+//! table says of it. Its state is finite: three weights that move by fixed steps, and four discrete fields. The second runs the
 //! whole [`Controller`] through every sequence of a bounded length. `--nocapture` prints how many there were.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that says how far it went")]
 
@@ -60,15 +60,14 @@ fn acts() -> Vec<Act> {
 }
 
 /// What tells two states apart: all but the count of changes, which is modulo 256 and decides nothing.
-type Key = (u8, Option<u8>, u32, u32, bool, bool);
+type Key = (u8, Option<u8>, [u32; 3], bool, bool);
 
 fn key(s: &Supervisor) -> Key {
     let closed = s.relay() == Relay::Closed;
     (
         s.state() as u8,
         s.cause().map(|cause| cause as u8),
-        s.test_weight().to_bits(),
-        s.command().to_bits(),
+        [s.fades().0.to_bits(), s.fades().1.to_bits(), s.command().to_bits()],
         closed,
         s.whole(),
     )

@@ -41,6 +41,7 @@ mod source;
 mod sweep;
 mod table1;
 mod traces;
+mod unseen;
 mod words;
 mod written;
 

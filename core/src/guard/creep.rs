@@ -4,19 +4,24 @@
 //! f[k] = f[k-1] + clamp(x - f[k-1], -2 dt V, +2 dt V)              the LVDT less its spikes, m
 //! s[k] = max(0, s[k-1] + (f[k] - f[k-1]) - dt g w - dt n)          way beyond the command and an unknown null, m
 //! h[k] = h[k-1] + 2 dt n while s > 0, else 0                       most that such a null has hidden meanwhile, m
+//! m[k] = m[k-1] + dt w,   e[k] = e[k-1] + dt g w                   the same for s > 0 while g is not known yet, else 0, m
+//! d1 = s + e - max(g1 m, g2 m),   d2 = s + h + e - min(g1 m, g2 m) least and farthest that it has crept, m
 //! ```
 //! and the same for the other direction with x and w turned. w is the velocity that the model makes of the command (m/s), g the
 //! table's gain as learned since arming, V the velocity limit that is set, n the largest even speed that an error of the null bias
-//! makes. An LVDT that has crept by d since s left zero shows s <= d <= s + h: what nulls within n can hide is in h, so the
-//! table is nowhere beyond x - s - h. From `s > mismatch` on, half of it once g is known, it trips where the envelope, with
-//! its stopping distance, would not let the table be there. Up to that, and up to an even 2 n, a creep is not distinguished from
-//! the errors of model and null.
+//! makes, g1 and g2 the least and the largest gain of a table that the model is still good for. An LVDT that has crept by d since s left
+//! zero shows s <= d <= s + h if g is right: the table is nowhere beyond x - s - h. From `s > mismatch` on, half of it where s left zero
+//! with g known, it trips where the envelope, with its stopping distance, would not let the table be there. An LVDT that creeps while g is
+//! learned spoils g: a loop that carries the table along under a reading that stands makes it look a slow table, which explains
+//! the creep. So where `d1 > mismatch`, which no gain explains, the table may be as far as x - d2, and it trips for that.
+//! Up to that, and up to an even 2 n, a creep is not distinguished from the errors of model and null.
 //!
 //! Beyond 2 `mismatch` it trips wherever the table may be, if s says so under the limit in force as well as under the one that is set:
 //! a table that does less than it is told looks saturated, and one whose limit was estimated lower than it is moves beyond it. An LVDT
 //! that creeps against its motion looks saturated too, so for where the table may be only the one that is set counts.
 
-use crate::math::min;
+use super::gain::BELIEVED;
+use crate::math::{max, min};
 use crate::scalar::Scalar;
 
 /// An unknown null's even speed as a share of `mismatch` / `memory`, 1.
@@ -58,41 +63,60 @@ pub(super) struct CreepWitness {
 pub(super) struct CreepState {
     /// The LVDT less its spikes, m.
     followed: Option<f32>,
-    /// By the limit in force, and by the one that is set.
-    in_force: Both,
-    possible: Both,
-}
-
-/// Beyond the command in either direction.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Both {
+    /// Way beyond the command in either direction by the limit in force, m.
+    in_force: [f32; 2],
+    /// The same by the one that is set, with what it may be wrong by.
     up: Beyond,
     down: Beyond,
 }
 
-/// Way beyond the command, m, and what an unknown null may have hidden of it, m.
+/// Way beyond the command, and what of a creep the model may have explained away meanwhile.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Beyond {
+    /// m.
     way: f32,
+    /// By an unknown null, m.
     hidden: f32,
+    /// What the command moved the table while its gain was being learned.
+    unsure: Option<Moved>,
 }
 
-impl Both {
-    #[inline]
-    fn advance(&mut self, unexplained: f32, null: f32) {
-        self.up.advance(unexplained, null);
-        self.down.advance(-unexplained, null);
-    }
+/// Way that a command asked for, m: at a gain of 1, and at the one learned so far.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Moved {
+    asked: f32,
+    learned: f32,
 }
 
 impl Beyond {
+    /// One turn: `step` of the LVDT (m), what the command `asked` for at a gain of 1 (m), the `gain` (1), and whether it is known.
     #[inline]
-    fn advance(&mut self, unexplained: f32, null: f32) {
-        self.way += unexplained - null;
+    fn advance(&mut self, null: f32, step: f32, asked: f32, gain: f32, known: bool) {
+        self.way += step - gain * asked - null;
         if self.way > 0.0 {
             self.hidden += 2.0 * null;
+            if !known {
+                let moved = self.unsure.unwrap_or_default();
+                self.unsure = Some(Moved { asked: moved.asked + asked, learned: moved.learned + gain * asked });
+            }
         } else {
             *self = Self::default();
+        }
+    }
+
+    /// How far the LVDT may have crept, m, if it has at all: if the gain as learned leaves more than the `mismatch` (m) unexplained,
+    /// half of it where it was known; farther if whatever gain the model is still good for leaves that.
+    #[inline]
+    fn farthest(&self, mismatch: f32) -> Option<f32> {
+        let Some(Moved { asked, learned }) = self.unsure else {
+            return (self.way > 0.5 * mismatch).then_some(self.way + self.hidden);
+        };
+        let ends = (BELIEVED.0 * asked, BELIEVED.1 * asked);
+        let way = self.way + learned;
+        if way - max(ends.0, ends.1) > mismatch {
+            Some(self.hidden + way - min(ends.0, ends.1))
+        } else {
+            (self.way > mismatch).then_some(self.way + self.hidden)
         }
     }
 }
@@ -104,28 +128,38 @@ impl CreepWitness {
         Self { dt, step: 2.0 * velocity_limit * dt, null: NULL * mismatch / memory * dt, mismatch }
     }
 
-    /// One turn: displacement (m) and the velocity expected under the limit in force and under the one that is set, m/s.
+    /// One turn: displacement (m), the velocity that the command asks for under the limit in force and under the one that is set
+    /// (m/s), and the table's gain as learned (1), with whether it is known.
     #[inline(always)]
-    pub(super) fn advance(&self, state: &mut CreepState, displacement: f32, in_force: f32, most: f32) {
+    pub(super) fn advance(
+        &self,
+        state: &mut CreepState,
+        displacement: f32,
+        [in_force, most]: [f32; 2],
+        (gain, known): (f32, bool),
+    ) {
         let followed = state.followed.unwrap_or(displacement);
         let step = (displacement - followed).bounded(self.step);
         state.followed = Some(followed + step);
-        state.in_force.advance(step - self.dt * in_force, self.null);
-        state.possible.advance(step - self.dt * most, self.null);
+        let unexplained = step - self.dt * gain * in_force;
+        let [up, down] = state.in_force;
+        state.in_force = [max(0.0, up + unexplained - self.null), max(0.0, down - unexplained - self.null)];
+        state.up.advance(self.null, step, self.dt * most, gain, known);
+        state.down.advance(self.null, -step, -self.dt * most, gain, known);
     }
 
-    /// Between two of these: how far the LVDT has crept, by a table whose gain is `known` or not.
+    /// Between two of these: how far the LVDT has crept.
     #[inline(always)]
-    pub(super) fn found(&self, state: &CreepState, known: bool) -> Creep {
-        let Both { up, down } = state.possible;
-        let least = if known { 0.5 * self.mismatch } else { self.mismatch };
-        let certain = |in_force: Beyond, set: Beyond| min(in_force.way, set.way) > 2.0 * self.mismatch;
-        if certain(state.in_force.up, up) || certain(state.in_force.down, down) {
+    pub(super) fn found(&self, state: &CreepState) -> Creep {
+        let (up, down) = (&state.up, &state.down);
+        let certain = |in_force: f32, set: f32| min(in_force, set) > 2.0 * self.mismatch;
+        let [up_in_force, down_in_force] = state.in_force;
+        if certain(up_in_force, up.way) || certain(down_in_force, down.way) {
             Creep::Certain
-        } else if up.way > least && up.way > down.way {
-            Creep::Possible(up.way + up.hidden)
-        } else if down.way > least {
-            Creep::Possible(-(down.way + down.hidden))
+        } else if let Some(crept) = up.farthest(self.mismatch).filter(|_| up.way > down.way) {
+            Creep::Possible(crept)
+        } else if let Some(crept) = down.farthest(self.mismatch) {
+            Creep::Possible(-crept)
         } else {
             Creep::None
         }

@@ -9,11 +9,15 @@
 //! amplitude A and angular frequency w gives the second term, so the limit leaves alone every sine within acceleration A
 //! and jerk J of the envelope up to w: a tenth of the rate, or the corner J / A up to which the envelope allows A, whichever
 //! is higher. A single spike, such as a valve that closes at speed makes, counts for twice the limit at most.
+//!
+//! Above 1 kHz y is the accelerometer's mean over a millisecond, and dt that millisecond. A command that steps, as every converter's
+//! does, makes the flow step by dv within a tick and the acceleration dv / dt, the more the shorter the tick is: motion of the table,
+//! and no noise of its sensor.
 
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
 
 use super::{EnvelopeSettings, PlausibilitySettings, Trip};
-use crate::block::{Block, BlockError, require};
+use crate::block::{Block, BlockError, require, whole_ticks};
 use crate::filter::Lag;
 use crate::filter::lag::LagState;
 use crate::math::{self, min};
@@ -22,6 +26,8 @@ use crate::math::{self, min};
 const WHITE: f32 = 0.316_227_77;
 /// Time over which roughness is averaged, s.
 const AVERAGE: f32 = 0.05;
+/// Shortest time over which acceleration is judged, s.
+const SHORTEST: f32 = 1e-3;
 
 /// The roughness of one reading: its configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +62,12 @@ impl Roughness {
         let third = (reading - y3 + 3.0 * (y2 - y1)).abs() * WHITE;
         self.mean.advance(&mut state.mean, min(2.0 * self.limit, third)) > self.limit
     }
+
+    /// Whether it was, at its last reading.
+    #[inline]
+    fn found(self, state: &RoughnessState) -> bool {
+        self.mean.last(&state.mean) > self.limit
+    }
 }
 
 /// The monitor's configuration: LVDT, and accelerometer where one is fitted.
@@ -76,6 +88,9 @@ impl Roughness {
 pub struct NoiseMonitor {
     displacement: Roughness,
     acceleration: Option<Roughness>,
+    /// Ticks that acceleration is averaged over, and one over that.
+    ticks: u32,
+    share: f32,
 }
 
 /// What the monitor remembers.
@@ -83,6 +98,9 @@ pub struct NoiseMonitor {
 pub struct NoiseState {
     displacement: RoughnessState,
     acceleration: RoughnessState,
+    /// Sum of the acceleration's readings since the last mean, m/s2, and how many.
+    sum: f32,
+    summed: u32,
 }
 
 impl NoiseMonitor {
@@ -94,11 +112,16 @@ impl NoiseMonitor {
         dt: f32,
     ) -> Result<Self, BlockError> {
         let noise = require("guard.plausibility.acceleration_noise", settings.acceleration_noise, 1e-3, 1e4)?;
-        let [of_acceleration, of_displacement] = motion(envelope, dt);
-        let acceleration = Roughness::new(noise + of_acceleration, dt)?;
+        let ticks = whole_ticks(SHORTEST, dt).max(1);
+        let mean = ticks as f32 * dt;
+        let [of_acceleration, _] = motion(envelope, mean);
+        let [_, of_displacement] = motion(envelope, dt);
+        let acceleration = Roughness::new(noise + of_acceleration, mean)?;
         Ok(Self {
             displacement: Roughness::new(settings.disagreement + of_displacement, dt)?,
             acceleration: accelerometer.then_some(acceleration),
+            ticks,
+            share: 1.0 / ticks as f32,
         })
     }
 
@@ -106,7 +129,7 @@ impl NoiseMonitor {
     #[inline]
     pub fn advance(&self, state: &mut NoiseState, displacement: f32, acceleration: f32) -> Option<Trip> {
         let displacement = self.displacement.advance(&mut state.displacement, displacement);
-        let acceleration = self.acceleration.is_some_and(|of| of.advance(&mut state.acceleration, acceleration));
+        let acceleration = self.acceleration.is_some_and(|of| self.judge(of, state, acceleration));
         if displacement {
             Some(Trip::DisplacementNoisy)
         } else if acceleration {
@@ -114,6 +137,19 @@ impl NoiseMonitor {
         } else {
             None
         }
+    }
+
+    /// One tick of the accelerometer, of which a mean is judged.
+    #[inline]
+    fn judge(&self, of: Roughness, state: &mut NoiseState, acceleration: f32) -> bool {
+        state.sum += acceleration;
+        state.summed += 1;
+        if state.summed < self.ticks {
+            return of.found(&state.acceleration);
+        }
+        let mean = state.sum * self.share;
+        (state.sum, state.summed) = (0.0, 0);
+        of.advance(&mut state.acceleration, mean)
     }
 }
 

@@ -37,7 +37,8 @@ pub struct PlausibilitySettings {
     pub disagreement: f32,
     /// Largest offset that the accelerometer can have, m/s2.
     pub offset: f32,
-    /// Largest mean change of acceleration from tick to tick that is noise and not motion, m/s2.
+    /// Largest mean change of acceleration from tick to tick, above 1 kHz of its mean from millisecond to millisecond, that is noise
+    /// and not motion, m/s2.
     pub acceleration_noise: f32,
 }
 

@@ -9,8 +9,10 @@
 //!     | reset
 //!  Tripped  <------- any state, on a trip; `off` from any other state goes through the safe ramp
 //! ```
-//! Two weights between 0 and 1 do the moving. `test_weight` is how much of the test is let through: it rises on start and
-//! resume, falls on hold and stop, along the smooth step 3 p^2 - 2 p^3, so that neither position nor velocity jumps.
+//! Weights between 0 and 1 do the moving. `test_weight` is how much of the test is let through: s(p) s(q) with the smooth step
+//! s(p) = 3 p^2 - 2 p^3, of which p rises on start and resume and q falls on hold and stop. Neither turns back: a stop
+//! during a fade-in lets p go on rising while q falls, and a resume during a fade-out waits for its end, so that neither position nor
+//! velocity of the reference jumps.
 //! `command` is how much of the last command is left after a trip: it falls from 1 to 0 over the safe ramp, to the
 //! output at which no oil flows.
 //!
@@ -72,7 +74,9 @@ impl Ramps {
 pub struct Supervisor {
     state: State,
     trip: Option<Trip>,
-    test_weight: f32,
+    /// How far the test has been faded in since it was last out, and how much a fade-out since then has left, 0 to 1.
+    risen: f32,
+    left: f32,
     command: f32,
     relay: Relay,
     /// Whether the relay opens without waiting for the safe ramp, because no command is known to stop the table.
@@ -87,7 +91,8 @@ impl Supervisor {
         Self {
             state: State::Off,
             trip: None,
-            test_weight: 0.0,
+            risen: 0.0,
+            left: 1.0,
             command: 0.0,
             relay: Relay::Open,
             open_at_once: false,
@@ -101,7 +106,8 @@ impl Supervisor {
         Self {
             state: State::Running,
             trip: None,
-            test_weight: 1.0,
+            risen: 1.0,
+            left: 1.0,
             command: 0.0,
             relay: Relay::Closed,
             open_at_once: false,
@@ -148,7 +154,7 @@ impl Supervisor {
             State::Tripped if self.command <= 0.0 || self.open_at_once => Relay::Open,
             _ => Relay::Closed,
         };
-        self.steady = self.state == State::Running && self.test_weight >= 1.0;
+        self.steady = self.state == State::Running && self.whole();
     }
 
     /// Whether the test runs whole: nothing fades, nothing has tripped.
@@ -166,13 +172,19 @@ impl Supervisor {
     /// How much of the test is let through, 0 to 1. Exactly 1 while it runs.
     #[inline]
     pub fn test_weight(&self) -> f32 {
-        smooth(self.test_weight)
+        smooth(self.risen) * smooth(self.left)
+    }
+
+    /// How far the test has been faded in since it was last out, and how much a fade-out since then has left, 0 to 1.
+    #[inline]
+    pub const fn fades(&self) -> (f32, f32) {
+        (self.risen, self.left)
     }
 
     /// Whether the test is neither faded nor fading.
     #[inline]
     pub fn whole(&self) -> bool {
-        self.test_weight >= 1.0
+        self.risen >= 1.0 && self.left >= 1.0
     }
 
     /// How much of the command at the trip is left, 1 to 0.
@@ -189,7 +201,7 @@ impl Supervisor {
                 return Ok(());
             }
             (OperatorRequest::Arm, State::Off) => {
-                self.test_weight = 0.0;
+                self.fade_anew();
                 State::Ready
             }
             (OperatorRequest::Start, State::Ready) | (OperatorRequest::Resume, State::Hold) => State::Running,
@@ -242,17 +254,38 @@ impl Supervisor {
     /// One tick of the weights. Needed while it is not [`Supervisor::steady`].
     pub fn advance(&mut self, ramps: Ramps) {
         match self.state {
-            State::Off | State::Ready => self.test_weight = 0.0,
-            State::Running => self.test_weight = up(self.test_weight, ramps.test),
-            State::Hold => self.test_weight = down(self.test_weight, ramps.test),
+            State::Off | State::Ready => self.fade_anew(),
+            State::Running if self.left < 1.0 => self.fade_out(ramps.test),
+            State::Running => self.risen = up(self.risen, ramps.test),
+            State::Hold => self.fade_out(ramps.test),
             State::RampDown => {
-                self.test_weight = down(self.test_weight, ramps.test);
-                if self.test_weight <= 0.0 {
+                self.fade_out(ramps.test);
+                if self.risen <= 0.0 {
                     self.enter(State::Ready);
                 }
             }
-            State::Tripped => self.command = down(self.command, ramps.safe),
+            State::Tripped => {
+                self.fade_anew();
+                self.command = down(self.command, ramps.safe);
+            }
         }
         self.settle();
+    }
+
+    /// Nothing of the test is let through.
+    fn fade_anew(&mut self) {
+        (self.risen, self.left) = (0.0, 1.0);
+    }
+
+    /// One tick of a fade-out, on top of what may still be fading in.
+    fn fade_out(&mut self, step: f32) {
+        if self.risen <= 0.0 {
+            return;
+        }
+        self.risen = up(self.risen, step);
+        self.left = down(self.left, step);
+        if self.left <= 0.0 {
+            self.fade_anew();
+        }
     }
 }

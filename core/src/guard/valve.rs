@@ -122,7 +122,8 @@ impl ValveMonitor {
         let expected = self.lag.advance(&mut state.velocity, asked);
         let most = self.lag.advance(&mut state.unlimited, wanted.bounded(self.velocity_limit));
         let gain = state.gain.gain(self.gain);
-        self.creep.advance(&mut state.creep, displacement, gain * expected, gain * most);
+        let known = state.gain.is_known(self.gain);
+        self.creep.advance(&mut state.creep, displacement, [expected, most], (gain, known));
         let changed = self.gain.advance(&mut state.gain, wanted, limit, expected, velocity);
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);
         state.unexplained_set = self.keep * state.unexplained_set + self.dt * (velocity - most);
@@ -135,6 +136,6 @@ impl ValveMonitor {
     /// Between two of these: how far the LVDT has crept by what the command does not explain, and whether that is believed.
     #[inline(always)]
     pub fn creep(&self, state: &ValveMonitorState) -> Creep {
-        self.creep.found(&state.creep, state.gain.is_known(self.gain))
+        self.creep.found(&state.creep)
     }
 }

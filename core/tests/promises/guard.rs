@@ -625,7 +625,7 @@ proptest! {
 
     /// Start, hold, resume, stop at any moment: the reference given on never leaps, and ends at a stand.
     #[test]
-    fn every_change_of_state_is_smooth(moments in proptest::array::uniform3(200..1500_u32), frequency in 0.2..2.0f64) {
+    fn every_change_of_state_is_smooth(moments in proptest::array::uniform3(50..1500_u32), frequency in 0.2..2.0f64) {
         let guard = settings(Mode::Controller).guard.map(|guard| GuardSettings {
             valve: ValveMonitorSettings { mismatch: 10.0, ..guard.valve },
             ..guard
@@ -633,7 +633,7 @@ proptest! {
         let settings = Settings { modification: Modification::Off, guard, ..settings(Mode::Controller) };
         let mut controller = Controller::new(&settings).unwrap();
         let [hold, resume, stop] = moments;
-        let (mut last, mut fastest) = (0.0_f32, 0.0_f32);
+        let (mut last, mut before, mut fastest, mut sharpest) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
         for k in 0..hold + resume + stop + 1200 {
             let t = f64::from(k) * 1e-3;
             let reference = 0.05 * (1.0 + (std::f64::consts::TAU * frequency * t).sin());
@@ -641,7 +641,11 @@ proptest! {
             if k > 1 {
                 fastest = fastest.max((command.reference - last).abs());
             }
-            last = command.reference;
+            // From three ticks of the armed table on.
+            if k > 3 {
+                sharpest = sharpest.max((command.reference - 2.0 * last + before).abs());
+            }
+            (before, last) = (last, command.reference);
             let request = match k {
                 0 => Some(OperatorRequest::Arm),
                 1 => Some(OperatorRequest::Start),
@@ -658,6 +662,10 @@ proptest! {
         // The reference's own speed, and 0.1 m faded over 0.5 s at 1.5 times the mean rate.
         let bound = 0.05 * std::f64::consts::TAU * frequency + 1.5 * 0.1 / 0.5;
         prop_assert!(f64::from(fastest) < 1e-3 * bound * 1.05 + 1e-5, "{fastest}");
+        // Its own acceleration, twice its speed at the fade's, and 0.1 m of two fades at once: 6 / T^2 each and 1.5 / T by 1.5 / T.
+        let w = std::f64::consts::TAU * frequency;
+        let bound = 0.05 * w * w + 2.0 * 0.05 * w * 3.0 + 0.1 * (2.0 * 24.0 + 2.0 * 9.0);
+        prop_assert!(f64::from(sharpest) < 1e-6 * bound * 1.05 + 1e-7, "{sharpest}");
     }
 }
 

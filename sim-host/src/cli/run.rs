@@ -7,7 +7,7 @@ use super::output::{Outputs, tell};
 use super::places::place;
 use super::source::{Source, Text, plausible};
 use super::written::provenance;
-use super::{Failure, described, failure, indices, present, progress};
+use super::{Failure, described, failure, indices, present, progress, unseen};
 use clap::ValueEnum;
 use serde_json::json;
 use shakedown::closed_loop::named;
@@ -364,6 +364,9 @@ pub(super) fn result(scenario: Scenario) -> Result<serde_json::Value, Failure> {
 /// Runs the test, prints its figures, writes `--json`, `--trace` and `--report`.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let Ready { scenario, described, setup } = ready(args.scenario()?)?;
+    if scenario.settings.is_some() {
+        unseen::say_unseen(&setup.settings);
+    }
     let outcome = test(motion(&scenario, &args.source.text, &setup)?, &setup)?;
     if !args.outputs.quiet() {
         present::print_section(&page::figures_section(&outcome, &setup));

@@ -13,10 +13,10 @@ use std::collections::VecDeque;
 pub const STROKE: f64 = 0.12;
 /// Room that the envelope keeps free at each end, m; a table beyond it has made an excursion.
 pub const MARGIN: f64 = 0.005;
-/// Largest acceleration within the envelope, m/s2, and over how long it is averaged, s: as long as it may persist.
+/// Largest acceleration within the envelope, m/s2.
 const ROUGH: f64 = 30.0;
-/// The same, s.
-pub const SHAKEN: f64 = 0.02;
+/// How long it may last, s: the guard lets it persist for 20 ms, sees it through a lag of 6 ms, and judges it at every third tick.
+pub const SHAKEN: f64 = 0.029;
 /// Ticks by which a rate below 1 kHz may make a report later: three until a monitor's next turn, and one.
 const TURNS: f64 = 4.0;
 /// A table stands a while after a trip when it is slower than this, m/s.

@@ -9,6 +9,7 @@ use super::{failed, proof};
 use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
+use crate::cli::unseen::say_unseen;
 use shakedown::device::{PROOF_TEST, Port, Session};
 use shakedown_core::link::HostRequest;
 use std::fmt::Write as _;
@@ -68,6 +69,7 @@ impl Commission {
         print("Hydraulics off. Enter goes on; `stop` ends, and keeps what was measured so far.\n");
         let mut text = String::from("# What the first steps of the commissioning guide measured.\n");
         say_overdue(session)?;
+        say_unseen(&session.setup().map_err(failed)?.control);
         let ended = options::compare(session, &mut text)
             .and_then(|()| Self::dry(session, &mut text))
             .and_then(|all| if all { self.oil(session, &mut text) } else { Ok(()) });

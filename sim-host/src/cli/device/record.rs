@@ -5,6 +5,7 @@ use super::{failed, page, proof, setup};
 use crate::cli::checked::Checked;
 use crate::cli::output::{Outputs, print};
 use crate::cli::reference::resampled;
+use crate::cli::unseen::say_unseen;
 use crate::cli::{Failure, progress};
 use serde_json::{Value, json};
 use shakedown::device::{Drive, Kept, PROOF_TEST, Port, Recorder, RecorderError, Session};
@@ -69,6 +70,7 @@ impl Run {
             Some(file) => setup::read(file)?,
             None => session.setup().map_err(failed)?,
         };
+        say_unseen(&setup.control);
         let Planned { mut drive, what, total } = self.planned(&setup)?;
         if !self.without_proof_test && setup.wiring.source != Source::Rehearsal {
             proof::asked(Path::new(PROOF_TEST))?;

@@ -4,6 +4,7 @@ use super::failed;
 use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
+use crate::cli::unseen::say_unseen;
 use shakedown::device::{Port, Session};
 use shakedown::files::{bounded, wording};
 use shakedown_core::link::{HostRequest, Setup};
@@ -43,6 +44,7 @@ pub(super) struct Set {
 impl Set {
     pub(super) fn run(&self, session: &mut Session<Port>) -> Result<(), Failure> {
         let setup = read(&self.file)?;
+        say_unseen(&setup.control);
         session.order(&HostRequest::WriteSetup(setup)).map_err(failed)?;
         if self.save {
             session.order(&HostRequest::Save).map_err(failed)?;

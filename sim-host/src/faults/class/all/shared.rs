@@ -34,7 +34,7 @@ pub(super) const SHARED: &[Class] = &[
     Class::new(
         "shared-lvdt-short",
         "an LVDT shared with the loop behind the device: a short, reads the middle",
-        Inside,
+        Aided,
         |d| Fault::Shared(Spoil::Short(d.scale(1e-5, 1e-4))),
     ),
     Class::new(
