@@ -7,7 +7,7 @@ pub(crate) mod twin;
 #[allow(unused_imports, reason = "each test uses its part")]
 pub(crate) use shakedown_replay::{bench, bench::near_field, seen};
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use shakedown_core::Mode;
 use shakedown_core::link::Setup;
@@ -45,7 +45,9 @@ pub(crate) fn tool() -> PathBuf {
 
 /// Where cargo puts what it builds: beside the sources, or wherever its configuration says.
 fn target() -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join("..").canonicalize().unwrap()
+    // target/PROFILE/deps/test, or target/PROFILE/examples/example
+    let here = std::env::current_exe().unwrap();
+    here.ancestors().nth(3).unwrap().to_owned()
 }
 
 /// The setup for a mode: the paper's gains, every part of the core at work.
