@@ -228,8 +228,8 @@ impl Args {
             present::print_section(&page::given_up(answer));
         }
         let mut json = answer.json();
-        if let (Some(object), Some(out)) = (json.as_object_mut(), &self.out) {
-            object.insert("out".into(), out.display().to_string().into());
+        if let Some(object) = json.as_object_mut() {
+            object.insert("out".into(), self.out.as_ref().map(|out| out.display().to_string()).into());
         }
         self.outputs.write_json(json, inputs)?;
         // Its spectra take longer than some fits.
