@@ -12,7 +12,7 @@ const TOOLS: &str = "target/tools";
 /// Where the book is put.
 const BOOK: &str = "target/book";
 /// Where it is written.
-const SOURCE: &str = "docs/tutorial";
+pub(crate) const SOURCE: &str = "docs/tutorial";
 
 /// The chore.
 pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
@@ -55,6 +55,6 @@ fn whole(source: &Path, book: &Path) -> Result<usize, Problem> {
 }
 
 /// What the lines of a Markdown text link to, where a line ends with its link.
-fn links(text: &str) -> impl Iterator<Item = &str> {
+pub(crate) fn links(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter_map(|line| line.split_once("](")?.1.strip_suffix(')'))
 }

@@ -104,7 +104,7 @@ fn held(played: &Played, args: &Args) -> Result<Vec<Figure>, Failure> {
     let find = |name: &str| played.cases.iter().find(|case| case.name == name);
     let (Some(el_centro), Some(kobe)) = (find(FILES[0].0), find(FILES[1].0)) else {
         let Some(folder) = args.records.as_ref().filter(|_| args.limits_only) else { return Ok(Vec::new()) };
-        let need = "no file of El Centro and Kobe: --figures needs files whose names hold IELC180 and KJM000";
+        let need = "no file of El Centro and Kobe: --limits-only needs files whose names hold IELC180 and KJM000";
         return Err(Failure::Input(format!("{}: {need}", folder.display())));
     };
     let spinner = progress::spinner("figures with acceptance limits".into());

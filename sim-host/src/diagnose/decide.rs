@@ -32,7 +32,7 @@ pub fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, Simulate
     for grown in &search.grown {
         let mut size = grown.par_iter().take(JUDGED).map(judged).collect::<Result<Vec<_>, _>>()?;
         let rank = Ranking::new(&before, &size);
-        size.sort_by(|a, b| rank.cost(a).total_cmp(&rank.cost(b)));
+        rank.sort(&mut size);
         if let Some(best) = size.first_mut() {
             *best = refined(best.clone(), weighing)?;
         }
@@ -101,7 +101,7 @@ pub(super) fn weigh(
         candidates.push(after.clone());
     }
     let ranking = Ranking::new(&before, &candidates);
-    candidates.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
+    ranking.sort(&mut candidates);
     let follows = follows(weighing, &after)?;
     let quiet = follows.noise(&after);
     let (mut unlisted, mut unlisted_probability) = beyond(accounted(weighing, &before, &after)?, &after, quiet);

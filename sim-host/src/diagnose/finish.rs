@@ -39,7 +39,7 @@ pub(super) fn refined(after: Judged, weighing: &Weighing) -> Result<Judged, Simu
 pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
     let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
     let ranking = Ranking::new(before, &all);
-    all.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
+    ranking.sort(&mut all);
     // Nor do two effects make sense of which one is a case of the other: they stand for something beside the one.
     let redundant = |judged: &Judged| judged.fit.model.is_redundant();
     let strange = all.first().is_some_and(|first| strained(first) || redundant(first));

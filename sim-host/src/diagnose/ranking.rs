@@ -53,7 +53,14 @@ impl Ranking {
         self.misfit(judged) + CALIBRATION.parameter_price * parameters(judged)
     }
 
-    /// The same with no more of a price than what a parameter gains by chance.
+    /// Puts models in order, the one that least speaks against first.
+    pub(super) fn sort(&self, models: &mut Vec<Judged>) {
+        let mut costed: Vec<(f64, Judged)> = models.drain(..).map(|judged| (self.cost(&judged), judged)).collect();
+        costed.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        models.extend(costed.into_iter().map(|(_, judged)| judged));
+    }
+
+    /// What speaks against a model with no more of a price than what a parameter gains by chance.
     pub(super) fn bare_cost(&self, judged: &Judged) -> f64 {
         self.misfit(judged) + 2.0 * parameters(judged)
     }

@@ -64,7 +64,7 @@ fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<Judged>) -> R
     let before = &decision.before;
     let present = &decision.after;
     let ranking = Ranking::new(before, found.iter().chain([present]));
-    found.sort_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b)));
+    ranking.sort(found);
     let mut seen: Vec<Vec<&'static str>> = Vec::new();
     found.retain(|judged| {
         let new = !seen.contains(&judged.added);

@@ -1,6 +1,5 @@
 //! What the library does not hold, modelled: the curve that foresees best, in the coordinate it follows.
 
-use super::departure::Departure;
 use super::finish::without;
 use super::judged::{Judged, explains_a_channel};
 use super::split::Weighing;
@@ -82,9 +81,7 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
     looks.extend(alone);
     let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<Judged, SimulateError> {
         fit.improve(weighing.fitted(), FULL)?;
-        let hold = weighing.score(&fit)?;
-        let departure = Departure::of(weighing.model(), &fit);
-        Ok(Judged { fit, hold, added, probability: 0.0, departure })
+        Ok(Judged { added, ..Judged::of(fit, weighing)? })
     };
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));

@@ -166,21 +166,25 @@ impl Fit {
 
     /// Covariance of the free shared parameters' coordinates; none where the data do not determine them.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
-        let shared = self.model.values().filter(|v| v.free).count();
-        Some(covariance(&self.normal)?.view((0, 0), (shared, shared)).into_owned())
+        Some(self.shared(&covariance(&self.normal)?))
     }
 
     /// Inverse of the curvature of the squares by the free shared values' coordinates, all else fitted along; none where the data do not
     /// determine them.
     pub fn spread(&self) -> Option<DMatrix<f64>> {
-        let shared = self.model.values().filter(|v| v.free).count();
-        Some(self.normal.inverse()?.view((0, 0), (shared, shared)).into_owned())
+        Some(self.shared(&self.normal.inverse()?))
+    }
+
+    /// The part of a matrix over all coordinates that belongs to the free shared values.
+    fn shared(&self, all: &DMatrix<f64>) -> DMatrix<f64> {
+        let count = self.model.values().filter(|v| v.free).count();
+        all.view((0, 0), (count, count)).into_owned()
     }
 
     /// By how much colour and misfit of the residuals widen each free shared coordinate's variance against white noise
     /// of the stated size; none where the data do not determine them.
     pub fn inflation(&self) -> Option<Vec<f64>> {
-        let (robust, white) = (self.covariance()?, self.normal.inverse()?);
+        let (robust, white) = (self.covariance()?, self.spread()?);
         Some((0..robust.nrows()).map(|i| robust[(i, i)] / white[(i, i)]).collect())
     }
 

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::book;
 use crate::output::say;
 use crate::shell::{Problem, command, read, run as execute, top, works};
 use sha2::{Digest as _, Sha256};
@@ -192,13 +193,12 @@ fn tried(system: &System, file: &Path) -> Result<String, Problem> {
 
 /// The commands of the tutorial's first chapters.
 fn tutorial() -> Result<Vec<String>, Problem> {
-    let source = top().join("docs/tutorial/src");
+    let source = top().join(book::SOURCE).join("src");
     let text =
         |name: &str| std::fs::read_to_string(source.join(name)).map_err(|e| Problem::Failed(format!("{name}: {e}")));
     let summary = text("SUMMARY.md")?;
-    let chapters = summary.lines().filter_map(|line| line.split_once("](")?.1.strip_suffix(')'));
     let mut commands = Vec::new();
-    for chapter in chapters.take(TRIED) {
+    for chapter in book::links(&summary).take(TRIED) {
         commands.extend(text(chapter)?.lines().filter_map(|line| line.strip_prefix("$ ")).map(str::to_owned));
     }
     Ok(commands)

@@ -41,9 +41,8 @@ pub(super) fn raised_acceleration(
 ) -> Option<Vec<f64>> {
     let (burst, wanted) = lacking(acceleration, dt, standard, required)?;
     let at = places(acceleration, burst.reach).into_iter().next()?;
-    let (first, size) = burst.size(acceleration, at, wanted);
     let mut made = acceleration.to_vec();
-    made[first..].iter_mut().zip(&burst.samples).for_each(|(made, [_, _, a])| *made += size * a);
+    burst.add(&mut made, 2, burst.size(acceleration, at, wanted));
     Some(made)
 }
 
@@ -108,13 +107,18 @@ impl Burst {
     /// The motion with the burst about a sample, where the acceleration becomes `wanted`, its sign kept.
     fn laid(&self, motion: &Motion, at: usize, wanted: f64) -> Motion {
         let mut made = motion.clone();
-        let (first, size) = self.size(&motion.acceleration, at, wanted);
-        for (i, [x, v, a]) in (first..).zip(&self.samples) {
-            made.displacement[i] += size * x;
-            made.velocity[i] += size * v;
-            made.acceleration[i] += size * a;
+        let size = self.size(&motion.acceleration, at, wanted);
+        for (column, signal) in
+            [&mut made.displacement, &mut made.velocity, &mut made.acceleration].into_iter().enumerate()
+        {
+            self.add(signal, column, size);
         }
         made
+    }
+
+    /// Adds displacement, velocity or acceleration of the burst, by its column, from a sample on.
+    fn add(&self, signal: &mut [f64], column: usize, (first, size): (usize, f64)) {
+        signal[first..].iter_mut().zip(&self.samples).for_each(|(value, sample)| *value += size * sample[column]);
     }
 
     /// Sample at which the burst about a sample begins, and its peak, m/s2.
