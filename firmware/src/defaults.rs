@@ -13,8 +13,8 @@ use crate::limits::Limits;
 
 /// A processor of 168 MHz with the converters on the chip, which sum up 16 scans of 12 bits. At 5 kHz a tick has 33,600 cycles: 5.6 for each of
 /// the 6,000 instructions that one with the relay closed takes at most, where five wait states at every fetch of a line make 6 for one that
-/// needs a line of its own; and 3.5 for each of those of a tick that empties a preview's memory, nearly all of which are one loop
-/// (`tests/replay/tests/cost.rs` has both).
+/// needs a line of its own; and at least 3.5 for each of those of a tick that empties a preview's memory, which with
+/// the relay open takes more where the compiler makes a loop of it (`tests/replay/tests/cost.rs` has both).
 pub const LIMITS: Limits = Limits { full_scale: 4095 * SCANS as u16, highest_rate: 5000 };
 
 /// The wiring.
