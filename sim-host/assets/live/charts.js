@@ -56,7 +56,7 @@ const charts = (() => {
     grid: { stroke: () => paint("--grid"), width: 1 },
     ticks: { stroke: () => paint("--axis"), width: 1, size: 4 },
     font: "12px system-ui, sans-serif",
-    size: 46,
+    size: 54,
     ...extra,
   });
 
