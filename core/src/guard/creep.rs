@@ -5,22 +5,24 @@
 //! s[k] = max(0, s[k-1] + (f[k] - f[k-1]) - dt g w - dt n)          way beyond the command and an unknown null, m
 //! h[k] = h[k-1] + 2 dt n while s > 0, else 0                       most that such a null has hidden meanwhile, m
 //! m[k] = m[k-1] + dt w,   e[k] = e[k-1] + dt g w                   the same for s > 0 while g is not known yet, else 0, m
+//! b[k] = b[k-1] + dt w                                             of m, while there is no g at all and 1 stands for it, m
 //! d1 = s + e - max(g1 m, g2 m),   d2 = s + h + e - min(g1 m, g2 m) least and farthest that it has crept, m
+//! d3 = s + b - max(g1 b, g2 b)                                     least if g is right as far as there is one, m
 //! ```
 //! and the same for the other direction with x and w turned. w is the velocity that the model makes of the command (m/s), g the
 //! table's gain as learned since arming, V the velocity limit that is set, n the largest even speed that an error of the null bias
-//! makes, g1 and g2 the least and the largest gain of a table that the model is still good for. An LVDT that has crept by d since s left
-//! zero shows s <= d <= s + h if g is right: the table is nowhere beyond x - s - h. From `s > mismatch` on, half of it where s left zero
-//! with g known, it trips where the envelope, with its stopping distance, would not let the table be there. An LVDT that creeps while g is
-//! learned spoils g: a loop that carries the table along under a reading that stands makes it look a slow table, which explains
-//! the creep. So where `d1 > mismatch`, which no gain explains, the table may be as far as x - d2, and it trips for that.
+//! makes, g1 and g2 the least and the largest gain of a table that the model is still good for. An LVDT that creeps while g is learned
+//! spoils g: a loop that carries the table along under a reading that stands makes it look a slow table, which explains the creep.
+//! So it has crept where `d3 > mismatch`, half of that where no g that is only an estimate had a part in it, and where `d1 > mismatch`,
+//! which no gain explains; and however far it has, the table is nowhere beyond x - d2. It trips where the envelope, with its stopping
+//! distance, would not let the table be there.
 //! Up to that, and up to an even 2 n, a creep is not distinguished from the errors of model and null.
 //!
 //! Beyond 2 `mismatch` it trips wherever the table may be, if s says so under the limit in force as well as under the one that is set:
 //! a table that does less than it is told looks saturated, and one whose limit was estimated lower than it is moves beyond it. An LVDT
 //! that creeps against its motion looks saturated too, so for where the table may be only the one that is set counts.
 
-use super::gain::BELIEVED;
+use super::gain::{BELIEVED, Gain};
 use crate::math::{max, min};
 use crate::scalar::Scalar;
 
@@ -70,34 +72,40 @@ pub(super) struct CreepState {
     down: Beyond,
 }
 
-/// Way beyond the command, and what of a creep the model may have explained away meanwhile.
+/// Way beyond the command, and what of a creep the model may have explained away meanwhile; all m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Beyond {
-    /// m.
     way: f32,
-    /// By an unknown null, m.
+    /// By an unknown null.
     hidden: f32,
-    /// What the command moved the table while its gain was being learned.
-    unsure: Option<Moved>,
-}
-
-/// Way that a command asked for, m: at a gain of 1, and at the one learned so far.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Moved {
+    /// What the command asked for at a gain of 1 while the gain was not known: in all, by the gain learned so far, and while there was none.
     asked: f32,
     learned: f32,
+    blind: f32,
+}
+
+/// What the model makes of a command: way at a gain of 1, m, and the gain.
+#[derive(Debug, Clone, Copy)]
+struct Move {
+    asked: f32,
+    gain: Gain,
 }
 
 impl Beyond {
-    /// One turn: `step` of the LVDT (m), what the command `asked` for at a gain of 1 (m), the `gain` (1), and whether it is known.
+    /// One turn: `step` of the LVDT and way of an unknown `null` (m), and what the command moved the table.
     #[inline]
-    fn advance(&mut self, null: f32, step: f32, asked: f32, gain: f32, known: bool) {
-        self.way += step - gain * asked - null;
+    fn advance(&mut self, null: f32, step: f32, Move { asked, gain }: Move) {
+        let learned = gain.value() * asked;
+        self.way += step - learned - null;
         if self.way > 0.0 {
             self.hidden += 2.0 * null;
-            if !known {
-                let moved = self.unsure.unwrap_or_default();
-                self.unsure = Some(Moved { asked: moved.asked + asked, learned: moved.learned + gain * asked });
+            match gain {
+                Gain::Known(_) => {}
+                Gain::Estimated(_) => (self.asked, self.learned) = (self.asked + asked, self.learned + learned),
+                Gain::Unknown => {
+                    (self.asked, self.learned, self.blind) =
+                        (self.asked + asked, self.learned + learned, self.blind + asked);
+                }
             }
         } else {
             *self = Self::default();
@@ -105,19 +113,17 @@ impl Beyond {
     }
 
     /// How far the LVDT may have crept, m, if it has at all: if the gain as learned leaves more than the `mismatch` (m) unexplained,
-    /// half of it where it was known; farther if whatever gain the model is still good for leaves that.
+    /// half of it where no estimate of the gain had a part in it, or whatever gain the model is still good for does.
     #[inline]
     fn farthest(&self, mismatch: f32) -> Option<f32> {
-        let Some(Moved { asked, learned }) = self.unsure else {
-            return (self.way > 0.5 * mismatch).then_some(self.way + self.hidden);
-        };
-        let ends = (BELIEVED.0 * asked, BELIEVED.1 * asked);
-        let way = self.way + learned;
-        if way - max(ends.0, ends.1) > mismatch {
-            Some(self.hidden + way - min(ends.0, ends.1))
-        } else {
-            (self.way > mismatch).then_some(self.way + self.hidden)
-        }
+        let ways = |moved: f32| (BELIEVED.0 * moved, BELIEVED.1 * moved);
+        let (low, high) = ways(self.asked);
+        let (blind_low, blind_high) = ways(self.blind);
+        let way = self.way + self.learned;
+        let whatever = way - max(low, high);
+        let as_learned = self.way + self.blind - max(blind_low, blind_high);
+        let enough = if self.asked == self.blind { 0.5 * mismatch } else { mismatch };
+        (whatever > mismatch || as_learned > enough).then_some(self.hidden + way - min(low, high))
     }
 }
 
@@ -129,23 +135,17 @@ impl CreepWitness {
     }
 
     /// One turn: displacement (m), the velocity that the command asks for under the limit in force and under the one that is set
-    /// (m/s), and the table's gain as learned (1), with whether it is known.
+    /// (m/s), and the table's gain as learned.
     #[inline(always)]
-    pub(super) fn advance(
-        &self,
-        state: &mut CreepState,
-        displacement: f32,
-        [in_force, most]: [f32; 2],
-        (gain, known): (f32, bool),
-    ) {
+    pub(super) fn advance(&self, state: &mut CreepState, displacement: f32, [in_force, most]: [f32; 2], gain: Gain) {
         let followed = state.followed.unwrap_or(displacement);
         let step = (displacement - followed).bounded(self.step);
         state.followed = Some(followed + step);
-        let unexplained = step - self.dt * gain * in_force;
+        let unexplained = step - self.dt * gain.value() * in_force;
         let [up, down] = state.in_force;
         state.in_force = [max(0.0, up + unexplained - self.null), max(0.0, down - unexplained - self.null)];
-        state.up.advance(self.null, step, self.dt * most, gain, known);
-        state.down.advance(self.null, -step, -self.dt * most, gain, known);
+        state.up.advance(self.null, step, Move { asked: self.dt * most, gain });
+        state.down.advance(self.null, -step, Move { asked: -self.dt * most, gain });
     }
 
     /// Between two of these: how far the LVDT has crept.

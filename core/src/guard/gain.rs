@@ -27,6 +27,28 @@ const CHANGE: f32 = 0.25;
 /// Gains of a table that the model is still good for, 1.
 pub(super) const BELIEVED: (f32, f32) = (0.65, 1.35);
 
+/// The gain by which a table does what the model says, 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Gain {
+    /// Nothing has been learned of it.
+    Unknown,
+    /// As far as it has been learned.
+    Estimated(f32),
+    /// Learned.
+    Known(f32),
+}
+
+impl Gain {
+    /// The best guess at it, 1.
+    #[inline]
+    pub(super) fn value(self) -> f32 {
+        match self {
+            Self::Unknown => 1.0,
+            Self::Estimated(gain) | Self::Known(gain) => gain,
+        }
+    }
+}
+
 /// The witness's configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GainWitness {
@@ -85,17 +107,17 @@ impl GainWitness {
 }
 
 impl GainState {
-    /// The gain by which the table does what the model says, 1: as far as it has been learned, for which an eighth of the time is
-    /// enough.
+    /// The gain by which the table does what the model says: an estimate from an eighth of the time on.
     #[inline]
-    pub(super) fn gain(&self, witness: GainWitness) -> f32 {
-        if self.turns >= witness.learn / 8 { self.first.within(BELIEVED.0, BELIEVED.1) } else { 1.0 }
-    }
-
-    /// Whether it has been learned.
-    #[inline]
-    pub(super) fn is_known(&self, witness: GainWitness) -> bool {
-        self.turns >= witness.learn
+    pub(super) fn gain(&self, witness: GainWitness) -> Gain {
+        let first = self.first.within(BELIEVED.0, BELIEVED.1);
+        if self.turns >= witness.learn {
+            Gain::Known(first)
+        } else if self.turns >= witness.learn / 8 {
+            Gain::Estimated(first)
+        } else {
+            Gain::Unknown
+        }
     }
 
     #[inline]

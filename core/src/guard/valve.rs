@@ -122,8 +122,7 @@ impl ValveMonitor {
         let expected = self.lag.advance(&mut state.velocity, asked);
         let most = self.lag.advance(&mut state.unlimited, wanted.bounded(self.velocity_limit));
         let gain = state.gain.gain(self.gain);
-        let known = state.gain.is_known(self.gain);
-        self.creep.advance(&mut state.creep, displacement, [expected, most], (gain, known));
+        self.creep.advance(&mut state.creep, displacement, [expected, most], gain);
         let changed = self.gain.advance(&mut state.gain, wanted, limit, expected, velocity);
         state.unexplained = self.keep * state.unexplained + self.dt * (velocity - expected);
         state.unexplained_set = self.keep * state.unexplained_set + self.dt * (velocity - most);

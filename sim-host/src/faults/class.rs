@@ -67,8 +67,9 @@ pub enum Clock {
     Displacement(f64),
     /// The mean accelerometer reading over 50 ms is wrong by more than this, m/s2.
     Acceleration(f64),
-    /// The table has gone this way, m, that its command does not explain.
-    Valve(f64),
+    /// The table has gone a way that its command does not explain: this far within 0.2 s, m, or this far in all beyond what an unknown
+    /// null of the valve may make, m.
+    Valve(f64, f64),
     /// The table is this far, m, from where it would have been without the fault.
     Deviation(f64),
 }
@@ -76,6 +77,10 @@ pub enum Clock {
 /// Room that a reference leaves at either end of the stroke where the model has to tell where the table is, m: what its errors hide
 /// of an LVDT's creep, stopping and margin.
 pub const ROOM: f64 = 0.04;
+
+/// How far an LVDT has to outrun what an unknown null of the valve hides before the valve command contradicts it, m:
+/// `valve.mismatch`.
+pub const OUTRUN: f64 = 0.02;
 
 /// What the hazard table promises of a class.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +93,8 @@ pub enum Promise {
     Harmless(f64),
     /// The table obeys, and stays inside its stroke.
     Inside,
-    /// The same, by the valve command and the model alone where the reference leaves [`ROOM`] at either end.
+    /// The same, by the valve command and the model alone where the reference leaves [`ROOM`] at either end and the LVDT goes wrong so
+    /// fast that they can tell.
     Roomy,
     /// The same where limit switches or a second displacement sensor are fitted: nothing else that the device reads contradicts
     /// the LVDT. Without them what becomes of it is measured.
@@ -119,7 +125,12 @@ impl std::fmt::Display for Clock {
             Self::Onset => f.write_str("its start"),
             Self::Displacement(least) => write!(f, "the LVDT being {} mm wrong", mm(least)),
             Self::Acceleration(least) => write!(f, "the accelerometer being {least} m/s2 wrong"),
-            Self::Valve(least) => write!(f, "{} mm of travel that no command explains", mm(least)),
+            Self::Valve(lately, all) => write!(
+                f,
+                "{} mm of travel in 200 ms, or {} mm in all beyond 8 mm/s, that no command explains",
+                mm(lately),
+                mm(all)
+            ),
             Self::Deviation(least) => write!(f, "the table straying {} mm", mm(least)),
         }
     }
@@ -135,7 +146,12 @@ impl std::fmt::Display for Promise {
             Self::Harmless(most) => write!(f, "strays at most {} mm, or reported", (1e3 * most).round()),
             Self::Inside => f.write_str("stays inside its stroke"),
             Self::Roomy => {
-                write!(f, "stays inside its stroke; the guard alone where the reference leaves {:.0} mm", 1e3 * ROOM)
+                write!(
+                    f,
+                    "stays inside its stroke; the guard alone where the reference leaves {:.0} mm and the LVDT outruns 8 mm/s by {:.0} mm",
+                    1e3 * ROOM,
+                    1e3 * OUTRUN
+                )
             }
             Self::Aided => f.write_str("stays inside its stroke with limit switches or a second displacement sensor"),
             Self::Measured => f.write_str("nothing: measured"),

@@ -3,7 +3,8 @@
 //! A run is a number under a seed, as in the campaign: a table, a mode with its law, and a record or a sine. Sines go up to nine
 //! tenths of what the envelope allows and the table can: 27 m/s2, 0.22 m/s, 80 mm. An existing controller in front of a guard
 //! feeds the velocity forward there, so that the table does reach them; where that meets an oil column's resonance, the sine is
-//! as much smaller as the table makes it larger, for a table that leaves its envelope is not healthy.
+//! as much smaller as the table makes it larger, for a table that leaves its envelope is not healthy. What still does, under a law
+//! whose model is not quite the table's, is counted by itself.
 
 use super::case::{Beside, Case, LENGTH, REST};
 use super::class::CLASSES;
@@ -11,6 +12,7 @@ use super::dice::Dice;
 use super::machine::{Oil, Table};
 use super::motions::Motions;
 use super::rig::{self, RigError};
+use super::watcher::ROUGH;
 use nalgebra::Complex;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -45,6 +47,8 @@ pub struct Healthy {
     pub farthest_m: f64,
     /// Why it tripped, or `not armed`.
     pub tripped: Option<String>,
+    /// Whether the table left the envelope by itself, beyond [`ROUGH`]: a test that is not healthy, and a guard that trips is right.
+    pub beyond: bool,
 }
 
 /// The healthy run `number` of `seed`: as the campaign deals its runs without a fault, and half of them sines instead of records.
@@ -123,6 +127,7 @@ fn judge_case(case: &Case, sine_hz: Option<f64>) -> Result<Healthy, RigError> {
         acceleration,
         farthest_m: seen.iter().fold(0.0, |most, tick| most.max(tick.x.abs())),
         tripped: trip.or_else(|| (!ran).then(|| "not armed".into())),
+        beyond: acceleration > ROUGH,
     })
 }
 

@@ -42,6 +42,8 @@ pub struct Summary {
     pub rows: Vec<Row>,
     /// Runs that broke a promise.
     pub failed: Vec<Outcome>,
+    /// Runs that the guard ended before their fault, for what was so: nothing is learned of the fault.
+    pub ended: u64,
 }
 
 const KINDS: [Broken; 6] =
@@ -53,7 +55,8 @@ impl Summary {
         let rows = CLASSES.iter().map(|class| row(class, outcomes)).filter(|row| row.runs > 0).collect();
         let mut failed: Vec<Outcome> = outcomes.iter().filter(|o| !o.broken.is_empty()).cloned().collect();
         failed.sort_by_key(|o| o.run);
-        Self { runs: outcomes.len() as u64, rows, failed }
+        let ended = outcomes.iter().filter(|o| o.ended).count() as u64;
+        Self { runs: outcomes.len() as u64, rows, failed, ended }
     }
 
     /// How many runs broke a promise in this way.
@@ -73,7 +76,7 @@ fn count(outcomes: &[&Outcome]) -> Vec<(Broken, u64)> {
 fn row(class: &Class, outcomes: &[Outcome]) -> Row {
     let of: Vec<&Outcome> = outcomes.iter().filter(|o| o.class == class.id).collect();
     // A run that tripped before its fault says nothing of the fault.
-    let met: Vec<&&Outcome> = of.iter().filter(|o| !o.broken.contains(&Broken::Alarm)).collect();
+    let met: Vec<&&Outcome> = of.iter().filter(|o| !o.ended && !o.broken.contains(&Broken::Alarm)).collect();
     let mut latencies: Vec<f64> = met.iter().filter(|o| o.visible).filter_map(|o| o.latency_s).collect();
     latencies.sort_by(f64::total_cmp);
     let rank = |share: f64| latencies[((share * latencies.len() as f64).ceil() as usize).max(1) - 1];

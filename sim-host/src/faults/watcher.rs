@@ -1,22 +1,23 @@
 //! The independent judge of a run: it knows the truth, the fault and what the class promises, and nothing of how the guard
 //! works.
 
+mod measures;
+mod reach;
+
 use super::case::Case;
-use super::class::{Clock, Fault, Promise, ROOM};
-use super::machine::Break;
+use super::class::{Clock, Fault, OUTRUN, Promise, ROOM};
 use super::rig::{self, AFTER, Pair, RigError, Seen};
+use measures::{HIDDEN, Lately, Outrun, Shaken, Unexplained};
+use reach::{farthest, softened};
 use serde::{Deserialize, Serialize};
-use shakedown_core::{Relay, State};
-use std::collections::VecDeque;
+use shakedown_core::{Mode, Relay, State};
 
 /// Half the table's travel, m.
 pub const STROKE: f64 = 0.12;
 /// Room that the envelope keeps free at each end, m; a table beyond it has made an excursion.
 pub const MARGIN: f64 = 0.005;
 /// Largest acceleration within the envelope, m/s2.
-const ROUGH: f64 = 30.0;
-/// How long it may last, s: the guard lets it persist for 20 ms, sees it through a lag of 6 ms, and judges it at every third tick.
-pub const SHAKEN: f64 = 0.029;
+pub const ROUGH: f64 = 30.0;
 /// Ticks by which a rate below 1 kHz may make a report later: three until a monitor's next turn, and one.
 const TURNS: f64 = 4.0;
 /// A table stands a while after a trip when it is slower than this, m/s.
@@ -41,11 +42,15 @@ pub struct Outcome {
     pub visible: bool,
     /// Farthest from the middle from the fault on, m.
     pub farthest_m: f64,
-    /// Farthest from where it would have been without the fault until it was reported, m.
+    /// Farthest that it was until it was reported, m, both from where it would have been without the fault and from the reference that
+    /// the device reports.
     pub deviation_m: f64,
+    /// Whether the test ended before the fault by what the guard said and was so: the table was at a limit switch, as far from its
+    /// reference as the envelope lets it be, or shook harder than its accelerometer reads.
+    pub ended: bool,
     /// Whether the table left its stroke less the margin, or its stroke where the valve does not obey, promised or not.
     pub outside: bool,
-    /// Largest acceleration of the table and its specimen, mean over [`SHAKEN`], m/s2.
+    /// Largest acceleration of the table and its specimen, mean over `SHAKEN`, m/s2.
     pub acceleration_m_s2: f64,
     /// What was not kept.
     pub broken: Vec<Broken>,
@@ -74,17 +79,21 @@ struct Watcher<'a> {
     /// The run without the fault as well.
     pair: &'a Pair,
     rate: f64,
-    /// Velocity so long ago as accelerations are averaged, m/s.
-    velocities: VecDeque<f64>,
-    acceleration: f64,
+    shaken: Shaken,
+    outrun: Outrun,
+    unexplained: Unexplained,
+    lately: Lately,
     began: Option<f64>,
     started: Option<f64>,
     reported: Option<(f64, String)>,
     relay: Option<f64>,
     farthest: f64,
     deviation: f64,
+    /// The same less what an even [`HIDDEN`] since the onset makes.
+    apparent: f64,
     mean_error: f64,
     alarm: bool,
+    ended: bool,
     moving: bool,
     now: f64,
 }
@@ -118,16 +127,20 @@ impl<'a> Watcher<'a> {
             case,
             pair,
             rate: case.rate(),
-            velocities: VecDeque::new(),
-            acceleration: 0.0,
+            shaken: Shaken::default(),
+            outrun: Outrun::default(),
+            unexplained: Unexplained::default(),
+            lately: Lately::default(),
             began: None,
             started: None,
             reported: None,
             relay: None,
             farthest: 0.0,
             deviation: 0.0,
+            apparent: 0.0,
             mean_error: 0.0,
             alarm: false,
+            ended: false,
             moving: false,
             now: 0.0,
         }
@@ -137,25 +150,34 @@ impl<'a> Watcher<'a> {
     fn see(&mut self, seen: &Seen) -> bool {
         let before = self.now;
         self.now = seen.time;
+        self.lately.see(seen, self.case);
         if seen.tick < self.case.onset {
-            self.alarm = seen.trip.is_some();
+            self.ended = seen.trip.is_some_and(|trip| self.lately.bears_out(trip, self.case));
+            self.alarm = seen.trip.is_some() && !self.ended;
             self.reported = seen.trip.map(|trip| (seen.time, format!("{trip:?}")));
-            return !self.alarm;
+            return seen.trip.is_none();
         }
         let expected = self.pair.expected.get(seen.tick).copied().unwrap_or(seen.state);
         self.began.get_or_insert(before);
         self.farthest = self.farthest.max(seen.x.abs());
-        self.shaken(seen);
-        let off = (seen.x - self.pair.without.get(seen.tick).copied().unwrap_or(seen.x)).abs();
+        self.shaken.see(seen, self.rate);
+        let off = self.off(seen);
+        let hidden = HIDDEN * (seen.time - self.began.unwrap_or(before));
+        self.outrun.see(seen.displacement_error, seen.time - before);
+        self.unexplained.see(seen, seen.time - before, self.rate);
         // A table without oil is hurt by nothing, and nothing is reported of it before somebody wants to arm it.
         if expected != State::Off {
-            self.clock(seen, before, off);
+            self.clock(seen, before, off - hidden);
         }
         if self.reported.is_none() {
             self.reported = report(seen, expected).map(|why| (seen.time, why));
+            if self.case.fault == Fault::None {
+                self.ended = seen.trip.is_some_and(|trip| self.lately.bears_out(trip, self.case));
+            }
         }
         if self.reported.is_none() {
             self.deviation = self.deviation.max(off);
+            self.apparent = self.apparent.max(off - hidden);
         }
         if seen.relay == Relay::Open {
             self.relay.get_or_insert(seen.time);
@@ -169,14 +191,12 @@ impl<'a> Watcher<'a> {
         }
     }
 
-    /// How hard the specimen is shaken.
-    fn shaken(&mut self, seen: &Seen) {
-        self.velocities.push_back(seen.v);
-        if self.velocities.len() as f64 > SHAKEN * self.rate
-            && let Some(before) = self.velocities.pop_front()
-        {
-            self.acceleration = self.acceleration.max((seen.v - before).abs() / SHAKEN);
-        }
+    /// How far the table is from where it would have been, and from where the device says that it is to be, m: a test that is modified
+    /// more than it would have been is reported as such. A guard in front of an existing controller knows no reference.
+    fn off(&self, seen: &Seen) -> f64 {
+        let from = |place: f64| (seen.x - place).abs();
+        let twin = from(self.pair.without.get(seen.tick).copied().unwrap_or(seen.x));
+        if self.case.settings.mode == Mode::Guard { twin } else { twin.min(from(seen.reference)) }
     }
 
     /// Looks whether the clock of the class starts at this tick.
@@ -190,7 +210,7 @@ impl<'a> Watcher<'a> {
                 Clock::Onset => true,
                 Clock::Displacement(least) => seen.displacement_error.abs() > least,
                 Clock::Acceleration(least) => self.mean_error.abs() > least,
-                Clock::Valve(least) => seen.unexplained.abs() > least,
+                Clock::Valve(lately, all) => self.unexplained.exceeds(lately, all),
                 Clock::Deviation(least) => off > least,
             },
             Promise::Harmless(_) | Promise::Inside | Promise::Roomy | Promise::Aided | Promise::Measured => true,
@@ -210,9 +230,10 @@ impl<'a> Watcher<'a> {
         let latency = at.map(|at| (at - from).max(0.0));
         let outside = self.farthest > farthest(self.case);
         let mut broken = Vec::new();
-        if self.alarm || self.case.fault == Fault::None && self.reported.is_some() {
+        let alone = self.case.fault == Fault::None && self.reported.is_some();
+        if self.alarm || alone && !self.ended {
             broken.push(Broken::Alarm);
-        } else {
+        } else if !self.ended {
             broken = self.promises(latency, from, outside);
         }
         Outcome {
@@ -225,8 +246,9 @@ impl<'a> Watcher<'a> {
             visible: self.started.is_some(),
             farthest_m: self.farthest,
             deviation_m: self.deviation,
+            ended: self.ended,
             outside,
-            acceleration_m_s2: self.acceleration,
+            acceleration_m_s2: self.shaken.acceleration,
             broken,
         }
     }
@@ -240,7 +262,7 @@ impl<'a> Watcher<'a> {
         }
         let promised = match promise {
             Promise::Aided => self.case.aided(),
-            Promise::Roomy => self.case.aided() || self.case.peak() <= STROKE - ROOM,
+            Promise::Roomy => self.case.aided() || self.case.peak() <= STROKE - ROOM && self.outrun.farthest > OUTRUN,
             _ => true,
         };
         if outside && promised {
@@ -252,13 +274,13 @@ impl<'a> Watcher<'a> {
                 None if self.now - from > within + self.slack() => broken.push(Broken::Unreported),
                 _ => {}
             },
-            Promise::Harmless(most) if self.deviation > most => broken.push(Broken::Unreported),
+            Promise::Harmless(most) if self.apparent > most => broken.push(Broken::Unreported),
             _ => {}
         }
         if self.moving {
             broken.push(Broken::Moving);
         }
-        if self.acceleration > ROUGH && softened(self.case) {
+        if self.shaken.acceleration > ROUGH && softened(self.case) {
             broken.push(Broken::Rough);
         }
         broken
@@ -268,26 +290,4 @@ impl<'a> Watcher<'a> {
     fn slack(&self) -> f64 {
         0.5 / self.rate + TURNS * (1.0 / self.rate - 1e-3).max(0.0)
     }
-}
-
-/// How far the table may come from the middle, m. A valve that does not obey is stopped by the block alone: the stroke itself is
-/// all that is promised of it.
-fn farthest(case: &Case) -> f64 {
-    let disobeys = |fault: Fault| match fault {
-        Fault::Table(how) | Fault::Behind(how) => match how {
-            Break::Stuck(at) => at != 0.0,
-            Break::Frozen | Break::Bit(..) => true,
-            Break::Supply(_) | Break::Payload { .. } => false,
-        },
-        _ => false,
-    };
-    let disobeyed = disobeys(case.fault) || case.second.is_some_and(|(fault, _)| disobeys(fault));
-    if disobeyed { STROKE } else { STROKE - MARGIN }
-}
-
-/// Whether a command softens what the specimen feels: none does where the loop behind the device follows a broken wire, the valve
-/// nothing, or a payload knocks.
-fn softened(case: &Case) -> bool {
-    let knocks = matches!(case.fault, Fault::Table(Break::Payload { .. }));
-    !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !knocks
 }

@@ -16,15 +16,16 @@ pub(super) fn healthy(args: &Args, runs: u64, motions: &Motions) -> Result<(), F
     let bar = progress::bar(runs, "tests");
     let all = run(args.seed, runs, motions, &|n| bar.inc(n)).map_err(|e| Failure::Work(e.to_string()))?;
     bar.finish_and_clear();
+    let (beyond, all): (Vec<Healthy>, Vec<Healthy>) = all.into_iter().partition(|one| one.beyond);
     let tripped: Vec<&Healthy> = all.iter().filter(|one| one.tripped.is_some()).collect();
     let bound = upper(tripped.len(), all.len());
-    let sections = vec![section(&all, &tripped, bound)];
+    let sections = vec![section(&all, &tripped, (bound, beyond.len()))];
     if !args.outputs.quiet() {
         sections.iter().for_each(present::print_section);
     }
     let json = json!({
         "schema": "shakedown.healthy/1", "seed": args.seed, "runs": all.len(), "trips": tripped.len(), "bound_95": bound,
-        "tripped": tripped,
+        "tripped": tripped, "beyond_envelope": beyond,
     });
     args.outputs.write_json(json, &motions.files)?;
     let lead = format!("{} tests with nothing wrong, {} of them tripped.", all.len(), tripped.len());
@@ -39,12 +40,13 @@ pub(super) fn healthy(args: &Args, runs: u64, motions: &Motions) -> Result<(), F
     }
 }
 
-fn section(all: &[Healthy], tripped: &[&Healthy], bound: f64) -> Section {
+fn section(all: &[Healthy], tripped: &[&Healthy], (bound, beyond): (f64, usize)) -> Section {
     let tile = |name: &str, value: String| (name.to_owned(), value);
     let tiles = vec![
         tile("tests", all.len().to_string()),
         tile("trips", tripped.len().to_string()),
         tile("95 % bound [%]", format!("{:.3}", 100.0 * bound)),
+        tile("left their envelope, not counted", beyond.to_string()),
     ];
     let mut rows = Vec::new();
     for mode in ["guard", "modifier", "controller", "tracking"] {

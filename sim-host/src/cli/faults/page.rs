@@ -36,6 +36,7 @@ pub(super) fn sections(summary: &Summary, beside: Beside) -> Vec<Section> {
         ("moving after a trip", count(Broken::Moving)),
         ("too rough", count(Broken::Rough)),
         ("trips without a fault", count(Broken::Alarm)),
+        ("ended by the envelope before the fault", summary.ended.to_string()),
     ];
     let tiles = tiles.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     let tables = match beside {

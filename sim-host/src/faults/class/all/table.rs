@@ -17,7 +17,7 @@ pub(super) const TABLE: &[Class] = &[
         Reported(Clock::Deviation(0.06), 3.0),
         |d| Fault::Table(Break::Supply(d.scale(0.03, 1.0))),
     ),
-    Class::new("valve-hard-over", "the valve stuck hard over", Relay(Clock::Valve(0.01), 0.15), |d| {
+    Class::new("valve-hard-over", "the valve stuck hard over", Relay(Clock::Valve(0.03, 0.04), 0.15), |d| {
         Fault::Table(Break::Stuck(d.sign() * d.scale(0.12, 10.0)))
     }),
     Class::new("valve-frozen", "the valve stuck where it was", Relay(Clock::Deviation(0.05), 1.5), |_| {

@@ -1,0 +1,28 @@
+//! What a run's faults leave to a command: how far the table may come, and whether its stop can be a soft one.
+
+use super::{MARGIN, STROKE};
+use crate::faults::case::Case;
+use crate::faults::class::{Fault, Promise};
+use crate::faults::machine::Break;
+
+/// How far the table may come from the middle, m. A valve that does not obey is stopped by the block alone: the stroke itself is
+/// all that is promised of it.
+pub(super) fn farthest(case: &Case) -> f64 {
+    let disobeys = |fault: Fault| match fault {
+        Fault::Table(how) | Fault::Behind(how) => match how {
+            Break::Stuck(at) => at != 0.0,
+            Break::Frozen | Break::Bit(..) => true,
+            Break::Supply(_) | Break::Payload { .. } => false,
+        },
+        _ => false,
+    };
+    let disobeyed = disobeys(case.fault) || case.second.is_some_and(|(fault, _)| disobeys(fault));
+    if disobeyed { STROKE } else { STROKE - MARGIN }
+}
+
+/// Whether a command softens what the specimen feels: none does where the loop behind the device follows a broken wire, the valve
+/// nothing, or a payload knocks.
+pub(super) fn softened(case: &Case) -> bool {
+    let knocks = matches!(case.fault, Fault::Table(Break::Payload { .. }));
+    !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !knocks
+}
