@@ -303,6 +303,38 @@ fn a_table_is_nowhere_beyond_what_a_creep_may_be() {
     assert!(possible(0.0101, 0.004, true).is_some());
 }
 
+/// What a valve monitor says of a table of `gain` that is asked for each of these speeds (m/s) for so long (s), and goes at most 0.232 m/s.
+fn of_a_healthy(gain: f32, asked: &[(f32, f32)]) -> Creep {
+    let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch: 0.02, memory: 0.2 }, 0.0, 0.242, DT).unwrap();
+    let mut state = ValveMonitorState::default();
+    let mut x = 0.0;
+    for &(speed, time) in asked {
+        for _ in 0..(time / DT) as usize {
+            let velocity = (gain * speed).clamp(-0.232, 0.232);
+            x += velocity * DT;
+            monitor.advance(&mut state, speed, 0.242, velocity, x);
+            if monitor.creep(&state) != Creep::None {
+                return monitor.creep(&state);
+            }
+        }
+    }
+    Creep::None
+}
+
+#[test]
+fn a_table_of_another_gain_does_not_creep() {
+    for gain in [0.7, 0.85, 1.0, 1.3] {
+        // Near the limit from the first tick: its gain is not learned there, and stays unknown.
+        assert_eq!(of_a_healthy(gain, &[(0.24, 0.6), (-0.24, 0.6)]), Creep::None, "{gain}");
+    }
+    for gain in [1.15, 1.3] {
+        // Learned, and then at a limit beyond which no gain carries it.
+        assert_eq!(of_a_healthy(gain, &[(0.1, 3.0), (0.5, 0.8), (-0.5, 0.8)]), Creep::None, "{gain}");
+    }
+    // What no gain explains does: a table that goes the other way.
+    assert!(matches!(of_a_healthy(-0.3, &[(0.1, 1.0)]), Creep::Possible(_)));
+}
+
 #[test]
 fn a_table_that_stands_while_it_is_told_to_move_is_seen() {
     // The velocity agrees, as an observer's does that believes a stuck LVDT and is not contradicted.

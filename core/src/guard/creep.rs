@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! f[k] = f[k-1] + clamp(x - f[k-1], -2 dt V, +2 dt V)              the LVDT less its spikes, m
-//! s[k] = max(0, s[k-1] + (f[k] - f[k-1]) - dt g w - dt n)          way beyond the command and an unknown null, m
+//! s[k] = max(0, s[k-1] + (f[k] - f[k-1]) - dt clamp(g w, -V, +V) - dt n)          way beyond the command and an unknown null, m
 //! h[k] = h[k-1] + 2 dt n while s > 0, else 0                       most that such a null has hidden meanwhile, m
 //! m[k] = m[k-1] + dt w,   e[k] = e[k-1] + dt g w                   the same for s > 0 while g is not known yet, else 0, m
 //! b[k] = b[k-1] + dt w                                             of m, while there is no g at all and 1 stands for it, m
@@ -18,9 +18,9 @@
 //! distance, would not let the table be there.
 //! Up to that, and up to an even 2 n, a creep is not distinguished from the errors of model and null.
 //!
-//! Beyond 2 `mismatch` it trips wherever the table may be, if s says so under the limit in force as well as under the one that is set:
-//! a table that does less than it is told looks saturated, and one whose limit was estimated lower than it is moves beyond it. An LVDT
-//! that creeps against its motion looks saturated too, so for where the table may be only the one that is set counts.
+//! Where `d3 > 2 mismatch` it trips wherever the table may be, if s says so under the limit in force as well: a table that does less
+//! than it is told looks saturated, and one whose limit was estimated lower than it is moves beyond it. An LVDT that creeps against its
+//! motion looks saturated too, so for where the table may be only the one that is set counts.
 
 use super::gain::{BELIEVED, Gain};
 use crate::math::{max, min};
@@ -84,18 +84,18 @@ struct Beyond {
     blind: f32,
 }
 
-/// What the model makes of a command: way at a gain of 1, m, and the gain.
+/// What the model makes of a command: way at a gain of 1, and at the one learned so far, m; and how well that is known.
 #[derive(Debug, Clone, Copy)]
 struct Move {
     asked: f32,
+    learned: f32,
     gain: Gain,
 }
 
 impl Beyond {
     /// One turn: `step` of the LVDT and way of an unknown `null` (m), and what the command moved the table.
     #[inline]
-    fn advance(&mut self, null: f32, step: f32, Move { asked, gain }: Move) {
-        let learned = gain.value() * asked;
+    fn advance(&mut self, null: f32, step: f32, Move { asked, learned, gain }: Move) {
         self.way += step - learned - null;
         if self.way > 0.0 {
             self.hidden += 2.0 * null;
@@ -112,18 +112,21 @@ impl Beyond {
         }
     }
 
+    /// How far the LVDT has crept at least if the gain is right as far as there is one, m.
+    #[inline]
+    fn as_learned(&self) -> f32 {
+        self.way + self.blind - max(BELIEVED.0 * self.blind, BELIEVED.1 * self.blind)
+    }
+
     /// How far the LVDT may have crept, m, if it has at all: if the gain as learned leaves more than the `mismatch` (m) unexplained,
     /// half of it where no estimate of the gain had a part in it, or whatever gain the model is still good for does.
     #[inline]
     fn farthest(&self, mismatch: f32) -> Option<f32> {
-        let ways = |moved: f32| (BELIEVED.0 * moved, BELIEVED.1 * moved);
-        let (low, high) = ways(self.asked);
-        let (blind_low, blind_high) = ways(self.blind);
+        let (low, high) = (BELIEVED.0 * self.asked, BELIEVED.1 * self.asked);
         let way = self.way + self.learned;
         let whatever = way - max(low, high);
-        let as_learned = self.way + self.blind - max(blind_low, blind_high);
         let enough = if self.asked == self.blind { 0.5 * mismatch } else { mismatch };
-        (whatever > mismatch || as_learned > enough).then_some(self.hidden + way - min(low, high))
+        (whatever > mismatch || self.as_learned() > enough).then_some(self.hidden + way - min(low, high))
     }
 }
 
@@ -141,11 +144,14 @@ impl CreepWitness {
         let followed = state.followed.unwrap_or(displacement);
         let step = (displacement - followed).bounded(self.step);
         state.followed = Some(followed + step);
-        let unexplained = step - self.dt * gain.value() * in_force;
+        // No gain makes a table faster than it is.
+        let moved = |velocity: f32| (self.dt * gain.value() * velocity).bounded(0.5 * self.step);
+        let unexplained = step - moved(in_force);
         let [up, down] = state.in_force;
         state.in_force = [max(0.0, up + unexplained - self.null), max(0.0, down - unexplained - self.null)];
-        state.up.advance(self.null, step, Move { asked: self.dt * most, gain });
-        state.down.advance(self.null, -step, Move { asked: -self.dt * most, gain });
+        let (asked, learned) = (self.dt * most, moved(most));
+        state.up.advance(self.null, step, Move { asked, learned, gain });
+        state.down.advance(self.null, -step, Move { asked: -asked, learned: -learned, gain });
     }
 
     /// Between two of these: how far the LVDT has crept.
@@ -154,7 +160,7 @@ impl CreepWitness {
         let (up, down) = (&state.up, &state.down);
         let certain = |in_force: f32, set: f32| min(in_force, set) > 2.0 * self.mismatch;
         let [up_in_force, down_in_force] = state.in_force;
-        if certain(up_in_force, up.way) || certain(down_in_force, down.way) {
+        if certain(up_in_force, up.as_learned()) || certain(down_in_force, down.as_learned()) {
             Creep::Certain
         } else if let Some(crept) = up.farthest(self.mismatch).filter(|_| up.way > down.way) {
             Creep::Possible(crept)
