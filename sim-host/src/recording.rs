@@ -34,6 +34,7 @@ pub mod unit;
 pub use channel::{Channel, PerChannel};
 pub use check::{Fault, Finding, Severity, Skew, check, is_bad_data};
 pub use described::Described;
+pub(crate) use doubt::without_clipped;
 pub use doubt::{Doubt, SetUp, SetUpFinding, doubt};
 pub use error::{Place, Problem, RecordingError};
 pub use excerpt::excerpt;

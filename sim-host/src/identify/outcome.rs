@@ -9,8 +9,8 @@ use super::starts;
 use super::transfer::{Transfer, transfer};
 use crate::digits;
 use crate::plant::simulate::SimulateError;
-use crate::recording::check::{Finding, check, is_bad_data};
-use crate::recording::{self, Experiment};
+use crate::recording::check::{Fault, Finding, check, is_bad_data};
+use crate::recording::{self, Experiment, without_clipped};
 use std::collections::BTreeMap;
 
 /// An interval wider than this factor tells hardly more than the order of magnitude.
@@ -61,11 +61,17 @@ pub struct Identified {
 
 /// Fits an experiment's model, profiles its parameters and judges it.
 pub fn identify(experiment: &Experiment) -> Result<Identified, IdentifyError> {
-    let findings = check(experiment);
+    let (experiment, remarks) = without_clipped(experiment);
+    let mut findings = check(&experiment);
     if is_bad_data(&findings) {
         return Err(IdentifyError::BadData(findings));
     }
-    let prepared = prepare(experiment)?;
+    // What is left out is missing, which says the same twice.
+    findings.retain(|f| {
+        f.fault != Fault::MissingStretch || remarks.iter().all(|r| (&r.run, r.channel) != (&f.run, f.channel))
+    });
+    findings.extend(remarks);
+    let prepared = prepare(&experiment)?;
     let fit = starts::fitted(&prepared)?;
     let intervals = profiles(&fit, &prepared.fit)?;
     let free: Vec<String> =

@@ -7,6 +7,7 @@
 //! copy of the experiment, and the work goes on with the copy.
 
 use super::channel::Channel;
+use super::check::{Fault, Finding, Severity, check};
 use super::experiment::Experiment;
 use crate::digits;
 use serde::Serialize;
@@ -198,6 +199,21 @@ pub fn doubt(experiment: &Experiment) -> SetUp {
     findings.extend(acceleration::doubt(&mut experiment));
     findings.extend(hum::doubt(&mut experiment));
     SetUp { experiment, findings }
+}
+
+/// The experiment without the samples that the end of a sensor's range cut off, and a remark on each such channel: the rest of the
+/// recording serves. Where most is cut off, or the loop is closed over the sensor, nothing is left out.
+pub(crate) fn without_clipped(experiment: &Experiment) -> (Experiment, Vec<Finding>) {
+    let mut rest = experiment.clone();
+    let left_out = clipped::doubt(&mut rest);
+    let among = |f: &Finding| left_out.iter().any(|l| l.run.as_ref() == Some(&f.run) && l.channel == Some(f.channel));
+    let remarks = check(experiment).into_iter().filter(|f| f.fault == Fault::Clipped && among(f)).map(|f| Finding {
+        severity: Severity::Remark,
+        remedy: format!("these samples are left out; raise the range of {} before the next test", f.channel),
+        ..f
+    });
+    let remarks = remarks.collect();
+    (rest, remarks)
 }
 
 #[cfg(test)]

@@ -168,16 +168,42 @@ fn a_long_gap_cuts_the_run() {
     let lost = with_gap(0.4, Some(Channel::Displacement));
     assert_eq!(lost.experiment.runs.len(), 1);
     let bad = |f: &Finding| f.fault == Fault::MissingStretch && f.severity == Severity::BadData;
-    assert!(!crate::recording::check::check(&lost.experiment).iter().any(bad));
+    assert!(!check(&lost.experiment).iter().any(bad));
     let cut = with_gap(0.4, None);
     assert_eq!(cut.experiment.runs.len(), 2);
     assert!(!cut.experiment.runs[0].cut && cut.experiment.runs[1].cut);
     assert!(cut.findings.iter().any(|f| f.what == Doubt::LostRows && (f.found - 0.4).abs() < 1e-9));
-    assert!(crate::recording::check::check(&cut.experiment).iter().all(|f| f.fault != Fault::MissingStretch));
+    assert!(check(&cut.experiment).iter().all(|f| f.fault != Fault::MissingStretch));
 }
 
 #[test]
 fn a_small_stated_value_is_not_shown_as_nothing() {
     let sentence = SetUpFinding::noise("displacement", 2.38e-5, 4.385e-5, 1.2e-6, "m").sentence();
     assert!(sentence.contains("4.39e-5 +/- 1.2e-6 m, stated 2.38e-5 m"), "{sentence}");
+}
+
+/// The accelerometer of [`experiment`] with a motion on it that its range cuts off.
+fn cut_off(range: f64) -> Experiment {
+    let mut cut = experiment(&Law::ProportionalIntegral { kp: 3.0, ki: 0.5 }, Shaping::default(), 3);
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let mut noise = || f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5;
+    let swing = |k: usize| (4.0 * k as f64 * DT).sin() + 0.4 * (13.0 * k as f64 * DT).sin();
+    let samples = (0..N).map(|k| (swing(k) + 0.01 * noise()).clamp(-range, range)).collect();
+    cut.runs[0].channels.set(Channel::Acceleration, samples);
+    cut
+}
+
+#[test]
+fn what_a_range_cuts_off_is_left_out_and_said() {
+    let cut = cut_off(1.1);
+    assert!(check(&cut).iter().any(|f| f.fault == Fault::Clipped && f.severity == Severity::BadData));
+    let (rest, remarks) = without_clipped(&cut);
+    assert!(remarks.len() == 1 && remarks[0].severity == Severity::Remark && remarks[0].remedy.contains("left out"));
+    let left = rest.runs[0].channel(Channel::Acceleration).unwrap();
+    let of = cut.runs[0].channel(Channel::Acceleration).unwrap();
+    assert!(left.iter().zip(of).all(|(l, o)| if o.abs() < 1.1 { l == o } else { l.is_nan() }));
+    assert!(check(&rest).iter().all(|f| f.fault != Fault::Clipped));
+    // Most of it cut off is a recording of nothing, and stays one.
+    let (rest, remarks) = without_clipped(&cut_off(0.4));
+    assert!(remarks.is_empty() && check(&rest).iter().any(|f| f.fault == Fault::Clipped));
 }
