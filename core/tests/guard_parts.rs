@@ -4,12 +4,12 @@
 
 use shakedown_core::blocks::filter::{MotionObserver, MotionState};
 use shakedown_core::blocks::guard::{
-    Creep, DebouncedSignals, Envelope, EnvelopeState, InputGate, NoiseMonitor, NoiseState, Plausibility,
-    PlausibilityState, Ramps, Supervisor, ValveMonitor, ValveMonitorState,
+    Creep, DebouncedSignals, Envelope, EnvelopeState, InputGate, InputMonitor, InputState, NoiseMonitor, NoiseState,
+    Plausibility, PlausibilityState, Ramps, Supervisor, ValveMonitor, ValveMonitorState,
 };
 use shakedown_core::settings::{
-    EnvelopeSettings, ForceSettings, PlausibilitySettings, RampSettings, ReferenceRates, ValveMonitorSettings,
-    VelocitySource,
+    EnvelopeSettings, ForceSettings, InputSettings, PlausibilitySettings, RampSettings, ReferenceRates,
+    ValveMonitorSettings, VelocitySource,
 };
 use shakedown_core::{Channels, Mode, OperatorRequest, Refused, Relay, Sample, Settings, State, Trip};
 
@@ -544,4 +544,56 @@ fn walls_let_through_what_is_within_and_name_what_is_not() {
     // Two readings of one channel, both lost, are one channel lost.
     let none = Sample { reference_velocity: f32::NAN, reference_acceleration: f32::NAN, velocity: 0.5, ..edge };
     assert_eq!(take(&settings, &none).0, Channels::REFERENCE_RATES);
+}
+
+#[test]
+fn the_inputs_are_late_by_a_tick_and_no_more() {
+    let settings =
+        InputSettings { second_displacement: Some(0.002), limit_switches: true, relay_feedback: Some(0.015) };
+    let monitor = InputMonitor::new(&settings, 0.012, DT).unwrap();
+    let rest = Sample { relay_closed: true, ..Sample::default() };
+    let first = |readings: Sample, told: Relay| {
+        let mut state = InputState::default();
+        (1..20).find_map(|tick| monitor.advance(&mut state, &readings, told).map(|trip| (tick, trip)))
+    };
+    assert_eq!(first(rest, Relay::Closed), None);
+    assert_eq!(first(Sample { limit_switch: true, ..rest }, Relay::Closed), Some((1, Trip::LimitSwitch)));
+    // Five ticks and four are what may be.
+    assert_eq!(first(rest, Relay::Open), Some((6, Trip::RelayAstray)));
+    assert_eq!(first(Sample { second_displacement: 0.002, ..rest }, Relay::Closed), None);
+    let apart = Sample { second_displacement: -0.0021, ..rest };
+    assert_eq!(first(apart, Relay::Closed), Some((5, Trip::SensorsDisagree)));
+    // Once right, they begin anew.
+    let mut state = InputState::default();
+    let seen = [apart, apart, apart, apart, rest, apart].map(|s| monitor.advance(&mut state, &s, Relay::Closed));
+    assert_eq!(seen, [None; 6]);
+}
+
+/// When a valve monitor trips (s, of 12) of a table whose gain by its LVDT is `before` and from 6 s on `after`, under 0.1 m/s to and fro.
+fn of_a_gain(before: f32, after: f32) -> Option<f32> {
+    let gain = |t: f32| if t < 6.0 { before } else { after };
+    let asked = |t: f32| 0.1 * (2.0 * t).sin();
+    let mut x = 0.0;
+    let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch: 0.05, memory: 0.2 }, 0.0, 0.242, DT).unwrap();
+    let mut state = ValveMonitorState::default();
+    (0..4000).map(|k| k as f32 * DT).find(|&t| {
+        let velocity = gain(t) * asked(t);
+        x += velocity * DT;
+        monitor.advance(&mut state, asked(t), 0.242, velocity, x)
+    })
+}
+
+#[test]
+fn a_gain_that_changes_by_a_quarter_is_seen_whatever_it_was() {
+    for before in [0.8_f32, 1.0, 1.2] {
+        assert_eq!(of_a_gain(before, before), None, "{before}");
+        for share in [0.78, 1.22] {
+            assert_eq!(of_a_gain(before, share * before), None, "{before} {share}");
+        }
+        for share in [0.5, 1.5] {
+            // The mean has taken on half of the change after 2 s ln 2 of motion that counts.
+            let seen = of_a_gain(before, share * before).unwrap() - 6.0;
+            assert!((1.2..2.6).contains(&seen), "{before} {share}: {seen}");
+        }
+    }
 }
