@@ -572,7 +572,7 @@ fn the_inputs_are_late_by_a_tick_and_no_more() {
 /// When a valve monitor trips (s, of 12) of a table whose gain by its LVDT is `before` and from 6 s on `after`, under 0.1 m/s to and fro.
 fn of_a_gain(before: f32, after: f32) -> Option<f32> {
     let gain = |t: f32| if t < 6.0 { before } else { after };
-    let asked = |t: f32| 0.1 * (2.0 * t).sin();
+    let asked = |t: f32| 0.1 * shakedown_core::blocks::math::sin(2.0 * t);
     let mut x = 0.0;
     let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch: 0.05, memory: 0.2 }, 0.0, 0.242, DT).unwrap();
     let mut state = ValveMonitorState::default();
