@@ -1,4 +1,4 @@
-"""Forward selection by BIC on the closed-loop simulator of `shakedown identify`, noise taken for white."""
+"""Forward selection by BIC on the closed-loop simulator of `shakedown identify`, noise treated as white."""
 
 import json
 import math

@@ -7,7 +7,7 @@ from pysindy.optimizers import STLSQ
 
 from asked import answer, runs
 
-# Shares of the acceleration's RMS below which a term is dropped; the one that foresees the run held out best is taken, and of
+# Shares of the acceleration's RMS below which a term is dropped; the one that predicts the run held out best is taken, and of
 # those within a twentieth of it the sparsest.
 THRESHOLDS = (0.02, 0.05, 0.1, 0.2, 0.4)
 SLACK = 1.05

@@ -2,10 +2,10 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shakedown::recording::binary::{hdf5, rpc, tdms};
+use shakedown::blocks::recording::{parse_hdf5, parse_rpc, parse_tdms};
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = rpc::parse(bytes);
-    let _ = tdms::parse(bytes);
-    let _ = hdf5::parse(bytes.to_vec());
+    let _ = parse_rpc(bytes);
+    let _ = parse_tdms(bytes);
+    let _ = parse_hdf5(bytes.to_vec());
 });

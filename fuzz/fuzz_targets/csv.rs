@@ -2,8 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shakedown::files::layout::Stated;
-use shakedown::recording::csv;
+use shakedown::blocks::recording::{Stated, csv};
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shakedown::recording::mat;
+use shakedown::blocks::recording::mat;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shakedown::motion::read::{Channel, Options, record_from_bytes};
+use shakedown::fit::read::{Channel, Options, record_from_bytes};
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {

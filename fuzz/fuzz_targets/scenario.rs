@@ -3,9 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shakedown::closed_loop::scenario::Scenario;
-use shakedown::motion::Motion;
-use shakedown::motion::condition::{Recipe, Step};
+use shakedown::fit::{Motion, Recipe, Step};
+use shakedown::simulate::Scenario;
 use std::borrow::Cow;
 use std::path::Path;
 

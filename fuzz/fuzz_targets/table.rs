@@ -4,12 +4,10 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shakedown::closed_loop::published::Named;
-use shakedown::closed_loop::trial::Setup;
-use shakedown::closed_loop::twin::Twin;
-use shakedown::motion::Motion;
-use shakedown::plant::effects;
+use shakedown::blocks::plant as effects;
+use shakedown::fit::Motion;
 use shakedown::recording::Model;
+use shakedown::simulate::{Named, Setup, Twin};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::Path;

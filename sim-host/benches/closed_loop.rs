@@ -11,10 +11,9 @@
 )]
 
 use criterion::Criterion;
-use shakedown::closed_loop::published::Named;
-use shakedown::closed_loop::{Clock, Law, PlainPi, Trace, run};
 use shakedown::plant::paper::{FixedStep, Paper};
 use shakedown::plant::sensors::{SensorModel, Sensors};
+use shakedown::simulate::{Clock, Law, Named, PlainPi, Trace, run};
 use shakedown_core::Controller;
 use std::error::Error;
 use std::f64::consts::TAU;

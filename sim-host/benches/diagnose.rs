@@ -12,10 +12,9 @@
     reason = "a bench prints its figures and stops where it cannot"
 )]
 
+use shakedown::blocks::plant::{Baseline, Drive, Law, Placed, Start, Wanted, simulate};
 use shakedown::diagnose::{Options, diagnose};
 use shakedown::faults::dice::Dice;
-use shakedown::plant::model::Baseline;
-use shakedown::plant::simulate::{Drive, Law, Placed, Start, Wanted, simulate};
 use shakedown::recording::Experiment;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -47,7 +46,7 @@ fn recording(number: usize, effects: &[Placed<f64>]) -> String {
         input: &input,
         added: &[],
         law: Law::Pi { kp: 6.0, ki: 0.6 },
-        shaping: shakedown::plant::simulate::Shaping::default(),
+        shaping: shakedown::blocks::plant::Shaping::default(),
         sensor_noise: NOISE[0],
         wanted: Wanted::ALL,
     };

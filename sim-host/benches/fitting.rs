@@ -11,9 +11,9 @@
 )]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use shakedown::motion::condition::{Recipe, Step};
-use shakedown::motion::fit::{Limits, Norm, Reference, convex, taut};
-use shakedown::motion::generate::{self, NEAR_FIELD_STRONG};
+use shakedown::blocks::motion::{convex, taut};
+use shakedown::fit::generate::{self, NEAR_FIELD_STRONG};
+use shakedown::fit::{Limits, Norm, Recipe, Reference, Step};
 use shakedown_core::blocks::record::{self, causal, clip, preview};
 use std::hint::black_box;
 use std::time::{Duration, Instant};

@@ -13,13 +13,10 @@
 use criterion::Criterion;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use shakedown::identify::data::{Channel, Measured, Run};
-use shakedown::identify::evaluate::{Local, predict};
-use shakedown::identify::fit::{Effort, Fit};
-use shakedown::identify::model::{Model, Placed, Value, Yardsticks};
-use shakedown::plant::effects::entry;
-use shakedown::plant::model::Kind;
-use shakedown::plant::simulate::Law;
+use shakedown::blocks::identify::{
+    Channel, Effort, Fit, Local, Measured, Model, Placed, Run, Value, Yardsticks, predict,
+};
+use shakedown::blocks::plant::{Kind, Law, entry};
 use std::error::Error;
 use std::process::Command;
 use std::time::Instant;
@@ -71,7 +68,7 @@ fn recorded(number: usize) -> Run {
         input,
         added: Vec::new(),
         law: Law::Pi { kp: GAINS.0, ki: GAINS.1 },
-        shaping: shakedown::plant::simulate::Shaping::default(),
+        shaping: shakedown::blocks::plant::Shaping::default(),
         loop_noise: None,
         moving_start: false,
         measured: vec![channel(Channel::Displacement, NOISE[0]), channel(Channel::Acceleration, NOISE[1])],

@@ -5,10 +5,8 @@
 //! alone, by what a fit to one half of it predicts of the other. Beside the figure stands what limits it.
 #![allow(clippy::print_stdout, reason = "an example prints what it measured")]
 
-use shakedown::identify::outcome::{Identified, identify};
-use shakedown::identify::quantity::Quantity;
-use shakedown::plant::model::Baseline;
-use shakedown::plant::simulate::{Drive, Law, Placed, Shaping, Start, Wanted, simulate};
+use shakedown::blocks::plant::{Baseline, Drive, Law, Placed, Shaping, Start, Wanted, simulate};
+use shakedown::identify::{Identified, Quantity, identify};
 use shakedown::recording::{Channel, Experiment};
 use std::error::Error;
 use std::path::{Path, PathBuf};

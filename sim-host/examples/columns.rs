@@ -2,7 +2,7 @@
 //! comparison with other readers. `cargo run -p shakedown --example columns FILE [CHANNEL]`.
 #![allow(clippy::print_stdout, reason = "an example prints what it read")]
 
-use shakedown::motion::read::{self, Options};
+use shakedown::fit::read::{self, Options};
 use shakedown::recording::file;
 use std::error::Error;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let channel = words.next().unwrap_or_default();
     let Ok(channel) = channel.parse();
     match read::record(&path, &Options { channel, ..Options::default() }) {
-        Ok(record) if record.format != shakedown::motion::Format::Columns => {
+        Ok(record) if record.format != shakedown::fit::Format::Columns => {
             println!("time [s],acceleration [m/s2]");
             for (k, a) in record.acceleration.iter().enumerate() {
                 println!("{:.17e},{a:.17e}", k as f64 * record.dt);

@@ -10,13 +10,8 @@
     reason = "an example prints and stops where it cannot"
 )]
 
-use shakedown::identify::data::Run;
-use shakedown::identify::evaluate::{Local, predict};
-use shakedown::identify::fit::{Effort, Fit};
-use shakedown::identify::judge::score;
-use shakedown::identify::model::{Model, Placed};
-use shakedown::identify::prepare::prepare;
-use shakedown::plant::effects::entry;
+use shakedown::blocks::identify::{Effort, Fit, Local, Model, Placed, Run, predict, prepare, score};
+use shakedown::blocks::plant::entry;
 use shakedown::recording::Experiment;
 use std::path::Path;
 use std::time::Instant;
@@ -45,7 +40,7 @@ fn main() {
     }
     println!(
         "{:40} {:>5} {:>12} {:>12} {:>6} {:>12} {:>10}",
-        "effects", "free", "values [us]", "all [us]", "evals", "chi2", "held back"
+        "effects", "free", "values [us]", "all [us]", "evals", "chi2", "held out"
     );
     for set in sets {
         let grown = |model: Model, id: &str| {

@@ -2,17 +2,14 @@
 //! has softened since is noticed before a learnt drive is played. `cargo run --release -p shakedown --example learning [PAYLOADS]`.
 #![allow(clippy::print_stdout, reason = "an example prints what it measured")]
 
-use shakedown::closed_loop::learning::stale::{check_motion, stale};
-use shakedown::closed_loop::learning::{Learned, Learning, Limits, Update, learn, played};
-use shakedown::closed_loop::published::Named;
-use shakedown::closed_loop::trial::Setup;
-use shakedown::closed_loop::twin::Twin;
-use shakedown::motion::condition::Recipe;
-use shakedown::motion::fit::named::{ASKED, Fit};
-use shakedown::motion::read;
+use shakedown::blocks::closed_loop::learning::stale::{check_motion, stale};
+use shakedown::blocks::closed_loop::learning::{Learned, Learning, Limits, Update, learn, played};
+use shakedown::blocks::motion::{ASKED, Fit};
+use shakedown::blocks::plant::Placed;
+use shakedown::fit::{Recipe, read};
 use shakedown::plant::paper::Paper;
 use shakedown::plant::sensors::SensorModel;
-use shakedown::plant::simulate::Placed;
+use shakedown::simulate::{Named, Setup, Twin};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -44,8 +41,9 @@ fn records() -> Result<bool, Box<dyn Error>> {
         let plain = learn(&setup, &wanted, &LIMITS, &Learning { update: Update::Plain, ..Learning::default() })?;
         let errors = |l: &Learned| l.rounds.iter().map(|r| r.score.e_a.ratio).collect::<Vec<f64>>();
         let (a, b) = (errors(&ours), errors(&plain));
-        let most =
-            |get: fn(&shakedown::closed_loop::learning::Round) -> f64| ours.rounds.iter().map(get).fold(0.0, f64::max);
+        let most = |get: fn(&shakedown::blocks::closed_loop::learning::Round) -> f64| {
+            ours.rounds.iter().map(get).fold(0.0, f64::max)
+        };
         let (x, v, g) =
             (most(|r| r.reached.displacement), most(|r| r.reached.velocity), most(|r| r.reached.acceleration));
         let text = |e: &[f64]| e.iter().map(|e| format!("{e:.3}")).collect::<Vec<_>>().join(" ");

@@ -3,10 +3,10 @@
 #![allow(clippy::print_stdout, reason = "an example prints what it measured")]
 
 use rayon::prelude::*;
-use shakedown::motion::fit::Limits;
-use shakedown::motion::qualify::attain::{Attained, attain, used};
-use shakedown::motion::qualify::{Code, Direction, Required, Site, Standard};
-use shakedown::motion::spectrum::response_spectrum;
+use shakedown::blocks::motion::qualify::attain::{Attained, attain, used};
+use shakedown::blocks::motion::qualify::{Code, Direction, Required, Requirement, Site, Standard};
+use shakedown::blocks::motion::spectrum::response_spectrum;
+use shakedown::fit::Limits;
 use std::error::Error;
 use std::f64::consts::PI;
 
@@ -30,7 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let (_, standard, required) = &spectra[s];
             let (velocity, stroke, stall) = TABLES[t];
             let limits = Limits { stall, ..Limits::table(velocity, stroke) };
-            let found = attain(standard, required, standard.band.0, &limits, 1)?;
+            let asked = Requirement { standard, required, lowest: standard.band.0 };
+            let found = attain(asked, &limits, 1)?;
             // Held against the limits once more, whatever was said.
             let kept = match &found {
                 Attained::Motion { motion, judged, .. } => used(motion, &limits) <= 1.0 && judged.complies(),
@@ -38,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             };
             Ok((found, kept))
         })
-        .collect::<Result<Vec<_>, shakedown::motion::qualify::QualifyError>>()?;
+        .collect::<Result<Vec<_>, shakedown::blocks::motion::qualify::QualifyError>>()?;
     let mut counts = [0; 3];
     let mut broken = 0;
     for (s, (name, _, _)) in spectra.iter().enumerate() {

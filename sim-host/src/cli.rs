@@ -51,8 +51,8 @@ use std::process::ExitCode;
 pub(crate) use failure::Failure;
 
 /// The table of a model file; the paper's without one.
-fn table(path: Option<&std::path::Path>) -> Result<shakedown::closed_loop::twin::Twin, Failure> {
-    use shakedown::closed_loop::twin::Twin;
+fn table(path: Option<&std::path::Path>) -> Result<crate::closed_loop::twin::Twin, Failure> {
+    use crate::closed_loop::twin::Twin;
     path.map_or_else(|| Ok(Twin::default()), Twin::load).map_err(|e| {
         let (place, text) = (path.map_or(String::new(), |path| path.display().to_string()), e.to_string());
         Failure::Input(if text.starts_with(&place) { text } else { format!("{place}: {text}") })
@@ -98,7 +98,7 @@ enum Command {
 }
 
 /// Runs what the command line asks for and turns its outcome into an exit status.
-pub(crate) fn main() -> ExitCode {
+pub fn main() -> ExitCode {
     let mut command = Arguments::command();
     let mut matches = match words::matches(&mut command) {
         Ok(matches) => matches,
@@ -112,7 +112,7 @@ pub(crate) fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(e) => return words::refused(&e.format(&mut command)),
     };
-    shakedown::files::clean_up_when_interrupted();
+    crate::files::clean_up_when_interrupted();
     let outcome: Result<(), Failure> = match arguments.command {
         None => demo::run(&demo::Args::default()),
         Some(command) => match command {

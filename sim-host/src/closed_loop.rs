@@ -6,24 +6,24 @@
 //! command's update and `acceleration[k] = (v(t_k + dt/2) - v(t_k - dt/2)) / dt`, the mean over a sample: the command
 //! feeds straight through into velocity, so that a point derivative would hold spikes that depend on the rate.
 
-pub mod bench;
+pub(crate) mod bench;
 pub mod bode;
 pub mod design;
-pub mod feedforward;
-pub mod frequency;
+pub(crate) mod feedforward;
+pub(crate) mod frequency;
 mod law;
 pub mod learning;
-pub mod margin;
-pub mod named;
-pub mod published;
-pub mod saw_tooth;
-pub mod scenario;
-pub mod showcase;
+pub(crate) mod margin;
+pub(crate) mod named;
+pub(crate) mod published;
+pub(crate) mod saw_tooth;
+pub(crate) mod scenario;
+pub(crate) mod showcase;
 pub mod sweep_recording;
 pub mod table1;
-pub mod trade_off;
-pub mod trial;
-pub mod twin;
+pub(crate) mod trade_off;
+pub(crate) mod trial;
+pub(crate) mod twin;
 
 pub use law::{Actuation, Law, Measured, PlainPi};
 

@@ -1,40 +1,52 @@
 //! Where a model and recordings part, and what physics was left out.
 //!
+//! ```no_run
+//! use shakedown::diagnose::{Options, Verdict, diagnose_file};
+//!
+//! let diagnosis = diagnose_file("experiment.toml".as_ref(), &Options::default())?;
+//! if diagnosis.verdict == Verdict::Mismatch {
+//!     let names: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+//!     println!("{} of {} candidates: {names:?}", names.len(), diagnosis.candidates.len());
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Evidence goes forward only. An experiment comes in and its stated set-up is doubted first
-//! ([`crate::recording::doubt()`]); [`mod@split`] cuts it into training, validation and test; [`mod@search`] fits the stated model to
-//! the training and grows it by effects of the library; [`decide`] weighs every survivor on the validation, names what
-//! stands, says what it is mistaken for and what no effect explains; [`mod@verdict`] fits what was selected to all that may be
-//! fitted, consumes the test and judges. [`mod@locate`] looks at the residual without the library; [`mod@change`] says what it means
+//! ([`crate::recording::doubt()`]); `split` cuts it into training, validation and test; `search` fits the stated model to
+//! the training and grows it by effects of the library; `decide` weighs every survivor on the validation, names what
+//! is accepted, says what it is mistaken for and what no effect explains; `verdict` fits what was selected to all that may be
+//! fitted, consumes the test and judges. `locate` looks at the residual without the library; `change` says what it means
 //! for who runs the table. Out comes a [`Diagnosis`].
 
 mod calibration;
-pub mod change;
+pub(crate) mod change;
 mod clock;
-pub mod decide;
+pub(crate) mod decide;
 mod departure;
 mod finish;
-pub mod judged;
+pub(crate) mod judged;
 mod leftover;
 mod line;
-pub mod locate;
+pub(crate) mod locate;
 mod next_test;
 mod noise;
 mod noise_left;
+mod options;
 mod outdone;
-pub mod planned;
+pub(crate) mod planned;
 mod ranking;
 mod region;
 mod rejected;
-pub mod remainder;
+pub(crate) mod remainder;
 mod residual;
-pub mod result;
+pub(crate) mod result;
 mod rivals;
-pub mod search;
+pub(crate) mod search;
 mod split;
 mod standing;
 mod structure;
-pub mod term;
-pub mod verdict;
+pub(crate) mod term;
+pub(crate) mod verdict;
 
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
@@ -46,7 +58,8 @@ use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
 use judged::Decision;
-pub use result::Diagnosis;
+pub use options::{Options, Progress};
+pub use result::{Diagnosis, Verdict};
 use split::{Split, Weighing, reopened, split};
 use std::path::Path;
 use term::Modelled;
@@ -54,37 +67,13 @@ use verdict::Conclusion;
 
 /// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
 const FAR: f64 = 0.4;
-/// Standard deviations from which it is told from the stated one.
+/// Standard deviations from which it is distinguished from the stated one.
 const CERTAIN: f64 = 3.0;
 /// Samples that a search fits at most, and the last fit: of longer recordings the stretches with the most motion.
 const SEARCHED: usize = 120_000;
 const FITTED: usize = 400_000;
 /// Share of what was left below which a second look at the data is the better one.
 const FAR_LESS: f64 = 0.3;
-
-/// Is told what is being done, with a share of the whole between 0 and 1.
-pub type Progress<'a> = &'a (dyn Fn(&str, f64) + Sync);
-
-/// What a diagnosis may be told.
-#[derive(Clone, Copy, Default)]
-pub struct Options<'a> {
-    /// Told what is being done, with a share of the whole between 0 and 1.
-    pub progress: Option<Progress<'a>>,
-}
-
-impl std::fmt::Debug for Options<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Options").field("progress", &self.progress.is_some()).finish()
-    }
-}
-
-impl Options<'_> {
-    fn say(&self, what: &str, share: f64) {
-        if let Some(progress) = self.progress {
-            progress(what, share);
-        }
-    }
-}
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -292,7 +281,7 @@ fn unfit(prepared: Prepared, findings: &[Finding], begun: std::time::Instant) ->
     let location = locate::Location::default();
     let open = result::Open { seconds: begun.elapsed().as_secs_f64(), ..result::Open::default() };
     let mut diagnosis = result::assemble(&whole, &conclusion, location, open, findings);
-    diagnosis.verdict = result::Verdict::BadData;
+    diagnosis.verdict = Verdict::BadData;
     diagnosis.effects.clear();
     diagnosis.candidates.clear();
     Ok(Examined { diagnosis, prepared: whole, conclusion })

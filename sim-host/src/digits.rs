@@ -1,12 +1,7 @@
 //! Numbers with the digits that their error leaves them.
 
-/// A value and its standard deviation, both to two digits of the deviation: `-1300 +/- 120`, not `-1297.54374`.
-pub fn with_error(value: f64, std: f64) -> (String, String) {
-    (to(value, std), to(std, std))
-}
-
-/// A value with what it is uncertain by, `-1300 +/- 120`; the value alone where no error is known.
-pub fn with_spread(value: f64, std: Option<f64>) -> String {
+/// A value with what it is uncertain by, both to two digits of that: `-1300 +/- 120`, not `-1297.54374`; the value alone where no error is known.
+pub(crate) fn with_spread(value: f64, std: Option<f64>) -> String {
     match std.filter(|s| s.is_finite() && *s > 0.0) {
         Some(std) => format!("{} +/- {}", to(value, std), to(std, std)),
         None => to(value, f64::NAN),
@@ -14,17 +9,17 @@ pub fn with_spread(value: f64, std: Option<f64>) -> String {
 }
 
 /// A figure whose error nobody states, such as a chi2, to three digits: `1.02`, `704000`.
-pub fn three(value: f64) -> String {
+pub(crate) fn three(value: f64) -> String {
     to(value, 0.1 * value)
 }
 
 /// A coefficient of determination: what it lacks of 1 to two digits where it is near, else two decimals.
-pub fn r2(value: f64) -> String {
+pub(crate) fn r2(value: f64) -> String {
     if value > 0.9 && value < 1.0 { to(value, (1.0 - value).max(1e-6)) } else { format!("{value:.2}") }
 }
 
 /// A value as somebody stated it, to five digits: `138`, `0.242`, `2.38e-5`.
-pub fn stated(value: f64) -> String {
+pub(crate) fn stated(value: f64) -> String {
     let rounded = format!("{value:.4e}").parse().unwrap_or(value);
     if rounded != 0.0 && !(1e-3..1e6).contains(&f64::abs(rounded)) {
         format!("{rounded:e}")
@@ -34,7 +29,7 @@ pub fn stated(value: f64) -> String {
 }
 
 /// A number to two digits of `error`; to five of its own where there is none.
-pub fn to(number: f64, error: f64) -> String {
+pub(crate) fn to(number: f64, error: f64) -> String {
     if !number.is_finite() {
         return number.to_string();
     }
@@ -70,7 +65,7 @@ mod tests {
             (0.0, 0.02, ("0.000", "0.020")),
             (5.0e7, 2.0e5, ("5.000e7", "200000")),
         ] {
-            let (a, b) = with_error(value, std);
+            let (a, b) = (to(value, std), to(std, std));
             assert_eq!((a.as_str(), b.as_str()), shown);
         }
         assert_eq!(with_spread(22_265.439_3, Some(232.0)), "22270 +/- 230");

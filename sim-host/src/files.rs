@@ -1,10 +1,10 @@
 //! Files that are whole or not there at all.
 
-pub mod bounded;
-pub mod json;
-pub mod layout;
+pub(crate) mod bounded;
+pub(crate) mod json;
+pub(crate) mod layout;
 pub(crate) mod nearest;
-pub mod wording;
+pub(crate) mod wording;
 
 use std::io::{ErrorKind, Result, Write as _};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,5 @@
-//! The `shakedown` binary: parses the command line and hands over to one file a command.
-
-mod cli;
+//! The `shakedown` binary: hands over to the command line of the library.
 
 fn main() -> std::process::ExitCode {
-    cli::main()
+    shakedown::cli::main()
 }

@@ -4,23 +4,25 @@
 //! of it a [`Motion`] (displacement, velocity and acceleration that belong together), and a motion is what a table is
 //! asked to follow. Units are SI throughout; conversion happens where a file or a person is read or written.
 
-pub mod condition;
-pub mod drive;
-pub mod filter;
-pub mod fit;
-pub mod fit_area;
+pub(crate) mod condition;
+pub(crate) mod drive;
+pub(crate) mod filter;
+pub(crate) mod fit;
+pub(crate) mod fit_area;
 pub mod generate;
-pub mod metrics;
+pub(crate) mod metrics;
 pub mod qualify;
 pub mod read;
 mod record;
-pub mod resample;
+pub(crate) mod resample;
 pub mod spectrum;
 mod unit;
-pub mod write;
+pub(crate) mod write;
 
-pub use record::{Fact, Format, Motion, Record, central_difference};
-pub use unit::{AccelerationUnit, STANDARD_GRAVITY, UnknownUnit};
+pub(crate) use record::central_difference;
+pub use record::{Fact, Format, Motion, Record};
+pub(crate) use unit::STANDARD_GRAVITY;
+pub use unit::{AccelerationUnit, UnknownUnit};
 
 /// The largest magnitude of a signal, 0 where it is empty.
 pub fn peak(signal: &[f64]) -> f64 {

@@ -1,18 +1,17 @@
 //! Models of the table, and the effects a model may be missing.
 //!
-//! [`paper`] is the paper's plant, exact; [`model`] names the model a user believes in, [`effects`] holds the library of
-//! physics it may lack, one file an effect, and [`simulate`] runs any combination of them against a recorded
-//! reference, on any [`crate::scalar::Scalar`], so that every parameter has its exact sensitivity.
+//! [`paper`] is the paper's plant, exact; `model` names the model a user believes in, `effects` holds the library of
+//! physics it may lack, one file an effect, and `simulate` runs any combination of them against a recorded
+//! reference, on any `Scalar`, so that every parameter has its exact sensitivity.
 
-pub mod effects;
-pub mod model;
-pub mod oil_column;
+pub(crate) mod effects;
+pub(crate) mod model;
+pub(crate) mod oil_column;
 pub mod paper;
-pub mod rigid_mass;
 pub mod sensors;
-pub mod simulate;
-pub mod slew_rate;
-pub mod stepped;
+pub(crate) mod simulate;
+pub(crate) mod slew_rate;
+pub(crate) mod stepped;
 
 /// A table that moves under a command held between steps. The plant owns the clock of every simulation.
 pub trait Plant {

@@ -2,34 +2,47 @@
 //!
 //! [`Experiment::load`] reads the TOML of docs/formats.md and every file it names, and gives typed runs in SI on an even
 //! time grid. Nothing is guessed: what is not as stated is an error that names the file, the place and the remedy.
+//!
+//! ```
+//! use shakedown::blocks::closed_loop::sweep_recording::write;
+//! use shakedown::plant::paper::Paper;
+//! use shakedown::recording::{Experiment, check, is_bad_data};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let experiment = Experiment::load(&write(folder.path(), Paper::default(), 1)?)?;
+//! assert_eq!(experiment.runs.len(), 4);
+//! assert!((experiment.runs[0].dt - 0.002).abs() < 1e-12);
+//! assert!(!is_bad_data(&check(&experiment)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-pub mod binary;
+pub(crate) mod binary;
 pub(crate) mod bridge;
-pub mod channel;
-pub mod check;
-pub mod clock;
+pub(crate) mod channel;
+pub(crate) mod check;
+pub(crate) mod clock;
 mod copies;
-pub mod csv;
-pub mod described;
+pub(crate) mod csv;
+pub(crate) mod described;
 mod document;
-pub mod doubt;
-pub mod error;
-pub mod excerpt;
-pub mod experiment;
+pub(crate) mod doubt;
+pub(crate) mod error;
+pub(crate) mod excerpt;
+pub(crate) mod experiment;
 pub mod file;
-pub mod holdout;
-pub mod inner_loop;
-pub mod law;
-pub mod mat;
-pub mod model;
-pub mod noise;
-pub mod own_effect;
-pub mod propose;
-pub mod run;
-pub mod signal;
-pub mod steps;
-pub mod table;
-pub mod unit;
+pub(crate) mod holdout;
+pub(crate) mod inner_loop;
+pub(crate) mod law;
+pub(crate) mod mat;
+pub(crate) mod model;
+pub(crate) mod noise;
+pub(crate) mod own_effect;
+pub(crate) mod propose;
+pub(crate) mod run;
+pub(crate) mod signal;
+pub(crate) mod steps;
+pub(crate) mod table;
+pub(crate) mod unit;
 
 pub use channel::{Channel, PerChannel};
 pub use check::{Fault, Finding, Severity, Skew, check, is_bad_data};
@@ -41,6 +54,7 @@ pub use excerpt::excerpt;
 pub use experiment::Experiment;
 pub use law::{Law, Shaping};
 pub use model::{Accuracy, Baseline, ForceBalance, Model, RigidMass, Servo, StatedEffect};
+pub use propose::{Choice, Facts, Loop, Proposal, ProposeError, propose};
 pub use run::{Run, Use};
 
 #[cfg(test)]

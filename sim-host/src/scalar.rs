@@ -8,7 +8,7 @@
 
 mod dual;
 
-pub use dual::Dual;
+pub(crate) use dual::Dual;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// Standard gravity, m/s2: the `g` of every file, label and equation.

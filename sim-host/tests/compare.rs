@@ -5,8 +5,8 @@
 #[path = "support/table.rs"]
 mod table;
 
-use shakedown::identify::change::{Change, compare};
-use shakedown::plant::simulate::Placed;
+use shakedown::blocks::plant::Placed;
+use shakedown::identify::{Change, compare};
 use shakedown::recording::Experiment;
 use std::fmt::Write as _;
 use std::fs;

@@ -11,15 +11,13 @@
 #[path = "support/skipped.rs"]
 mod skipped;
 
-use shakedown::closed_loop::published::Named;
-use shakedown::closed_loop::trial::Setup;
-use shakedown::motion::condition::{Recipe, peak_acceleration};
-use shakedown::motion::fit::certificate::{self, Relaxed};
-use shakedown::motion::fit::method::{Method, modify};
-use shakedown::motion::fit::online::{self, Modifier};
-use shakedown::motion::fit::spectrum::Band;
-use shakedown::motion::fit::{Limits, Norm, Reference, convex, taut};
-use shakedown::motion::{Motion, generate, peak, read, spectrum};
+use shakedown::blocks::motion::certificate::{self, Relaxed};
+use shakedown::blocks::motion::online::{self, Modifier};
+use shakedown::blocks::motion::{Band, convex, spectrum, taut};
+use shakedown::fit::{
+    Limits, Method, Motion, Norm, Recipe, Reference, generate, modify, peak, peak_acceleration, read,
+};
+use shakedown::simulate::{Named, Setup};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -264,7 +262,7 @@ fn an_independent_solver_agrees() {
     let child =
         Command::new("python3").arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let Ok(mut child) = child else {
-        eprintln!("skipped: no python3");
+        skipped::skipped("no python3");
         return;
     };
     child.stdin.take().unwrap().write_all(task.as_bytes()).unwrap();
@@ -272,7 +270,7 @@ fn an_independent_solver_agrees() {
     if !output.status.success() {
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(message.contains("ModuleNotFoundError"), "{message}");
-        eprintln!("skipped: no SciPy");
+        skipped::skipped("python3 has no SciPy");
         return;
     }
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -15,15 +15,12 @@ mod coverage;
 #[path = "support/skipped.rs"]
 mod skipped;
 
-use shakedown::closed_loop::sweep_recording;
-use shakedown::diagnose::locate::leftover;
-use shakedown::identify::judge::{Score, score};
-use shakedown::identify::outcome::{Identified, IdentifyError, identify};
-use shakedown::identify::prepare::prepare;
-use shakedown::identify::starts::fitted;
+use shakedown::blocks::closed_loop::sweep_recording;
+use shakedown::blocks::diagnose::leftover;
+use shakedown::blocks::identify::{Score, fitted, prepare, score};
+use shakedown::identify::{Identified, IdentifyError, identify};
 use shakedown::plant::paper::Paper;
-use shakedown::recording::check::{check, is_bad_data};
-use shakedown::recording::{Experiment, Fault, Severity};
+use shakedown::recording::{Experiment, Fault, Severity, check, is_bad_data};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -54,7 +51,7 @@ fn print(found: &Identified) {
     for (name, q) in &found.quantities {
         println!("  {name:28} {:12.5} +/- {:.2e} ({:?} to {:?})", q.value, q.std.unwrap_or(f64::NAN), q.low, q.high);
     }
-    println!("  fitted {:?}\n  held back {:?}", found.fitted.nrmse, found.held_back.nrmse);
+    println!("  fitted {:?}\n  held out {:?}", found.fitted.nrmse, found.held_back.nrmse);
     for doubt in found.doubts() {
         println!("  {doubt}");
     }

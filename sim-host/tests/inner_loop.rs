@@ -3,9 +3,9 @@
 //! `CASES=500 cargo test -p shakedown --test inner_loop -- --nocapture`.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "the lint knows test functions, not helpers")]
 
-use shakedown::motion::condition::Recipe;
-use shakedown::motion::generate::{FAR_FIELD, NEAR_FIELD_MODERATE, NEAR_FIELD_STRONG};
-use shakedown::recording::inner_loop::{Closure, InnerLoop, Log, Term, identify};
+use shakedown::blocks::recording::{Closure, InnerLoop, Log, Term, identify};
+use shakedown::fit::Recipe;
+use shakedown::fit::generate::{FAR_FIELD, NEAR_FIELD_MODERATE, NEAR_FIELD_STRONG};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 

@@ -10,11 +10,11 @@
 #[path = "support/table.rs"]
 mod table;
 
+use shakedown::blocks::plant::{Placed, entry};
+use shakedown::blocks::recording::load_effects;
 use shakedown::diagnose::{Options, diagnose};
-use shakedown::identify::outcome::identify;
-use shakedown::plant::effects::entry;
-use shakedown::plant::simulate::Placed;
-use shakedown::recording::{Experiment, Model, own_effect};
+use shakedown::identify::identify;
+use shakedown::recording::{Experiment, Model};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ const CLEAR: [(&str, &[(&str, f64)]); 5] = [
 
 /// An experiment on a table that has the effect; `model` is what follows the paper's four numbers.
 fn experiment(folder: &TempDir, id: &str, truth: &[(&str, f64)], model: &str) -> Experiment {
-    own_effect::load(&example(&format!("{id}.toml"))).unwrap();
+    load_effects(&example(&format!("{id}.toml"))).unwrap();
     let known = entry(id).unwrap();
     let value = |key: &str| truth.iter().find(|(name, _)| *name == key).unwrap().1;
     let parameters = known.parameters.iter().map(|p| value(p.key)).collect();
@@ -74,7 +74,7 @@ fn a_stated_effect_is_fitted_to_its_true_values() {
         fs::write(&table, found.model(&experiment.model).to_toml()).unwrap();
         let again = Model::load(&table).unwrap();
         assert_eq!(again.effects[0].id, id);
-        shakedown::closed_loop::twin::Twin::of(&again).unwrap();
+        shakedown::simulate::Twin::of(&again).unwrap();
     }
 }
 
@@ -100,7 +100,7 @@ fn what_is_wrong_is_said_by_line() {
              parameters.p = {{ unit = \"{unit}\", {range} }}\n"
         );
         fs::write(&path, text).unwrap();
-        let (entries, errors) = match own_effect::load(&path) {
+        let (entries, errors) = match load_effects(&path) {
             Ok(both) => both,
             Err(error) => (Vec::new(), vec![error]),
         };
@@ -153,6 +153,6 @@ fn nonsense_is_refused_and_never_worse() {
              parameters.p = {{ unit = \"1/s\", low = 0.0, high = 1.0, start = 0.5 }}\n"
         );
         fs::write(&path, text).unwrap();
-        let _ = own_effect::load(&path);
+        let _ = load_effects(&path);
     }
 }

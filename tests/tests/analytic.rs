@@ -17,11 +17,10 @@
 )]
 
 use nalgebra::Complex;
-use shakedown::closed_loop::named::settings;
-use shakedown::closed_loop::published::Gains;
-use shakedown::closed_loop::{Clock, Law, PlainPi, Trace, run};
+use shakedown::blocks::closed_loop::settings;
 use shakedown::plant::paper::{FixedStep, Paper};
 use shakedown::plant::sensors::{SensorModel, Sensors};
+use shakedown::simulate::{Clock, Gains, Law, PlainPi, Trace, run};
 use shakedown_core::Controller;
 
 type C = Complex<f64>;

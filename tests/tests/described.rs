@@ -42,7 +42,7 @@ fn a_table_described_once_gives_every_limit() {
     assert_eq!(result["controller"].as_str(), Some("strong"));
     let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
     assert!(page.contains("\"unit\":\"mA\"") && page.contains("Valve, 20 mA fully open"));
-    // What is given on the command line goes before it.
+    // What is given on the command line overrides it.
     let (_, _) =
         run(folder.path(), "modify near-field-moderate --method causal --stroke 0.1 --velocity 0.15 --json o.json");
     let own = json(folder.path(), "o.json");

@@ -7,10 +7,9 @@
     reason = "the lint knows test functions, not helpers"
 )]
 
-use shakedown::closed_loop::published::{Event, Named};
-use shakedown::closed_loop::table1::{Case, Reading, checks, rows};
-use shakedown::closed_loop::twin::Twin;
-use shakedown::motion::read;
+use shakedown::blocks::closed_loop::table1::{Case, Reading, checks, rows};
+use shakedown::fit::read;
+use shakedown::simulate::{Event, Named, Twin};
 use shakedown_tests::binary::data;
 
 #[test]

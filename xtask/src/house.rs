@@ -1,8 +1,9 @@
 //! The house rules a compiler does not know: lengths of files, the direction of dependencies, circles, stray
-//! paths, boards known outside their folders, the width of the core's front door, the length of its tick, words that must not come back.
+//! paths, boards known outside their folders, the width of the core's front door, the length of its tick, effects known outside their files, words that must not come back.
 
 mod circles;
 mod direction;
+mod effects;
 mod front_door;
 mod lengths;
 mod paths;
@@ -40,6 +41,7 @@ fn breaches(files: &[File]) -> Result<Vec<String>, Problem> {
         ports::check(files),
         front_door::check(files),
         tick::check(files),
+        effects::check(files),
         words::check(files),
     ]
     .concat())

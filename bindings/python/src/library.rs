@@ -4,19 +4,14 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use pyo3::prelude::*;
-use shakedown::closed_loop::bode::{self, Grid};
-use shakedown::closed_loop::design::{Demand, Spread, Table, answer as design_answer};
-use shakedown::closed_loop::trial::{Seen, Setup, Trial};
-use shakedown::closed_loop::twin::Twin;
+use shakedown::blocks::closed_loop::bode::{self, Grid};
+use shakedown::blocks::closed_loop::design::{Demand, Spread, Table, answer as design_answer};
 use shakedown::diagnose::Options;
-use shakedown::identify::answer;
-use shakedown::identify::outcome;
-use shakedown::motion::fit::answer::{Answer, Compared};
-use shakedown::motion::fit::method::{Method, modify};
-use shakedown::motion::fit::named::PREVIEW;
-use shakedown::motion::fit::{Limits, Norm};
+use shakedown::fit::{Answer, Compared, Limits, Method, Norm, PREVIEW, modify};
+use shakedown::identify::{answer, identify as identify_with};
 use shakedown::plant::sensors::SensorModel;
 use shakedown::recording::{Experiment, Model};
+use shakedown::simulate::{Seen, Setup, Trial, Twin};
 
 use crate::motion::{PyMotion, PyRecord, array};
 use crate::said;
@@ -47,7 +42,7 @@ pub(crate) fn diagnose(py: Python<'_>, path: PathBuf, progress: Option<Py<PyAny>
 pub(crate) fn identify(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     let found = Teller::new(None).run(py, move |_| {
         let experiment = Experiment::load(&path).map_err(|e| e.to_string())?;
-        outcome::identify(&experiment).map(|found| answer::value(&found).to_string()).map_err(|e| e.to_string())
+        identify_with(&experiment).map(|found| answer(&found).to_string()).map_err(|e| e.to_string())
     })?;
     found.map_err(said)
 }
@@ -218,7 +213,7 @@ pub(crate) fn design(
         let tell = |bandwidth: f64, disturbance: f64| {
             teller.tell(&format!("feedback of {bandwidth:.1} Hz, disturbances up to {disturbance:.0} Hz"), f64::NAN);
         };
-        let found = shakedown::closed_loop::design::design(&table, &demand, tell).map_err(|e| refuse(&e))?;
+        let found = shakedown::blocks::closed_loop::design::design(&table, &demand, tell).map_err(|e| refuse(&e))?;
         Ok::<_, String>((design_answer::json(&found, &demand, &unused).to_string(), PySettings(found.settings)))
     })?;
     designed.map_err(said)

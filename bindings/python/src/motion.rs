@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use shakedown::motion::condition::Recipe;
-use shakedown::motion::read::{Options, record};
-use shakedown::motion::{Motion, Record};
+use shakedown::fit::read::{Options, record};
+use shakedown::fit::{Motion, Recipe, Record};
 
 use crate::said;
 

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use shakedown::closed_loop::Clock;
-use shakedown::closed_loop::twin::Twin;
 use shakedown::plant::Plant;
 use shakedown::plant::sensors::{SensorModel, Sensors};
 use shakedown::recording::Model;
+use shakedown::simulate::{Clock, Twin};
 
 /// Plant steps in half a tick: those of `shakedown run`.
 const HALF_STEPS: usize = 5;

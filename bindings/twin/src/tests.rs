@@ -3,12 +3,9 @@
 use std::ptr::{null, null_mut};
 
 use super::*;
-use shakedown::closed_loop::published::Named;
-use shakedown::closed_loop::trial::Setup;
-use shakedown::closed_loop::twin::Twin;
-use shakedown::motion::condition::Recipe;
-use shakedown::motion::generate;
+use shakedown::fit::{Recipe, generate};
 use shakedown::recording::Model;
+use shakedown::simulate::{Named, Setup, Twin};
 
 const SERVO: &str = "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n";
 

@@ -6,12 +6,12 @@ use super::required::Demanded;
 use super::written::Plan;
 use super::written::provenance::{self, Fact};
 use super::{Failure, present, progress};
+use crate::motion::fit::Limits;
+use crate::motion::qualify::attain::{Attained, Unreachable, Way, attain_from};
+use crate::motion::qualify::{Judged, QualifyError, Standard};
+use crate::motion::{Motion, STANDARD_GRAVITY};
+use crate::report::{Item, Page, Section, Table as Rows};
 use serde_json::json;
-use shakedown::motion::fit::Limits;
-use shakedown::motion::qualify::attain::{Attained, Unreachable, Way, attain_from};
-use shakedown::motion::qualify::{Judged, QualifyError, Standard};
-use shakedown::motion::{Motion, STANDARD_GRAVITY};
-use shakedown::report::{Item, Page, Section, Table as Rows};
 use std::path::{Path, PathBuf};
 
 /// What is looked for, and where what is found goes.
@@ -35,9 +35,9 @@ pub(crate) struct Sought<'a> {
 impl Sought<'_> {
     /// Looks for the motion, writes it, or says why there is none.
     pub(crate) fn seek(&self) -> Result<(), Failure> {
-        let Demanded { standard, required, lowest } = &self.demanded;
-        let bar = progress::spinner(format!("looking for a motion for {}", standard.id));
-        let found = attain_from(self.record.as_ref(), standard, required, *lowest, &self.limits, self.seed);
+        let asked = self.demanded.requirement();
+        let bar = progress::spinner(format!("looking for a motion for {}", asked.standard.id));
+        let found = attain_from(self.record.as_ref(), asked, &self.limits, self.seed);
         bar.finish_and_clear();
         match found.map_err(|e: QualifyError| self.failed(&e.to_string()))? {
             Attained::Motion { motion, way, judged, lost } => self.attained(&motion, way, judged, &lost),

@@ -4,14 +4,14 @@ mod page;
 
 use super::output::Outputs;
 use super::{Failure, present, progress};
+use crate::closed_loop::bench::figures::{self, Figure, Records};
+use crate::closed_loop::bench::{Bench, Case, Contender, Quartiles, Row, Score, TABLES, rows};
+use crate::motion::generate;
+use crate::motion::{Record, read};
+use crate::plant::sensors::GRAVITY;
+use crate::report::{Item, Section, Table};
 use clap::builder::PossibleValuesParser;
 use serde_json::json;
-use shakedown::closed_loop::bench::figures::{self, Figure, Records};
-use shakedown::closed_loop::bench::{Bench, Case, Contender, Quartiles, Row, Score, TABLES, rows};
-use shakedown::motion::generate;
-use shakedown::motion::{Record, read};
-use shakedown::plant::sensors::GRAVITY;
-use shakedown::report::{Item, Section, Table};
 use std::path::{Path, PathBuf};
 
 /// The public benchmark: records by tables by controllers, quartiles as well as bests, and the tracking law's own figures.

@@ -3,12 +3,12 @@
 use super::output::{Outputs, print, print_table, sha256, tell, write_whole};
 use super::shard::Shard;
 use super::{Failure, failure, progress, run};
+use crate::closed_loop::scenario::Scenario;
+use crate::files::bounded;
+use crate::report::{Item, Matrix, Page, Section, Table};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
-use shakedown::closed_loop::scenario::Scenario;
-use shakedown::files::bounded;
-use shakedown::report::{Item, Matrix, Page, Section, Table};
 use std::path::{Path, PathBuf};
 
 /// Runs a list of records, scales and controllers that one file names: what is there already is not run again, and everything that is

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::compare;
 use super::output::tell;
-use shakedown::closed_loop::learning::stale::Staleness;
+use crate::closed_loop::learning::stale::Staleness;
 use std::path::{Path, PathBuf};
 
 /// Recordings of the check motion, as options.

@@ -8,11 +8,11 @@ mod reports;
 use super::Failure;
 use super::output::Outputs;
 use super::source::Text;
-use shakedown::closed_loop::learning::stale::Staleness;
-use shakedown::motion::drive::Drive;
-use shakedown::motion::metrics::Played;
-use shakedown::motion::read::{self, Options};
-use shakedown::motion::{Format, Motion, Record};
+use crate::closed_loop::learning::stale::Staleness;
+use crate::motion::drive::Drive;
+use crate::motion::metrics::Played;
+use crate::motion::read::{self, Options};
+use crate::motion::{Format, Motion, Record};
 use std::path::{Path, PathBuf};
 
 /// Compares two files by what they are: two experiments (what changed on the table), a drive and the recording of it (indices, delay,

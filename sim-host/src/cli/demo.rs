@@ -5,13 +5,13 @@ mod concealed;
 use super::histories::{self, History, Opening};
 use super::output::Outputs;
 use super::{Failure, present, progress};
+use crate::closed_loop::showcase::{Entry, STROKE, Way, play};
+use crate::closed_loop::twin::Twin;
+use crate::motion::condition::Recipe;
+use crate::motion::{Motion, generate};
+use crate::plant::sensors::{GRAVITY, SensorModel};
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use serde_json::json;
-use shakedown::closed_loop::showcase::{Entry, STROKE, Way, play};
-use shakedown::closed_loop::twin::Twin;
-use shakedown::motion::condition::Recipe;
-use shakedown::motion::{Motion, generate};
-use shakedown::plant::sensors::{GRAVITY, SensorModel};
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -38,7 +38,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let started = Instant::now();
     let report = args.outputs.report.clone().unwrap_or_else(|| PathBuf::from(REPORT));
-    shakedown::files::writable(&report).map_err(|e| {
+    crate::files::writable(&report).map_err(|e| {
         Failure::Input(format!(
             "{}: no file can be written there: {}; name a place with --report",
             report.display(),

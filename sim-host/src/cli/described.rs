@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::output::tell;
-use shakedown::recording::Described;
+use crate::recording::Described;
 use std::path::{Path, PathBuf};
 
 /// What a folder's own description is called.

@@ -6,10 +6,10 @@ use super::failure::{self, within};
 use super::output::{Outputs, print, write_whole};
 use super::places::place;
 use super::{Failure, present, progress};
-use shakedown::closed_loop::design::{Demand, Design, DesignError, Spread, Table, answer, design};
-use shakedown::closed_loop::margin::{BAND, Margins};
-use shakedown::recording::model::Model;
-use shakedown::report::{self, Item, Page, Section};
+use crate::closed_loop::design::{Demand, Design, DesignError, Spread, Table, answer, design};
+use crate::closed_loop::margin::{BAND, Margins};
+use crate::recording::model::Model;
+use crate::report::{self, Item, Page, Section};
 use std::path::{Path, PathBuf};
 
 /// Gains for the tracking law from a model and its uncertainty: margins in every corner first, refusal where none are safe.

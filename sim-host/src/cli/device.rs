@@ -10,9 +10,9 @@ mod setup;
 
 use super::output::{Outputs, print};
 use super::{Failure, described};
+use crate::device::{PROOF_TEST, Port, Session, SessionError};
 use clap::Subcommand;
 use serde_json::json;
-use shakedown::device::{PROOF_TEST, Port, Session, SessionError};
 use shakedown_core::link::{HostRequest, Report, Source};
 use std::path::{Path, PathBuf};
 

@@ -11,10 +11,10 @@ mod unfit;
 use super::output::{Outputs, print, write_whole};
 use super::places::{folder, place};
 use super::{Failure, failure, progress};
-use shakedown::diagnose::result::Verdict;
-use shakedown::diagnose::{DiagnoseError, Diagnosis, Examined, Options, diagnose};
-use shakedown::digits;
-use shakedown::recording::Experiment;
+use crate::diagnose::result::Verdict;
+use crate::diagnose::{DiagnoseError, Diagnosis, Examined, Options, diagnose};
+use crate::digits;
+use crate::recording::Experiment;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

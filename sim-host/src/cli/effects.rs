@@ -3,12 +3,12 @@
 use super::Failure;
 use super::failure::refused;
 use super::output::{Outputs, print, print_table};
+use crate::plant::effects::{ENTRIES, Entry, Role};
+use crate::plant::model::Kind;
+use crate::recording::error::suggestion;
+use crate::recording::own_effect;
+use crate::report::{Item, Page, Section, Table};
 use serde_json::json;
-use shakedown::plant::effects::{ENTRIES, Entry, Role};
-use shakedown::plant::model::Kind;
-use shakedown::recording::error::suggestion;
-use shakedown::recording::own_effect;
-use shakedown::report::{Item, Page, Section, Table};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -91,7 +91,7 @@ fn as_json(entry: &Entry) -> serde_json::Value {
     })
 }
 
-fn shared(entry: &Entry) -> impl Iterator<Item = &'static shakedown::plant::effects::Parameter> {
+fn shared(entry: &Entry) -> impl Iterator<Item = &'static crate::plant::effects::Parameter> {
     entry.parameters.iter().filter(|p| p.role != Role::PerRun)
 }
 

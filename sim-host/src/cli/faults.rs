@@ -7,11 +7,11 @@ mod page;
 use super::output::{Outputs, print_table, tell};
 use super::shard::Shard;
 use super::{Failure, progress};
+use crate::faults::campaign::{join, run as run_all, run_shard};
+use crate::faults::{Beside, CLASSES, CampaignError, Case, Class, Motions, Plan, Summary, rig, watcher};
+use crate::files::json::JsonError;
 use clap::builder::PossibleValuesParser;
 use serde_json::json;
-use shakedown::faults::campaign::{join, run as run_all, run_shard};
-use shakedown::faults::{Beside, CLASSES, CampaignError, Case, Class, Motions, Plan, Summary, rig, watcher};
-use shakedown::files::json::JsonError;
 use std::path::PathBuf;
 
 /// Random faults at random times in random records, judged by a watcher that knows the truth and not the guard.

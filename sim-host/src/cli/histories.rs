@@ -1,9 +1,9 @@
 //! A test's histories over time, saturated stretches shaded, opened at its strong motion.
 
-use shakedown::closed_loop::trial::{Seen, Trial, TrialError};
-use shakedown::motion::metrics::intensity;
-use shakedown::plant::sensors::GRAVITY;
-use shakedown::report::{Axis, Band, Item, Plot, Series, Style};
+use crate::closed_loop::trial::{Seen, Trial, TrialError};
+use crate::motion::metrics::intensity;
+use crate::plant::sensors::GRAVITY;
+use crate::report::{Axis, Band, Item, Plot, Series, Style};
 
 /// One curve over a test's time.
 pub(crate) struct History<'a> {

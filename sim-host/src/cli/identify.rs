@@ -6,9 +6,9 @@ mod transfer;
 use super::output::{Outputs, print, print_table, write_whole};
 use super::places::place;
 use super::{Failure, failure, progress};
-use shakedown::identify::answer;
-use shakedown::identify::outcome::{IdentifyError, identify};
-use shakedown::recording::Experiment;
+use crate::identify::answer;
+use crate::identify::outcome::{IdentifyError, identify};
+use crate::recording::Experiment;
 use std::path::PathBuf;
 
 /// Fits the parameters an experiment lists in `fit`, with intervals, and judges the model on hold-out runs.

@@ -1,9 +1,9 @@
 //! The laboratory's indices of a response beside E_a and E_d: once as a table, once as JSON, the same for every command.
 
+use crate::motion::metrics::Indices;
+use crate::plant::sensors::GRAVITY;
+use crate::report::{Item, Table};
 use serde_json::Value;
-use shakedown::motion::metrics::Indices;
-use shakedown::plant::sensors::GRAVITY;
-use shakedown::report::{Item, Table};
 
 /// The shape that docs/formats.md states; what is not known is null.
 pub(crate) fn value(found: &Indices) -> Value {

@@ -3,12 +3,12 @@
 use super::Failure;
 use super::output::{Outputs, print, write_whole};
 use super::source::Text;
+use crate::recording::Channel;
+use crate::recording::inner_loop::{Closure, InnerLoop};
+use crate::recording::propose::{Proposal, propose_as};
+use crate::recording::{Experiment, Severity, check};
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use serde_json::json;
-use shakedown::recording::Channel;
-use shakedown::recording::inner_loop::{Closure, InnerLoop};
-use shakedown::recording::propose::{Proposal, propose_as};
-use shakedown::recording::{Experiment, Severity, check};
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let table = args.folder.join("table.toml");
     let described = !to_terminal && !table.exists();
     if described {
-        write_whole(&table, shakedown::recording::described::template(MODEL).as_bytes())?;
+        write_whole(&table, crate::recording::described::template(MODEL).as_bytes())?;
     }
     let inputs: Vec<PathBuf> = proposal.files.iter().map(|name| args.folder.join(name)).collect();
     args.outputs.write_json(as_json(&proposal, (!to_terminal).then_some(&path)), &inputs)?;
@@ -146,7 +146,7 @@ fn figures(proposal: &Proposal) -> Vec<Item> {
     let time = proposal.choices.iter().find(|choice| choice.channel == Channel::Time);
     let step = time.and_then(|choice| Some(proposal.facts.get(choice.column)?.step? * choice.unit?.factor));
     let channels = proposal.choices.iter().filter(|choice| choice.channel != Channel::Time);
-    let plot = |choice: &shakedown::recording::propose::Choice| {
+    let plot = |choice: &crate::recording::propose::Choice| {
         let samples = proposal.facts.get(choice.column)?.samples.clone();
         let unit = choice.unit.map_or("unit unknown", |unit| unit.symbol);
         let unit = if unit == "1" { "no unit" } else { unit };

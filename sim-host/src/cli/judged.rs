@@ -1,10 +1,10 @@
 //! A motion that was held against a standard: the page with verdict, margin, spectra and every rule, and the JSON.
 
 use super::histories::strong_motion;
+use crate::motion::STANDARD_GRAVITY as G;
+use crate::motion::qualify::{Judged, Ordinate, Required, Rule, Standard};
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use serde_json::{Value, json};
-use shakedown::motion::STANDARD_GRAVITY as G;
-use shakedown::motion::qualify::{Judged, Ordinate, Required, Rule, Standard};
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
 /// What came out.
 pub(crate) struct Answer {

@@ -11,17 +11,17 @@ use super::places::place;
 use super::source::{Source, plausible};
 use super::written::{Plan, Shape, provenance};
 use super::{Failure, present, progress};
+use crate::closed_loop::learning::stale::check_motion;
+use crate::closed_loop::learning::{Learned, Learning, Limits, learn_from};
+use crate::closed_loop::named;
+use crate::closed_loop::trial::Setup;
+use crate::closed_loop::twin::Twin;
+use crate::motion::condition::Recipe;
+use crate::motion::drive::{Drive, DriveUnit, Quantity};
+use crate::motion::fit::named::{ASKED, Fit};
+use crate::motion::{Motion, Record};
+use crate::plant::sensors::SensorModel;
 use clap::builder::PossibleValuesParser;
-use shakedown::closed_loop::learning::stale::check_motion;
-use shakedown::closed_loop::learning::{Learned, Learning, Limits, learn_from};
-use shakedown::closed_loop::named;
-use shakedown::closed_loop::trial::Setup;
-use shakedown::closed_loop::twin::Twin;
-use shakedown::motion::condition::Recipe;
-use shakedown::motion::drive::{Drive, DriveUnit, Quantity};
-use shakedown::motion::fit::named::{ASKED, Fit};
-use shakedown::motion::{Motion, Record};
-use shakedown::plant::sensors::SensorModel;
 use std::path::{Path, PathBuf};
 
 /// Learns a drive over repeated runs on the twin: the next run's peaks are predicted, and an unsafe drive is refused.

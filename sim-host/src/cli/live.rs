@@ -3,15 +3,15 @@
 use super::output::{Outputs, print, tell};
 use super::reference::resampled;
 use super::{Failure, desk, failure, table};
+use crate::closed_loop::twin::Twin;
+use crate::files::Unfinished;
+use crate::live::{Attendant, Bench, Hub, Recorded, Server, SoftDevice, Storage, Summary, watch};
+use crate::motion::condition::{Recipe, Step};
+use crate::motion::generate;
+use crate::motion::resample::Interpolation;
+use crate::recording::Experiment;
 use clap::ArgGroup;
 use serde_json::json;
-use shakedown::closed_loop::twin::Twin;
-use shakedown::files::Unfinished;
-use shakedown::live::{Attendant, Bench, Hub, Recorded, Server, SoftDevice, Storage, Summary, watch};
-use shakedown::motion::condition::{Recipe, Step};
-use shakedown::motion::generate;
-use shakedown::motion::resample::Interpolation;
-use shakedown::recording::Experiment;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -134,7 +134,7 @@ fn device(_: &Args) -> Result<(), Failure> {
 
 #[cfg(unix)]
 fn device(args: &Args) -> Result<(), Failure> {
-    use shakedown::device::{PROOF_TEST, Port, ProofTest, Session};
+    use crate::device::{PROOF_TEST, Port, ProofTest, Session};
     use shakedown_core::link::Source;
     let path = args.port.clone().unwrap_or_default();
     let attended = match args.time {
@@ -225,8 +225,8 @@ fn say(args: &Args, bench: &impl Bench, summary: &Summary, inputs: &[PathBuf]) -
     Ok(())
 }
 
-fn page(lead: String, rows: &[(&str, String)]) -> shakedown::report::Page {
-    use shakedown::report::{Item, Page, Section, Table};
+fn page(lead: String, rows: &[(&str, String)]) -> crate::report::Page {
+    use crate::report::{Item, Page, Section, Table};
     let rows = rows.iter().map(|(name, value)| vec![(*name).to_owned(), value.clone()]).collect();
     let table = Table { columns: vec![String::new(), "watched".into()], rows, caption: String::new() };
     let sections = vec![Section { heading: "What was watched".into(), items: vec![Item::Table(table)] }];

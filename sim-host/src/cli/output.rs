@@ -2,8 +2,8 @@
 
 use super::places::{folder, place, place_or_stdout};
 use super::{Failure, asked};
+use crate::report::{Page, Table, terminal};
 use sha2::{Digest, Sha256};
-use shakedown::report::{Page, Table, terminal};
 use std::fmt::Write as _;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -120,8 +120,7 @@ pub(crate) fn sha256(path: &Path) -> Result<String, Failure> {
 /// Writes a file whole or not at all: beside its place first, then renamed.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     announce(path);
-    shakedown::files::write_whole(path, bytes)
-        .map_err(|e| Failure::Work(format!("{}: cannot write: {e}", path.display())))
+    crate::files::write_whole(path, bytes).map_err(|e| Failure::Work(format!("{}: cannot write: {e}", path.display())))
 }
 
 /// Prints a table to standard output, as wide as the window where there is one.

@@ -40,7 +40,7 @@ fn writable(path: PathBuf) -> Result<PathBuf, String> {
         ErrorKind::PermissionDenied => "no permission; name another place".to_owned(),
         kind => kind.to_string(),
     };
-    shakedown::files::writable(&path).map_err(|e| format!("no file can be written there: {}", because(e)))?;
+    crate::files::writable(&path).map_err(|e| format!("no file can be written there: {}", because(e)))?;
     Ok(path)
 }
 

@@ -1,7 +1,7 @@
 //! What a command found, once: a section of the page whose tables a terminal shows too, and the same as JSON.
 
 use super::output::{print, print_table};
-use shakedown::report::{Item, Section, terminal};
+use crate::report::{Item, Section, terminal};
 use std::path::PathBuf;
 
 /// One part of a command's answer.

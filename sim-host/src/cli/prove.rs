@@ -9,14 +9,14 @@ use super::failure::within;
 use super::output::{Outputs, print_table, tell};
 use super::shard::Shard;
 use super::{Failure, progress};
+use crate::files::json::JsonError;
+use crate::prove::campaign::{CampaignError, Plan, join, run as examine};
+use crate::prove::gates::Gate;
+use crate::prove::record::Record;
+use crate::prove::{Examinee as _, examiner, laboratory, page, summary};
+use crate::report::{Page, Table};
 use clap::Subcommand;
 use engine::Engine;
-use shakedown::files::json::JsonError;
-use shakedown::prove::campaign::{CampaignError, Plan, join, run as examine};
-use shakedown::prove::gates::Gate;
-use shakedown::prove::record::Record;
-use shakedown::prove::{Examinee as _, examiner, laboratory, page, summary};
-use shakedown::report::{Page, Table};
 use std::path::{Path, PathBuf};
 
 /// The diagnosis examined on concealed cases, made by code that shares nothing with it.

@@ -10,9 +10,9 @@ use super::places::place;
 use super::required::{Demand, Demanded};
 use super::source::Text;
 use super::{Failure, present};
-use shakedown::motion::drive::Drive;
-use shakedown::motion::qualify::{QualifyError, Required, Shape, Standard, judge, synthesise};
-use shakedown::motion::{Record, read};
+use crate::motion::drive::Drive;
+use crate::motion::qualify::{QualifyError, Requirement, Shape, judge, synthesise};
+use crate::motion::{Record, read};
 use std::path::{Path, PathBuf};
 
 /// Holds a motion against a standard: spectra, zero-period acceleration, duration, strong motion, independence of axes.
@@ -77,11 +77,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return within_limits::run(args, demanded);
     }
     made::form(args)?;
-    let Demanded { standard, required, lowest } = demanded;
-    let (name, acceleration, dt, axes) = args.motion(&standard, &required, lowest)?;
+    let asked = demanded.requirement();
+    let (name, acceleration, dt, axes) = args.motion(asked)?;
     let place = args.record.as_ref().map_or_else(|| name.clone(), |path| path.display().to_string());
-    let verdict = judge(&acceleration, dt, &axes, &standard, &required, lowest)
-        .map_err(|e| Failure::Input(format!("{place}: {e}")))?;
+    let verdict = judge(&acceleration, dt, &axes, asked).map_err(|e| Failure::Input(format!("{place}: {e}")))?;
+    let Demanded { standard, required, lowest } = demanded;
     let answer = Answer { name, standard, required, judged: verdict, acceleration, dt, lowest };
     if let Some(path) = &args.synthesise {
         made::write(path, &answer)?;
@@ -103,15 +103,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 
 impl Args {
     /// Name, acceleration, interval and the other axes.
-    fn motion(
-        &self,
-        standard: &Standard,
-        required: &Required,
-        lowest: f64,
-    ) -> Result<(String, Vec<f64>, f64, Vec<Vec<f64>>), Failure> {
+    fn motion(&self, asked: Requirement<'_>) -> Result<(String, Vec<f64>, f64, Vec<Vec<f64>>), Failure> {
         let Some(path) = &self.record else {
             let (shape, margin) = (Shape::USUAL, self.margin.unwrap_or(1.05));
-            let made = synthesise(standard, required, lowest, margin, &shape, self.seed.unwrap_or(1));
+            let made = synthesise(asked, margin, &shape, self.seed.unwrap_or(1));
             let made = made.map_err(|e: QualifyError| Failure::Work(format!("qualify: {e}")))?;
             return Ok(("synthetic motion".into(), made, 1.0 / shape.rate, Vec::new()));
         };

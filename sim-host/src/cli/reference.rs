@@ -2,9 +2,9 @@
 
 use super::Failure;
 use super::output::tell;
-use shakedown::motion::drive::{Drive as MotionDrive, Quantity};
-use shakedown::recording::file;
-use shakedown::recording::unit::{Dimension, Unit};
+use crate::motion::drive::{Drive as MotionDrive, Quantity};
+use crate::recording::file;
+use crate::recording::unit::{Dimension, Unit};
 use std::path::Path;
 
 /// Times, s, and the reference, m: of a drive, or of the columns with the units that their header states.

@@ -4,8 +4,8 @@ use super::Failure;
 use super::failure::{first_given, within};
 use super::output::sha256;
 use super::written::provenance::Fact;
+use crate::motion::qualify::{Code, Direction, Required, Requirement, STANDARDS, Site, Standard};
 use clap::ValueEnum;
-use shakedown::motion::qualify::{Code, Direction, Required, STANDARDS, Site, Standard};
 use std::path::PathBuf;
 
 /// The options.
@@ -48,6 +48,13 @@ pub(crate) struct Demanded {
     pub(crate) required: Required,
     /// The lowest frequency that is judged, Hz.
     pub(crate) lowest: f64,
+}
+
+impl Demanded {
+    /// The same as motions are made for it and judged by it.
+    pub(crate) fn requirement(&self) -> Requirement<'_> {
+        Requirement { standard: &self.standard, required: &self.required, lowest: self.lowest }
+    }
 }
 
 /// Building codes by name.
@@ -144,7 +151,7 @@ impl Demand {
     fn required(&self, standard: &Standard) -> Result<Required, Failure> {
         if let Some(path) = &self.rrs {
             let refuse = |e: String| Failure::Input(format!("{}: {e}", path.display()));
-            let text = shakedown::files::bounded::text(path, 1 << 20).map_err(|e| refuse(e.to_string()))?;
+            let text = crate::files::bounded::text(path, 1 << 20).map_err(|e| refuse(e.to_string()))?;
             return Required::parse(&text, self.rrs_damping.unwrap_or(standard.damping)).map_err(refuse);
         }
         let site = Site {

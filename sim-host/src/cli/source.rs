@@ -3,10 +3,10 @@
 use super::Failure;
 use super::failure::first_given;
 use super::output::tell;
-use shakedown::files::layout::{Decimal, Delimiter, Stated};
-use shakedown::motion::read::Options;
-use shakedown::motion::{Motion, Record, STANDARD_GRAVITY, generate, peak, read};
-use shakedown::recording::Experiment;
+use crate::files::layout::{Decimal, Delimiter, Stated};
+use crate::motion::read::Options;
+use crate::motion::{Motion, Record, STANDARD_GRAVITY, generate, peak, read};
+use crate::recording::Experiment;
 use std::path::{Path, PathBuf};
 
 /// Which record, and what its file leaves out.

@@ -11,10 +11,10 @@ use super::Failure;
 use super::output::{Outputs, print};
 use super::present::{self, Part};
 use super::source::Source;
+use crate::closed_loop::sweep_recording;
+use crate::plant::paper::Paper;
+use crate::report::Page;
 use clap::ValueEnum;
-use shakedown::closed_loop::sweep_recording;
-use shakedown::plant::paper::Paper;
-use shakedown::report::Page;
 use std::path::PathBuf;
 
 /// The table's diagrams: Bode curves by amplitude, the saw-tooth, gain trade-off, slew rate, feedforward cancellation.

@@ -6,14 +6,14 @@ mod records;
 
 use super::output::Outputs;
 use super::{Failure, present, progress};
+use crate::closed_loop::published::{Event, Named};
+use crate::closed_loop::table1::fitted::{self as fits, FittedRow};
+use crate::closed_loop::table1::{Case, Check, Reading, Row, checks, rows};
+use crate::closed_loop::trial::Scores;
+use crate::plant::sensors::GRAVITY;
+use crate::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
 use records::Source;
 use serde_json::json;
-use shakedown::closed_loop::published::{Event, Named};
-use shakedown::closed_loop::table1::fitted::{self as fits, FittedRow};
-use shakedown::closed_loop::table1::{Case, Check, Reading, Row, checks, rows};
-use shakedown::closed_loop::trial::Scores;
-use shakedown::plant::sensors::GRAVITY;
-use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
 use std::path::PathBuf;
 
 /// The paper's Table 1: eight controllers, three records, every figure beside the paper's.

@@ -1,11 +1,11 @@
 //! Measured channels beside what models make of them: the same figures for every command that compares the two.
 
-use shakedown::diagnose::locate::{Location, StateShare};
-use shakedown::digits;
-use shakedown::identify::data::{Measured, Run};
-use shakedown::identify::spectra;
-use shakedown::recording::check::Finding;
-use shakedown::report::{Axis, Item, Plot, Series, Style, Table};
+use crate::diagnose::locate::{Location, StateShare};
+use crate::digits;
+use crate::identify::data::{Measured, Run};
+use crate::identify::spectra;
+use crate::recording::check::Finding;
+use crate::report::{Axis, Item, Plot, Series, Style, Table};
 
 /// One figure over time: a run's channel and curves of it, each with its name and style.
 pub(crate) fn over_time(run: &Run, measured: &Measured, more: &str, curves: Vec<(&str, Vec<f64>, Style)>) -> Item {

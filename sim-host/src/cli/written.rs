@@ -5,10 +5,10 @@ pub(crate) mod provenance;
 use super::Failure;
 use super::failure::{first_given, within};
 use super::output::{announce, tell};
-use shakedown::motion::Motion;
-use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
-use shakedown::recording::Described;
-use shakedown::recording::binary::rpc::Points;
+use crate::motion::Motion;
+use crate::motion::drive::{Drive, DriveUnit, Form, Quantity};
+use crate::recording::Described;
+use crate::recording::binary::rpc::Points;
 use std::path::Path;
 
 /// What the drive is, as options.

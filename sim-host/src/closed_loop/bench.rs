@@ -5,14 +5,14 @@
 //! table's linear model, none on a record. `E_a` is that of Eq. 11, unsquared, of the true motion: with ideal sensors as
 //! it is, and with the table's sensors low-passed at 15 Hz like the record.
 
-pub mod figures;
-pub mod rivals;
-pub mod score;
-pub mod tables;
+pub(crate) mod figures;
+pub(crate) mod rivals;
+pub(crate) mod score;
+pub(crate) mod tables;
 mod yielding;
 
-pub use score::{Quartiles, Score};
-pub use tables::{Bench, TABLES};
+pub(crate) use score::{Quartiles, Score};
+pub(crate) use tables::{Bench, TABLES};
 
 use super::design::{Corner, Demand, DesignError, design};
 use super::margin::margins;
@@ -30,7 +30,7 @@ use rivals::{Adrc, Lqi, OBSERVER_RATIOS, ThreeVariable, VELOCITY_GAINS};
 use shakedown_core::{Controller, Settings};
 
 /// Control rate, Hz.
-pub const RATE: f64 = 1000.0;
+pub(crate) const RATE: f64 = 1000.0;
 /// Plant steps in a tick.
 const STEPS: usize = 2;
 /// Stroke that records are fitted to, m.
@@ -38,7 +38,7 @@ const STROKE: f64 = 0.12;
 
 /// Why the benchmark could not be run.
 #[derive(Debug, thiserror::Error)]
-pub enum BenchError {
+pub(crate) enum BenchError {
     /// A record could not be fitted.
     #[error("fit: {0}")]
     Fit(#[from] FitError),
@@ -58,7 +58,7 @@ impl From<ClosedLoopError> for BenchError {
 
 /// Who controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Contender {
+pub(crate) enum Contender {
     /// A row of the paper's Table 1, with its gains.
     Paper(Named),
     /// Three-variable control with velocity, acceleration and jerk feedforward, as sold today.
@@ -73,13 +73,13 @@ pub enum Contender {
 
 impl Contender {
     /// Everyone, in the order of the tables.
-    pub fn all() -> Vec<Self> {
+    pub(crate) fn all() -> Vec<Self> {
         let paper = Named::ALL.into_iter().map(Self::Paper);
         paper.chain([Self::ThreeVariable, Self::Lqi, Self::Adrc, Self::Tracking]).collect()
     }
 
     /// Name in tables.
-    pub fn title(self) -> String {
+    pub(crate) fn title(self) -> String {
         match self {
             Self::Paper(named) => format!("paper: {}", named.title()),
             Self::ThreeVariable => "three-variable, feedforward".into(),
@@ -92,7 +92,7 @@ impl Contender {
 
 /// A record, conditioned.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub(crate) struct Case {
     /// Its name.
     pub name: String,
     /// The motion at 200 Hz.
@@ -101,17 +101,17 @@ pub struct Case {
 
 impl Case {
     /// Conditions `record` as fits are measured ([`Recipe::fitting`]), scaled to `peak` (m/s2) first where given.
-    pub fn new(name: &str, record: &Record, peak: Option<f64>) -> Result<Self, TrialError> {
+    pub(crate) fn new(name: &str, record: &Record, peak: Option<f64>) -> Result<Self, TrialError> {
         Ok(Self { name: name.into(), motion: Recipe::fitting(peak).apply(record)? })
     }
 
     /// The motion at the control rate.
-    pub fn at_rate(&self) -> Result<Motion, TrialError> {
+    pub(crate) fn at_rate(&self) -> Result<Motion, TrialError> {
         at_rate(&self.motion)
     }
 
     /// Fitted to `velocity` (m/s) and the stroke, the nearest by the waveform, at the control rate.
-    pub fn fitted(&self, velocity: f64) -> Result<Motion, BenchError> {
+    pub(crate) fn fitted(&self, velocity: f64) -> Result<Motion, BenchError> {
         let limits = Limits::table(velocity, STROKE);
         let fitted = modify(&self.motion, &limits, Method::Convex(Norm::Two), |_| ())?.motion;
         Ok(at_rate(&fitted)?)
@@ -124,7 +124,7 @@ fn at_rate(motion: &Motion) -> Result<Motion, TrialError> {
 
 /// A controller tuned for a table, ready to be started.
 #[derive(Debug, Clone)]
-pub enum Tuned {
+pub(crate) enum Tuned {
     /// On the core.
     Core(Box<Settings>),
     /// Three-variable.
@@ -136,13 +136,13 @@ pub enum Tuned {
 }
 
 /// Margins that every tunable contender keeps on the table's linear model, dB and degrees.
-pub const KEPT: (f64, f64) = (6.0, 30.0);
+pub(crate) const KEPT: (f64, f64) = (6.0, 30.0);
 /// Bandwidths that a tunable contender may be given, Hz, from the widest.
 const BANDWIDTHS: [f64; 12] = [40.0, 30.0, 24.0, 18.0, 14.0, 11.0, 8.0, 6.0, 4.5, 3.0, 2.0, 1.0];
 
 impl Tuned {
     /// Starts it at rest at centre.
-    pub fn start(&self) -> Result<Box<dyn Law>, ClosedLoopError> {
+    pub(crate) fn start(&self) -> Result<Box<dyn Law>, ClosedLoopError> {
         Ok(match self {
             Self::Core(settings) => Box::new(Controller::new(settings)?),
             Self::ThreeVariable(law) => Box::new(law.clone()),
@@ -160,7 +160,7 @@ impl Law for Box<dyn Law> {
 
 /// Largest root mean square of the table's acceleration at rest, shaken by its sensors' noise, that a tunable contender may
 /// have, m/s2: about what the tracking law has on the paper's table.
-pub const QUIET: f64 = 0.5;
+pub(crate) const QUIET: f64 = 0.5;
 /// How long it is watched at rest, s.
 const AT_REST: f64 = 3.0;
 
@@ -175,7 +175,7 @@ fn shakes(bench: &Bench, tuned: &Tuned) -> Result<f64, BenchError> {
 /// Tunes `contender` for `bench`: the paper's keep their gains, the core's is designed. A rival gets the widest bandwidth at
 /// which any setting of its second number keeps [`KEPT`] and is no louder at rest than [`QUIET`], and of those settings the one
 /// that leaves least of what acts on the table ([`super::margin::Margins::left`]).
-pub fn tune(contender: Contender, bench: &Bench) -> Result<Tuned, BenchError> {
+pub(crate) fn tune(contender: Contender, bench: &Bench) -> Result<Tuned, BenchError> {
     let table = &bench.table;
     let widest = |seconds: &[f64], make: &dyn Fn((f64, f64)) -> Tuned| -> Result<Tuned, BenchError> {
         for bandwidth in BANDWIDTHS {
@@ -213,7 +213,7 @@ pub fn tune(contender: Contender, bench: &Bench) -> Result<Tuned, BenchError> {
 }
 
 /// Plays `wanted` (at the control rate) with `law` on the table at `corner`.
-pub fn play(
+pub(crate) fn play(
     bench: &Bench,
     corner: &Corner,
     law: &mut impl Law,
@@ -227,7 +227,7 @@ pub fn play(
 
 /// One row: a controller on a table.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub(crate) struct Row {
     /// Which table.
     pub table: &'static str,
     /// Who.
@@ -237,7 +237,7 @@ pub struct Row {
 }
 
 /// Runs every contender on every table along every record, over all cores; `done` is called after each row.
-pub fn rows(cases: &[Case], benches: &[Bench], done: impl Fn() + Sync) -> Result<Vec<Row>, BenchError> {
+pub(crate) fn rows(cases: &[Case], benches: &[Bench], done: impl Fn() + Sync) -> Result<Vec<Row>, BenchError> {
     let mut rows = Vec::new();
     for bench in benches {
         let fitted: Vec<Motion> =

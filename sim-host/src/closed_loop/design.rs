@@ -1,7 +1,7 @@
 //! Gains from a model and its uncertainty, margins first.
 //!
 //! The law's feedback follows from two frequencies. A pair is safe when on the model, and on every corner of its
-//! uncertainty, the loop is stable with at least the margins asked for ([`super::margin`]: the very law, run). Wide feedback
+//! uncertainty, the loop is stable with at least the margins asked for (`margin`: the very law, run). Wide feedback
 //! undoes what the model has wrong and lets the sensors' noise through, so of the safe pairs the one is taken with the
 //! least of both: the share of a motion that the uncertainty leaves in the worst corner, and the share that noise adds. A
 //! model known well gets a quiet law. Where no pair is safe, nothing is written and the nearest is named.

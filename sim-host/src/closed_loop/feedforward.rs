@@ -15,7 +15,7 @@ use shakedown_core::{Controller, Settings};
 
 /// A plant inside its hard-wired displacement loop; its command is the loop's reference, m.
 #[derive(Debug, Clone)]
-pub struct HardWired<P> {
+pub(crate) struct HardWired<P> {
     plant: P,
     inner: PlainPi,
     valve: f64,
@@ -23,7 +23,7 @@ pub struct HardWired<P> {
 
 impl<P: Plant> HardWired<P> {
     /// Closes the inner loop with gains `proportional` (1) and `integral` (1/s).
-    pub fn new(plant: P, proportional: f64, integral: f64) -> Self {
+    pub(crate) fn new(plant: P, proportional: f64, integral: f64) -> Self {
         let inner = PlainPi::new(proportional, integral, 1.0 / plant.step_length());
         Self { plant, inner, valve: 0.0 }
     }
@@ -57,7 +57,7 @@ impl<P: Plant> Plant for HardWired<P> {
 
 /// No controller outside: the hard-wired loop is sent the reference itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct PassThrough;
+pub(crate) struct PassThrough;
 
 impl Law for PassThrough {
     fn step(&mut self, measured: &Measured) -> Actuation {
@@ -73,7 +73,12 @@ fn cancelled(gains: Gains, clock: Clock, start: f64) -> Result<(HardWired<FixedS
 }
 
 /// The paper's first test: from `start` (m) the table is told to stand at zero, and must end there without an offset.
-pub fn track_zero(gains: Gains, clock: Clock, start: f64, sensors: SensorModel) -> Result<Trace, ClosedLoopError> {
+pub(crate) fn track_zero(
+    gains: Gains,
+    clock: Clock,
+    start: f64,
+    sensors: SensorModel,
+) -> Result<Trace, ClosedLoopError> {
     let (mut table, mut law) = cancelled(gains, clock, start)?;
     // Ki / Kp is the slowest mode of these loops, 6 s at the gains in use: five of them.
     let reference = vec![0.0; (30.0 * clock.rate()) as usize];
@@ -82,7 +87,7 @@ pub fn track_zero(gains: Gains, clock: Clock, start: f64, sensors: SensorModel) 
 
 /// The paper's second test: the response along `reference` (m, one value a tick) with the built-in loop at the
 /// displacement gains, and with the same gains outside, the built-in loop at unity gain and cancelled.
-pub fn inside_and_outside(
+pub(crate) fn inside_and_outside(
     gains: Gains,
     clock: Clock,
     reference: &[f64],

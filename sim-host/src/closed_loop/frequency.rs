@@ -37,7 +37,7 @@ impl Point {
 
 /// How long a point is driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dwell {
+pub(crate) struct Dwell {
     /// Time for the transient, s; at least three cycles are given.
     pub settle: f64,
     /// Time measured over, s; at least two cycles are taken, and whole ones only.
@@ -53,7 +53,7 @@ impl Default for Dwell {
 
 /// Drives the loop with `amplitude` (m) at `frequency` (Hz) from rest, and fits the fundamental by least squares
 /// beside an offset and a slope, which take what is left of the slow transient.
-pub fn measure<P: Plant, L: Law>(
+pub(crate) fn measure<P: Plant, L: Law>(
     plant: &mut P,
     law: &mut L,
     clock: Clock,
@@ -90,7 +90,7 @@ fn fundamental(values: &[f64], angle: impl Fn(usize) -> f64) -> Complex<f64> {
 
 /// The linear loop's response as the paper writes it, `H G / (1 + H G)` with `H = kp + ki / s`, in continuous time:
 /// Eq. 6 where the gains are 3.7 and 0.6.
-pub fn linear(paper: &Paper, (kp, ki): (f64, f64), frequency: f64) -> Complex<f64> {
+pub(crate) fn linear(paper: &Paper, (kp, ki): (f64, f64), frequency: f64) -> Complex<f64> {
     let s = Complex::new(0.0, TAU * frequency);
     let plant = (s * paper.b1 + paper.b0) / (s * s + s * paper.a1);
     let open = plant * (Complex::new(ki, 0.0) / s + kp);

@@ -27,7 +27,7 @@ pub struct Margins {
 }
 
 /// Where ground motions have their acceleration, Hz.
-pub const BAND: (f64, f64) = (0.5, 10.0);
+pub(crate) const BAND: (f64, f64) = (0.5, 10.0);
 
 impl Margins {
     /// Whether both are at least these, dB and degrees.
@@ -73,12 +73,12 @@ impl<L: Law> Law for Nudged<'_, L> {
 }
 
 /// The margins of `law` on `plant`, both at rest at centre; `None` where the loop is not stable. A law that reads no pressure.
-pub fn margins<P: Plant, L: Law>(plant: &mut P, law: &mut L, clock: Clock) -> Option<Margins> {
+pub(crate) fn margins<P: Plant, L: Law>(plant: &mut P, law: &mut L, clock: Clock) -> Option<Margins> {
     margins_with(plant, law, SensorModel::default(), clock)
 }
 
 /// The same with sensors of which at most a pressure's size is stated: their noise would hide the answer.
-pub fn margins_with<P: Plant, L: Law>(
+pub(crate) fn margins_with<P: Plant, L: Law>(
     plant: &mut P,
     law: &mut L,
     sensors: SensorModel,
@@ -104,7 +104,7 @@ impl Point {
 }
 
 /// The open loop from 0.2 Hz to half the rate, every frequency 1.5 % above the one before; none where the loop is not stable.
-pub fn open_loop_with<P: Plant, L: Law>(
+pub(crate) fn open_loop_with<P: Plant, L: Law>(
     plant: &mut P,
     law: &mut L,
     sensors: SensorModel,

@@ -6,15 +6,15 @@ use shakedown_core::settings::{self, VelocitySource};
 use shakedown_core::{Modification, Settings};
 
 /// Name of the tracking law, set for the paper's table.
-pub const TRACKING: &str = "tracking";
+pub(crate) const TRACKING: &str = "tracking";
 
 /// Every controller's name.
-pub fn names() -> Vec<&'static str> {
+pub(crate) fn names() -> Vec<&'static str> {
     Named::ALL.iter().map(|named| named.name()).chain([TRACKING]).collect()
 }
 
 /// The core's settings for the controller of this name at `rate` (Hz).
-pub fn by_name(name: &str, rate: f64) -> Option<Settings> {
+pub(crate) fn by_name(name: &str, rate: f64) -> Option<Settings> {
     if name == TRACKING {
         return Some(Table::default().settings(rate));
     }
@@ -22,7 +22,7 @@ pub fn by_name(name: &str, rate: f64) -> Option<Settings> {
 }
 
 /// Control rate of the paper's controllers here, Hz.
-pub const RATE: f64 = 1000.0;
+pub(crate) const RATE: f64 = 1000.0;
 
 /// The core's settings for these gains at `rate` (Hz): bare, as the paper's controllers are, with no anti-windup and no
 /// guard. Velocity comes from a sensor of its own, as the paper's velocity loop asks for; the reference's velocity and

@@ -4,7 +4,7 @@ use super::Trace;
 
 /// What a saturated response shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SawTooth {
+pub(crate) struct SawTooth {
     /// Steepest slope of the displacement over a whole tick, m/s: the limit, where it is met.
     pub slope: f64,
     /// Peak acceleration of the table over that of the reference, 1.
@@ -17,7 +17,7 @@ pub struct SawTooth {
 
 impl SawTooth {
     /// Reads a response to a sine of `amplitude` (m) at `frequency` (Hz), its first half left out.
-    pub fn of(trace: &Trace, (amplitude, frequency): (f64, f64)) -> Self {
+    pub(crate) fn of(trace: &Trace, (amplitude, frequency): (f64, f64)) -> Self {
         let from = trace.displacement.len() / 2;
         let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let slopes = trace.displacement[from..].windows(2).map(|w| (w[1] - w[0]).abs() / trace.dt);

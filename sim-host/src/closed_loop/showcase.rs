@@ -11,7 +11,7 @@ use shakedown_core::{Modification, Settings};
 
 /// One way to run the test.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Way {
+pub(crate) enum Way {
     /// The gains in use, the record as it is.
     Current,
     /// Strong gains, the record as it is.
@@ -28,10 +28,11 @@ pub enum Way {
 
 impl Way {
     /// In the order of the story.
-    pub const ALL: [Self; 6] = [Self::Current, Self::Strong, Self::Clip, Self::Causal, Self::Preview, Self::Fitted];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Current, Self::Strong, Self::Clip, Self::Causal, Self::Preview, Self::Fitted];
 
     /// Name in tables.
-    pub fn title(self) -> &'static str {
+    pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Current => "current gains",
             Self::Strong => "strong gains",
@@ -65,7 +66,7 @@ impl Way {
 
 /// What one way comes to.
 #[derive(Debug, Clone)]
-pub struct Entry {
+pub(crate) struct Entry {
     /// Which way.
     pub way: Way,
     /// The test.
@@ -80,7 +81,7 @@ pub struct Entry {
 
 /// Why the story could not be told.
 #[derive(Debug, thiserror::Error)]
-pub enum ShowcaseError {
+pub(crate) enum ShowcaseError {
     /// A record could not be fitted.
     #[error("fit: {0}")]
     Fit(#[from] FitError),
@@ -90,10 +91,10 @@ pub enum ShowcaseError {
 }
 
 /// The stroke that the table's records are fitted to, m: the paper's largest amplitude.
-pub const STROKE: f64 = 0.12;
+pub(crate) const STROKE: f64 = 0.12;
 
 /// Runs the test one way. The motion should be sampled no finer than needed: fitting takes every sample as a variable.
-pub fn play(motion: &Motion, way: Way, sensors: &SensorModel) -> Result<Entry, ShowcaseError> {
+pub(crate) fn play(motion: &Motion, way: Way, sensors: &SensorModel) -> Result<Entry, ShowcaseError> {
     let table = super::twin::Twin::default();
     let played = match way.method() {
         None => motion.clone(),

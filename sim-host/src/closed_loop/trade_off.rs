@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// What one gain costs and brings.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// Proportional gain, 1.
     pub gain: f64,
     /// Acceleration error (ratio of norms) over the weak stretch.
@@ -25,10 +25,10 @@ pub struct Point {
 }
 
 /// Gains between the paper's unity and twice its strong ones.
-pub const GAINS: [f64; 12] = [1.0, 1.5, 2.0, 3.0, 3.7, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0];
+pub(crate) const GAINS: [f64; 12] = [1.0, 1.5, 2.0, 3.0, 3.7, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0];
 
 /// Plays `motion` at every gain, Ki = Kp / 10 as in the paper's strong gains, over all cores.
-pub fn trade_off(motion: &Motion, done: impl Fn() + Sync) -> Result<Vec<Point>, TrialError> {
+pub(crate) fn trade_off(motion: &Motion, done: impl Fn() + Sync) -> Result<Vec<Point>, TrialError> {
     let (strong, weak) = strong_and_weak(motion);
     let point = |&gain: &f64| {
         let gains = Gains { displacement: (gain, gain / 10.0), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };

@@ -238,13 +238,13 @@ pub(super) fn low_passed(motion: &Motion) -> Result<Motion, TrialError> {
 
 /// The strong and the weak stretch of a motion, as the paper takes them: its Kobe is strong from 1 to 5 s and weak from
 /// 5 to 16 s. Records here start elsewhere, so the paper's second 1 is put where 5 % of the Arias intensity has passed.
-pub fn strong_and_weak(motion: &Motion) -> (Window, Window) {
+pub(crate) fn strong_and_weak(motion: &Motion) -> (Window, Window) {
     let onset = intensity(&motion.acceleration, motion.dt).start;
     let window = |from: f64, to: f64| Window { from_s: onset - 1.0 + from, to_s: onset - 1.0 + to };
     (window(1.0, 5.0), window(5.0, 16.0))
 }
 
 /// Conditions a record as Table 1 needs it and plays it.
-pub fn table1_motion(record: &Record, rate: f64) -> Result<Motion, TrialError> {
+pub(crate) fn table1_motion(record: &Record, rate: f64) -> Result<Motion, TrialError> {
     Ok(Recipe::table1(rate).apply(record)?)
 }

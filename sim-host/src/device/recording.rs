@@ -23,7 +23,7 @@ fn missing_rows(expected: u32, tick: u32, step: u32) -> u32 {
 }
 
 /// Rows as CSV in SI, one a tick; a record that is missing between two others leaves its channels NaN. Time counts from
-/// the first row. A gap of more than [`LONGEST`] records is one row: what a device says of its ticks does not decide how much
+/// the first row. A gap of more than `LONGEST` records is one row: what a device says of its ticks does not decide how much
 /// is written. The command is what the valve got: where an inner loop subtracts the LVDT, the output less that.
 #[derive(Debug)]
 pub struct Sheet<W> {

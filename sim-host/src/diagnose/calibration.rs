@@ -27,7 +27,7 @@ pub(super) struct Calibration {
     pub(super) telling: f64,
     /// Share of what is left that such an effect may leave.
     pub(super) told: f64,
-    /// Share of the stated model's excess that an effect may explain alone to be told from another that explains it: one that is
+    /// Share of the stated model's excess that an effect may explain alone to be distinguished from another that explains it: one that is
     /// nothing like it may stand beside it for less than what is noticeable, where it explains nearly all that is left.
     pub(super) distinct: f64,
     /// Excess of chi2 in which another effect may hide beneath a gross one: noise leaves less.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Gain margin at which gains stand, as a factor: the customary 6 dB.
-pub const CUSTOMARY: f64 = 2.0;
+pub(crate) const CUSTOMARY: f64 = 2.0;
 /// Factors on what the controller sends that are tried: the least, the step from one to the next, the most.
 const FACTORS: (f64, f64, f64) = (0.25, 1.12, 10.0);
 /// The step that a loop is to settle after: share of the travel seen, when, and how long it is watched, s.

@@ -1,4 +1,4 @@
-//! Names what stands: significance on the training, gain on the validation, and at least nine tenths of the excess
+//! Names what is accepted: significance on the training, gain on the validation, and at least nine tenths of the excess
 //! explained. What falls short is said to be outside the library.
 
 use super::calibration::CALIBRATION;
@@ -25,7 +25,7 @@ const EVEN: f64 = 0.5;
 const IRREGULAR: f64 = 0.05;
 
 /// Judges everything the search found.
-pub fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, SimulateError> {
+pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, SimulateError> {
     let judged = |fit: &Fit| Judged::of(fit.clone(), weighing);
     let before = judged(&search.baseline)?;
     let mut sizes = Vec::new();

@@ -35,7 +35,7 @@ pub(super) fn refined(after: Judged, weighing: &Weighing) -> Result<Judged, Simu
 }
 
 /// The accepted model, or a rival that does better with no more parameters' worth; and the rest. One whose values make sense
-/// goes before those whose do not.
+/// comes before those whose do not.
 pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
     let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
     let ranking = Ranking::new(before, &all);

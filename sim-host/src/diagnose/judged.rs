@@ -55,7 +55,7 @@ impl Judged {
 pub struct Decision {
     /// The stated model.
     pub before: Judged,
-    /// The model that is handed on: the accepted one, the stated one where nothing was added, the one that foresees best where
+    /// The model that is handed on: the accepted one, the stated one where nothing was added, the one that predicts best where
     /// the mismatch is unlisted.
     pub after: Judged,
     /// Every model judged, best first.

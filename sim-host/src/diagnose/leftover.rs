@@ -15,7 +15,7 @@ impl Decision {
         self.candidates.iter().chain(&self.partial).filter(move |judged| judged.added == names)
     }
 
-    /// True where these effects alone, without what was found beside them, foresee more than the stated model.
+    /// True where these effects alone, without what was found beside them, predict more than the stated model.
     pub(super) fn explain_a_part(&self, names: &[&'static str]) -> bool {
         let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
         self.weighed(names).any(|judged| left(judged) < left(&self.before))

@@ -1,7 +1,7 @@
 //! The line in the accelerometer's residual that a hum would start from.
 //!
-//! Samples that are held back are missing from the residual, in stretches, and put side bands beside every line. A line is
-//! therefore told from a resonance by what one sine, fitted to the samples there are, takes away of the power around it.
+//! Samples that are held out are missing from the residual, in stretches, and put side bands beside every line. A line is
+//! therefore distinguished from a resonance by what one sine, fitted to the samples there are, takes away of the power around it.
 
 use super::residual::{residual, spectrum};
 use crate::identify::data::{Channel, Run};

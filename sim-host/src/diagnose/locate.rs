@@ -68,7 +68,7 @@ pub struct StateShare {
 const STRETCHES: usize = 5;
 
 /// Locates the mismatch of the stated model on the runs it was fitted to.
-pub fn locate(prepared: &Prepared, conclusion: &Conclusion) -> Result<Location, SimulateError> {
+pub(crate) fn locate(prepared: &Prepared, conclusion: &Conclusion) -> Result<Location, SimulateError> {
     if conclusion.consistent() {
         return Ok(Location::default());
     }

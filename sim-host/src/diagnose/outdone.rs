@@ -7,12 +7,12 @@ use super::split::Weighing;
 use super::term::Modelled;
 use crate::plant::simulate::SimulateError;
 
-/// chi2 on the runs held back from which what the named effects leave is worth another look.
+/// chi2 on the hold-out runs from which what the named effects leave is worth another look.
 const DOUBTFUL: f64 = 1.3;
 /// Share of the stated model's excess from which it is: a simple form leaves a hundredth or two of a gross effect, whatever
 /// its shape.
 const SHARE: f64 = 0.05;
-/// Share of what they leave that the curve may leave to outdo them, on the runs held back and on those fitted.
+/// Share of what they leave that the curve may leave to outdo them, on the hold-out runs and on those fitted.
 const OUTDONE: f64 = 0.3;
 /// Belief in what lies outside the library where a curve outdoes it.
 const BELIEF: f64 = 0.9;

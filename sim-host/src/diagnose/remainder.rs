@@ -1,4 +1,4 @@
-//! What the library does not hold, modelled: the curve that foresees best, in the coordinate it follows.
+//! What the library does not hold, modelled: the curve that predicts best, in the coordinate it follows.
 
 use super::finish::without;
 use super::judged::{Judged, explains_a_channel};
@@ -11,7 +11,7 @@ use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Share of what is left that a curve must take away on the runs held back.
+/// Share of what is left that a curve must take away on the hold-out runs.
 const WORTH: f64 = 0.15;
 /// Most of its gain that blocks may lose elsewhere.
 const LOST: f64 = 0.5;
@@ -44,7 +44,7 @@ pub struct Remainder {
     pub share: f64,
 }
 
-/// A curve with the model that holds it, as judged on the runs held back.
+/// A curve with the model that holds it, as judged on the hold-out runs.
 #[derive(Debug, Clone)]
 pub(super) struct Curved {
     /// What is reported.
@@ -57,7 +57,7 @@ pub(super) struct Curved {
     pub(super) rival: Option<Fit>,
 }
 
-/// Fits every curve beside the best model the library has and keeps the one that foresees best; none where no curve helps.
+/// Fits every curve beside the best model the library has and keeps the one that predicts best; none where no curve helps.
 pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<Option<Curved>, SimulateError> {
     let kind = best.fit.model.kind;
     let curves: Vec<&'static Entry> = remainder::entries().filter(|e| e.kinds.contains(&kind)).collect();

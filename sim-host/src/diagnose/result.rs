@@ -1,6 +1,6 @@
 //! The diagnosis as other tools read it: schema `shakedown.diagnosis/1`.
 
-pub use super::planned::NextTest;
+pub(crate) use super::planned::NextTest;
 
 use super::change::Change;
 use super::judged::Judged;
@@ -63,7 +63,7 @@ pub struct Diagnosis {
     pub term: Option<Term>,
     /// Share of the stated model's excess over the noise floor that the accepted model leaves.
     pub share_left: f64,
-    /// True where the runs fitted did not show what is missing: half of the stretches of the runs held back were fitted too, and
+    /// True where the runs fitted did not show what is missing: half of the stretches of the hold-out runs were fitted too, and
     /// `holdout` is of the others.
     pub held_out_shared: bool,
     /// What of the stated set-up was found wrong; the diagnosis went on with what was found.
@@ -141,7 +141,7 @@ pub struct Standing {
 pub struct Part {
     /// The effects.
     pub ids: Vec<&'static str>,
-    /// Share of the excess over the noise floor that they take away on the runs held back.
+    /// Share of the excess over the noise floor that they take away on the hold-out runs.
     pub share: f64,
 }
 
@@ -173,7 +173,7 @@ pub(super) struct Open {
     pub(super) no_test: Option<String>,
     /// What it changes for who runs the table.
     pub(super) change: Option<Change>,
-    /// Whether half of the stretches of the runs held back were fitted too.
+    /// Whether half of the stretches of the hold-out runs were fitted too.
     pub(super) held_out_shared: bool,
     /// Wall-clock time so far, s.
     pub(super) seconds: f64,

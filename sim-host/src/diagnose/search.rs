@@ -18,7 +18,7 @@ use seedlings::{promising, worthwhile};
 
 /// Everything the search found.
 #[derive(Debug, Clone)]
-pub struct Search {
+pub(crate) struct Search {
     /// The stated model, refitted where the experiment allows it.
     pub baseline: Fit,
     /// Every model tried to some depth, best squares first, by number of effects added: singles, pairs, triples.
@@ -51,7 +51,7 @@ const DETAILED: f64 = 0.8;
 const FORESEEN: f64 = 0.03;
 
 /// Searches for what the stated model lacks.
-pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, SimulateError> {
+pub(crate) fn search(weighing: &Weighing, options: &Options) -> Result<Search, SimulateError> {
     let (prepared, runs) = (weighing.training.prepared(), weighing.fitted());
     options.say("fitting the stated model", 0.02);
     let baseline = fit_stated(prepared)?;
@@ -93,7 +93,7 @@ pub fn search(weighing: &Weighing, options: &Options) -> Result<Search, Simulate
         }
         parents = grown.iter().take(BEAM).cloned().collect();
         if explains(best) {
-            // The runs fitted are explained, by values far from what was stated or unlike those held back: the values may have
+            // The runs fitted are explained, by values far from what was stated or unlike the hold-out runs: the values may have
             // taken in what is missing. Held near, they cannot.
             let near = parents.iter().map(|fit| fit_near(prepared, fit)).collect::<Result<Vec<_>, _>>()?;
             parents = near.into_iter().flatten().collect();
@@ -188,7 +188,7 @@ fn explains(fit: &Fit) -> bool {
     fit.squares < fit.rows as f64 + 3.0 * (2.0 * fit.rows as f64).sqrt()
 }
 
-/// Whether a model leaves little on the runs held back too: what shows there alone is worth another effect.
+/// Whether a model leaves little on the hold-out runs too: what shows there alone is worth another effect.
 struct Foresight<'a> {
     weighing: &'a Weighing,
     /// Excess of chi2 over one that is little.

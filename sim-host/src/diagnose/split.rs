@@ -23,11 +23,11 @@ const EVERY: usize = 3;
 
 /// The stretches that hypotheses are fitted to.
 #[derive(Debug, Clone)]
-pub struct Training(Prepared);
+pub(crate) struct Training(Prepared);
 
 /// The stretches that hypotheses are weighed on; where a run starts is estimated on them again.
 #[derive(Debug, Clone)]
-pub struct Validation(Vec<Run>);
+pub(crate) struct Validation(Vec<Run>);
 
 /// The runs held out. There is one, it cannot be copied, and the verdict consumes it.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ pub(super) struct Test(Vec<Run>);
 
 /// What hypotheses are fitted to and weighed on.
 #[derive(Debug, Clone)]
-pub struct Weighing {
+pub(crate) struct Weighing {
     /// What fits them.
     pub training: Training,
     /// What weighs them.
@@ -55,7 +55,7 @@ pub(super) struct Split {
 
 impl Training {
     /// As what identification works on; it holds no run back.
-    pub fn prepared(&self) -> &Prepared {
+    pub(crate) fn prepared(&self) -> &Prepared {
         &self.0
     }
 }
@@ -68,17 +68,17 @@ impl Weighing {
     }
 
     /// The stated model.
-    pub fn model(&self) -> &Model {
+    pub(crate) fn model(&self) -> &Model {
         &self.training.0.model
     }
 
     /// Sizes of the signals.
-    pub fn yardsticks(&self) -> Yardsticks {
+    pub(crate) fn yardsticks(&self) -> Yardsticks {
         self.training.0.yardsticks
     }
 
     /// The runs with the stretches that fit.
-    pub fn fitted(&self) -> &[Run] {
+    pub(crate) fn fitted(&self) -> &[Run] {
         &self.training.0.fit
     }
 
@@ -89,7 +89,7 @@ impl Weighing {
     }
 
     /// The runs with the stretches that weigh.
-    pub fn weighed(&self) -> &[Run] {
+    pub(crate) fn weighed(&self) -> &[Run] {
         &self.validation.0
     }
 }

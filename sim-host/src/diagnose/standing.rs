@@ -8,15 +8,15 @@ use crate::identify::fit::Fit;
 use crate::identify::judge::gains;
 use crate::plant::simulate::SimulateError;
 
-/// Gain of squares on the runs held back that chance does not give a model fitted elsewhere.
+/// Gain of squares on the hold-out runs that chance does not give a model fitted elsewhere.
 pub(super) const SURE: f64 = 16.0;
 /// Gain there that needs no other on the runs fitted.
 const OVERWHELMING: f64 = 600.0;
 /// Most of that gain that blocks may lose elsewhere.
 const LOST: f64 = 0.5;
-/// Excess of chi2 on the runs fitted that speaks for itself where those held back are silent.
+/// Excess of chi2 on the runs fitted that speaks for itself where the hold-out runs are silent.
 const SHOWN: f64 = 1.0;
-/// Least gain of chi2 for a further effect: less than this is not told from noise that is not quite white.
+/// Least gain of chi2 for a further effect: less than this is not distinguished from noise that is not quite white.
 const LEAST_GAIN: f64 = 0.015;
 
 /// How much of what the stated model leaves each effect explains alone.
@@ -48,7 +48,7 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinc
     let (better, worse) = gains(&present.hold.blocks, &larger.hold.blocks);
     // Where little is left its colour is the noise's own; a misfit's colour is no noise.
     let colour = if larger.hold.chi2 < 1.3 { larger.hold.colour } else { 1.0 };
-    // What values far from those stated hide on the runs fitted shows on those held back.
+    // What values far from those stated hide on the runs fitted shows on the hold-out runs.
     let shown_there = gained > -CHANCE && better - worse > OVERWHELMING * colour;
     // One that explains as much with values near those stated stands against one that bends them.
     let beliefs = present.departure.disbelief() - larger.departure.disbelief() - CALIBRATION.parameter_price * added;
@@ -86,7 +86,7 @@ fn leaves_at_most(share: f64, present: &Judged, larger: &Judged) -> bool {
     done(present.hold.chi2, larger.hold.chi2) && done(present.fit.chi2(), larger.fit.chi2())
 }
 
-/// True where the runs held back cannot say: they lack nothing without an effect that explains nearly all that the runs
+/// True where the hold-out runs cannot say: they lack nothing without an effect that explains nearly all that the runs
 /// fitted lack.
 fn silent(present: &Judged, larger: &Judged) -> bool {
     let lacks = |judged: &Judged| (judged.fit.chi2() - 1.0).max(0.0);

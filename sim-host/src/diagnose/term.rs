@@ -13,7 +13,7 @@
 mod grammar;
 mod naming;
 mod placing;
-pub mod report;
+pub(crate) mod report;
 mod screening;
 mod sizes;
 mod writing;
@@ -33,7 +33,7 @@ use screening::{Candidate, screen};
 
 /// An equation with the model that holds it.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub(crate) struct Found {
     id: &'static str,
     place: &'static str,
     words: String,
@@ -45,7 +45,7 @@ pub struct Found {
 
 /// A model of what the library does not hold, as judged on the validation: with an equation, or with a curve.
 #[derive(Debug, Clone)]
-pub struct Modelled {
+pub(crate) struct Modelled {
     /// What is reported of the curve; none where there is an equation alone.
     pub remainder: Option<Remainder>,
     /// The equation, where it is the model.
@@ -86,7 +86,7 @@ const SIZE: f64 = 3.0;
 const SIMPLER: f64 = 1.25;
 const NEAR: f64 = 0.05;
 
-/// Models what the library does not hold: by an equation, or by a curve where that foresees better.
+/// Models what the library does not hold: by an equation, or by a curve where that predicts better.
 pub(super) fn unlisted(
     weighing: &Weighing,
     before: &Judged,
@@ -113,7 +113,7 @@ fn chi2(found: Option<&Found>) -> f64 {
     found.map_or(f64::INFINITY, |f| f.judged.hold.chi2)
 }
 
-/// The equation that foresees best beside a model; none where none is worth it.
+/// The equation that predicts best beside a model; none where none is worth it.
 fn equation(weighing: &Weighing, parent: &Judged) -> Result<Option<Found>, SimulateError> {
     let mut best: Option<Found> = None;
     loop {
@@ -139,7 +139,7 @@ fn equation(weighing: &Weighing, parent: &Judged) -> Result<Option<Found>, Simul
     }
 }
 
-/// Fits candidates beside what an equation has already and gives the one that foresees best, where that is worth it.
+/// Fits candidates beside what an equation has already and gives the one that predicts best, where that is worth it.
 fn fitted(
     weighing: &Weighing,
     parent: &Judged,
@@ -176,7 +176,7 @@ fn fitted(
     Ok(None)
 }
 
-/// A fitted equation, where it foresees enough more than what it was added to, everywhere, and is what halves of the data choose.
+/// A fitted equation, where it predicts enough more than what it was added to, everywhere, and is what halves of the data choose.
 fn worth(base: &Judged, judged: Judged, pieces: Vec<Piece>, candidate: &Candidate, share: f64) -> Option<Found> {
     let left = (base.hold.chi2 - 1.0).max(0.0);
     let (better, worse) = gains(&base.hold.blocks, &judged.hold.blocks);

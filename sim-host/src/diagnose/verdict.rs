@@ -56,7 +56,7 @@ pub enum Refusal {
         /// Share of the stated model's excess that is left.
         share_left: f64,
     },
-    /// An effect's size is not told from none.
+    /// An effect's size is not significantly different from zero.
     NotTold {
         /// The effect.
         id: &'static str,
@@ -73,7 +73,7 @@ impl std::fmt::Display for Refusal {
                 write!(f, "{channel} is predicted little better than by its mean, R2 {r2:.3}")
             }
             Self::NoGain { share_left } => write!(f, "it leaves {:.0} % of the excess", 100.0 * share_left),
-            Self::NotTold { id } => write!(f, "the size of {id} is not told from none"),
+            Self::NotTold { id } => write!(f, "the size of {id} is not significantly different from zero"),
         }
     }
 }
@@ -184,7 +184,7 @@ pub(super) fn verdict(
     if !unlisted && !after.added.is_empty() && rest_beyond_noise(&after) {
         decision.take_back(CALIBRATION.mimicked);
     }
-    // Without a curve the nearest that the library has foresees better than the stated model, whatever its names are worth.
+    // Without a curve the nearest that the library has predicts better than the stated model, whatever its names are worth.
     if unlisted && let Some(better) = curve.or(partial.clone().filter(|p| p.hold.chi2 < before.hold.chi2)) {
         after = better;
     }
@@ -263,14 +263,14 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], beside_more: bool) 
     if named.added.len() == 1 && lacks && share_left < LARGER_PART {
         return None;
     }
-    // Beside a curve an effect's size is not told from the curve's: that it is needed was.
+    // Beside a curve an effect's size is not distinguished from the curve's: that it is needed was.
     if named.fit.model.effects.iter().any(|p| curves::entries().any(|e| e.id == p.entry.id)) {
         return None;
     }
     not_told(named)
 }
 
-/// The first effect none of whose parameters is told from nothing.
+/// The first effect none of whose parameters is significantly different from zero.
 fn not_told(named: &Judged) -> Option<Refusal> {
     let quantities = quantities(&named.fit);
     let told = |id: &&'static str| {

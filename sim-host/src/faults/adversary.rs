@@ -1,7 +1,7 @@
 //! Looks for the worst case of a class, by cross-entropy (Rubinstein 1999): deals many cases, keeps the worst tenth, and deals the
 //! next from what those have in common.
 //!
-//! A case is what the dice make of a row of numbers in [0, 1): the first [`NUMBERS`] of them are the search's, the rest the run's
+//! A case is what the dice make of a row of numbers in [0, 1): the first `NUMBERS` of them are the search's, the rest the run's
 //! own. Every number has a mean and a standard deviation, moved after each generation towards those of the worst tenth. What makes
 //! a case bad is how much of its promise it uses up, 1 being all of it: the way to the end of the stroke less the margin, the time
 //! to the report, the way that the table may stray.

@@ -4,12 +4,12 @@ use std::io::{Error, ErrorKind, Read as _, Result};
 use std::path::Path;
 
 /// Most bytes of a file that a person writes: settings, a scenario, a model, an experiment.
-pub const BY_HAND: u64 = 16 << 20;
+pub(crate) const BY_HAND: u64 = 16 << 20;
 /// Most bytes of a file that long work leaves behind: a thousand times what one holds today.
-pub const BY_WORK: u64 = 256 << 20;
+pub(crate) const BY_WORK: u64 = 256 << 20;
 
 /// A file's content; [`ErrorKind::FileTooLarge`] where it holds more than `limit` bytes.
-pub fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
+pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let mut content = Vec::new();
     let read = std::fs::File::open(path)?.take(limit + 1).read_to_end(&mut content)?;
     if read as u64 > limit {
@@ -19,7 +19,7 @@ pub fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
 }
 
 /// The same as text; [`ErrorKind::InvalidData`] where it is none.
-pub fn text(path: &Path, limit: u64) -> Result<String> {
+pub(crate) fn text(path: &Path, limit: u64) -> Result<String> {
     let bytes = bytes(path, limit)?;
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) || bytes.get(1) == Some(&0) {
         return Err(Error::new(ErrorKind::InvalidData, "is UTF-16: save it as UTF-8"));

@@ -38,13 +38,13 @@ impl JsonError {
 }
 
 /// Writes a value as it was laid out, whole or not at all.
-pub fn write(path: &Path, text: serde_json::Result<String>) -> Result<(), JsonError> {
+pub(crate) fn write(path: &Path, text: serde_json::Result<String>) -> Result<(), JsonError> {
     let text = text.map_err(JsonError::content(path))?;
     write_whole(path, (text + "\n").as_bytes()).map_err(JsonError::file(path))
 }
 
 /// Reads a value.
-pub fn read<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, JsonError> {
+pub(crate) fn read<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, JsonError> {
     let text = bounded::bytes(path, bounded::BY_WORK).map_err(JsonError::file(path))?;
     serde_json::from_slice(&text).map_err(JsonError::content(path))
 }

@@ -7,8 +7,8 @@
 mod encoding;
 mod units;
 
-pub use encoding::{Encoding, decode};
-pub use units::is_unit;
+pub(crate) use encoding::{Encoding, decode};
+pub(crate) use units::is_unit;
 
 use std::fmt;
 
@@ -149,7 +149,7 @@ impl Stated {
 
 /// A text's layout.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layout {
+pub(crate) struct Layout {
     /// The separator.
     pub delimiter: Delimiter,
     /// The decimal sign.
@@ -172,7 +172,7 @@ pub struct Layout {
 
 impl Layout {
     /// What is not plain about it, for the person to see.
-    pub fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.preamble > 0 {
             let names = if self.header.is_some() { "names" } else { "first row" };
@@ -191,7 +191,7 @@ impl Layout {
 
 /// Why no layout was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unclear {
+pub(crate) struct Unclear {
     /// The line it is about, from 0.
     pub line: Option<usize>,
     /// What is wrong and the remedy.
@@ -225,7 +225,7 @@ struct Reading {
 }
 
 /// Finds the layout of a text from its first lines.
-pub fn find(lines: &[&str], stated: &Stated) -> Result<Layout, Unclear> {
+pub(crate) fn find(lines: &[&str], stated: &Stated) -> Result<Layout, Unclear> {
     let lines = &lines[..lines.len().min(LOOKED_AT + stated.skip_lines.unwrap_or(0))];
     // Numbers throughout first; then rows with columns of text; then a single row.
     let passes = [(2, true), (2, false), (1, true), (1, false)];
@@ -445,7 +445,7 @@ fn quoted(line: &str, delimiter: Delimiter) -> Vec<String> {
 }
 
 /// The beginning of a line, short enough for a message.
-pub fn excerpt(text: &str) -> String {
+pub(crate) fn excerpt(text: &str) -> String {
     let text = text.trim();
     let mut short: String = text.chars().take(40).collect();
     if text.chars().count() > 40 {

@@ -1,7 +1,7 @@
 //! The word that was meant by one that is not known.
 
 /// The entry of `known` that was meant by `word`, where one is near enough or begins with it.
-pub fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+pub(crate) fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     nearest(word, known)
 }
 

@@ -11,7 +11,7 @@ fn unknown(text: &str) -> Option<(&str, String, String)> {
 }
 
 /// The message of a deserializer: unknown keys with the nearest known one, types by their names in TOML.
-pub fn plain(message: &str) -> String {
+pub(crate) fn plain(message: &str) -> String {
     if let Some((found, known, meant)) = message.strip_prefix("unknown field ").and_then(unknown) {
         return format!("unknown key `{found}`{meant}; known here: {known}");
     }

@@ -16,7 +16,7 @@ pub(super) use sums::Rows;
 use sums::Sums;
 
 /// Length of the blocks over which residuals count as alike, s.
-pub const BLOCK: f64 = 1.0;
+pub(crate) const BLOCK: f64 = 1.0;
 
 /// Parameters that belong to one run: where it starts, sensors' offsets, the phases of periodic effects.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Local {
     pub velocity: Value,
     /// Offset of the pressure difference, in its unit.
     pub pressure: Value,
-    /// Values of [`Role::PerRun`], in the order of the model's effects.
+    /// Values of `PerRun`, in the order of the model's effects.
     pub effects: Vec<Value>,
     /// By how much the effects' continuous states differ from rest at the start, where a run starts in motion.
     pub states: Vec<Value>,

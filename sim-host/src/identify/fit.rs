@@ -2,8 +2,8 @@
 
 mod foresight;
 mod idle;
-pub mod secant;
-pub mod tangents;
+pub(crate) mod secant;
+pub(crate) mod tangents;
 
 use super::covariance::covariance;
 use super::data::Run;

@@ -11,11 +11,11 @@
 
 use realfft::num_complex::Complex64;
 
-pub mod local;
-pub mod multisine;
-pub mod multitaper;
-pub mod sine;
-pub mod transfer;
+pub(crate) mod local;
+pub(crate) mod multisine;
+pub(crate) mod multitaper;
+pub(crate) mod sine;
+pub(crate) mod transfer;
 
 /// A measured frequency response.
 #[derive(Debug, Clone, Default, PartialEq)]

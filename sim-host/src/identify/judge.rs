@@ -56,7 +56,7 @@ pub fn score(model: &Model, runs: &[Run]) -> Result<Score, SimulateError> {
 }
 
 /// The same on other samples of the runs that a model was fitted to: where each run starts is known from the fit.
-pub fn score_from(fit: &Fit, runs: &[Run]) -> Result<Score, SimulateError> {
+pub(crate) fn score_from(fit: &Fit, runs: &[Run]) -> Result<Score, SimulateError> {
     scored(Fit::resume(fixed(&fit.model), fit.locals.clone(), runs)?, runs)
 }
 
@@ -75,7 +75,7 @@ fn scored(mut fit: Fit, runs: &[Run]) -> Result<Score, SimulateError> {
 }
 
 /// Scores predictions that are at hand.
-pub fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
+pub(crate) fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
     let mut score = Score {
         chi2: 0.0,
         samples: 0,
@@ -172,7 +172,7 @@ impl Sums {
 }
 
 /// Blocks' gains, summed apart: where the second model is better, and where it is worse.
-pub fn gains(before: &[f64], after: &[f64]) -> (f64, f64) {
+pub(crate) fn gains(before: &[f64], after: &[f64]) -> (f64, f64) {
     let gains = before.iter().zip(after).map(|(b, a)| b - a);
     gains.fold((0.0, 0.0), |(better, worse), gain| (better + gain.max(0.0), worse + (-gain).max(0.0)))
 }

@@ -63,7 +63,7 @@ impl Value {
 pub struct Placed {
     /// What it is.
     pub entry: &'static Entry,
-    /// Its parameters in the order of the entry; those of [`Role::PerRun`] live with the runs.
+    /// Its parameters in the order of the entry; those of `PerRun` live with the runs.
     pub values: Vec<Value>,
 }
 

@@ -24,7 +24,7 @@ pub struct Quantity {
 }
 
 /// Every shared value of a fitted model by name, with intervals.
-pub fn quantities(fit: &Fit) -> BTreeMap<String, Quantity> {
+pub(crate) fn quantities(fit: &Fit) -> BTreeMap<String, Quantity> {
     let model = &fit.model;
     let rigid = model.kind == Kind::RigidMass;
     let own = model.kind.parameters().iter().map(|p| p.unit);
@@ -71,7 +71,7 @@ fn sizes(fit: &Fit) -> Vec<(String, Quantity)> {
 
 /// The same with profile intervals, one a shared value in the order of [`super::model::Model::values`]. Where an end is
 /// open there is no standard deviation either: the data do not determine the value, or from one side only.
-pub fn profiled(fit: &Fit, intervals: &[Option<Interval>]) -> BTreeMap<String, Quantity> {
+pub(crate) fn profiled(fit: &Fit, intervals: &[Option<Interval>]) -> BTreeMap<String, Quantity> {
     let mut quantities = quantities(fit);
     for (name, interval) in fit.model.names().iter().zip(intervals) {
         let (Some(interval), Some(quantity)) = (interval, quantities.get_mut(name)) else { continue };
@@ -82,12 +82,16 @@ pub fn profiled(fit: &Fit, intervals: &[Option<Interval>]) -> BTreeMap<String, Q
 }
 
 /// The stated model with its fitted values and the effects that were added.
-pub fn stated_with(stated: &recording::Model, fit: &Fit) -> recording::Model {
+pub(crate) fn stated_with(stated: &recording::Model, fit: &Fit) -> recording::Model {
     stated_as(stated, fit, &quantities(fit))
 }
 
 /// The same with quantities that are at hand. What the data do not determine at all stays as it was stated.
-pub fn stated_as(stated: &recording::Model, fit: &Fit, quantities: &BTreeMap<String, Quantity>) -> recording::Model {
+pub(crate) fn stated_as(
+    stated: &recording::Model,
+    fit: &Fit,
+    quantities: &BTreeMap<String, Quantity>,
+) -> recording::Model {
     use recording::{Accuracy, Place, StatedEffect};
     let mut model = stated.clone();
     let accuracy = |q: &Quantity| Accuracy { std: q.std, low: q.low, high: q.high };

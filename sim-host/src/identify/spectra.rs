@@ -18,7 +18,7 @@ const LONGEST: usize = 4096;
 
 /// The response from a run's input to one channel.
 #[derive(Debug, Clone)]
-pub struct Responses {
+pub(crate) struct Responses {
     /// Of the recording.
     pub measured: Response,
     /// Of the model, from its simulated samples.
@@ -27,7 +27,7 @@ pub struct Responses {
 
 /// Power spectral densities of one channel, one-sided.
 #[derive(Debug, Clone)]
-pub struct Leftover {
+pub(crate) struct Leftover {
     /// Frequencies, Hz.
     pub frequency: Vec<f64>,
     /// Of the recording, its unit squared per Hz.
@@ -39,7 +39,7 @@ pub struct Leftover {
 }
 
 /// Both responses of a channel where the input drives it; `model` holds one simulated value a sample.
-pub fn responses(run: &Run, measured: &Measured, model: &[f64]) -> Result<Responses, ResponseError> {
+pub(crate) fn responses(run: &Run, measured: &Measured, model: &[f64]) -> Result<Responses, ResponseError> {
     let drive = spectra(&run.input, &run.input, run.dt, segment_length(run.len(), LONGEST));
     let strongest = drive.input.iter().copied().fold(0.0, f64::max);
     let driven = |frequency: f64| {
@@ -55,7 +55,7 @@ pub fn responses(run: &Run, measured: &Measured, model: &[f64]) -> Result<Respon
 }
 
 /// What the model leaves of a channel, by frequency.
-pub fn leftover(run: &Run, measured: &Measured, model: &[f64]) -> Leftover {
+pub(crate) fn leftover(run: &Run, measured: &Measured, model: &[f64]) -> Leftover {
     let residual: Vec<f64> = measured.values.iter().zip(model).map(|(y, m)| y - m).collect();
     let both = spectra(&filled(&residual), &filled(&measured.values), run.dt, segment_length(run.len(), LONGEST));
     let passed = run.filter.as_ref().map_or(1.0, |filter| share(filter, run.dt).powi(2));

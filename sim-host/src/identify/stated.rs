@@ -18,7 +18,7 @@ const EXPECTED: f64 = 0.25;
 /// Expects the values that may be fitted near what was stated: a diagnosis asks what a model that is roughly right leaves out,
 /// and left alone its values go to wherever they hide that best. Nothing is clamped: where the data say that a value is far
 /// away, it goes there. Masses and dashpots, on which residuals depend almost linearly, are free.
-pub fn expect_near_stated(model: &mut Model) {
+pub(crate) fn expect_near_stated(model: &mut Model) {
     if model.kind != Kind::Servo {
         return;
     }
@@ -38,7 +38,7 @@ const WIDEST: f64 = 1e3;
 
 /// The stated model with the values it lists in `fit`, fitted: from the stated values and, where those leave a misfit,
 /// from a velocity limit at the largest speed seen, for a limit that is never reached has no slope to follow.
-pub fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
+pub(crate) fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
     let runs = &prepared.fit;
     let mut fit = Fit::begin(prepared.model.clone(), runs)?;
     fit.improve(runs, Effort::FULL)?;
@@ -57,7 +57,7 @@ pub fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
 
 /// A model fitted with no stated value further than a quarter from what was stated, and held there from now on; none where
 /// `free` went no further. A fit far from what was stated bends the model to hide what is missing.
-pub fn fit_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, SimulateError> {
+pub(crate) fn fit_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, SimulateError> {
     let far = |(stated, fitted): (&super::model::Value, &super::model::Value)| {
         stated.free && (fitted.value - stated.value).abs() > FAR * stated.value.abs()
     };
@@ -76,7 +76,7 @@ pub fn fit_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, Simulate
 }
 
 /// The same, its values free again to go where the stated model's may.
-pub fn fit_from_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, SimulateError> {
+pub(crate) fn fit_from_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, SimulateError> {
     let mut near = fit_near(prepared, free)?;
     if let Some(fit) = &mut near {
         fit.model.own = with_bounds_of(&fit.model, &prepared.model);

@@ -38,7 +38,7 @@ pub struct Transfer {
 }
 
 /// The transfer function from command to displacement, or to velocity where that is what was measured.
-pub fn transfer(fit: &[Run], holdout: &[Run]) -> Result<Transfer, ResponseError> {
+pub(crate) fn transfer(fit: &[Run], holdout: &[Run]) -> Result<Transfer, ResponseError> {
     let nothing = ResponseError::TooFew { what: "runs with a command and a motion", found: 0, least: 1 };
     let first = fit.first().ok_or_else(|| nothing.clone())?;
     let output = [Channel::Displacement, Channel::Velocity].into_iter().find(|c| first.channel(*c).is_some());

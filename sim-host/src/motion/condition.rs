@@ -149,7 +149,7 @@ pub enum ConditionError {
 }
 
 /// The most samples a step may make: over an hour at 1 kHz.
-pub const MAX_SAMPLES: usize = 4_000_000;
+pub(crate) const MAX_SAMPLES: usize = 4_000_000;
 
 /// Steps in their order.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

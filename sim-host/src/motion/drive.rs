@@ -8,7 +8,7 @@ pub(super) mod form;
 mod rest;
 mod text;
 
-pub use form::{DriveUnit, Form, Quantity};
+pub(crate) use form::{DriveUnit, Form, Quantity};
 use form::{OPERATION, is_first_line};
 
 use super::record::central_difference;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// What a table is told to do.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drive {
+pub(crate) struct Drive {
     /// What its values are.
     pub quantity: Quantity,
     /// Sampling interval, s.
@@ -34,7 +34,7 @@ pub struct Drive {
 
 /// Why a drive was not written or not read.
 #[derive(Debug, thiserror::Error)]
-pub enum DriveError {
+pub(crate) enum DriveError {
     /// The file system refuses.
     #[error("{}: {cause}", path.display())]
     Io {
@@ -59,7 +59,7 @@ impl DriveError {
     }
 
     /// True where the file system is to blame and not the file.
-    pub fn is_io(&self) -> bool {
+    pub(crate) fn is_io(&self) -> bool {
         matches!(self, Self::Io { .. })
     }
 }
@@ -67,7 +67,7 @@ impl DriveError {
 impl Drive {
     /// The drive that a fitted motion is, at `rate_hz`, or at its own rate. Its acceleration is linear between samples, so a
     /// displacement between them is exact.
-    pub fn of(motion: &Motion, quantity: Quantity, unit: DriveUnit, rate_hz: Option<f64>) -> Self {
+    pub(crate) fn of(motion: &Motion, quantity: Quantity, unit: DriveUnit, rate_hz: Option<f64>) -> Self {
         let dt = rate_hz.map_or(motion.dt, |rate| 1.0 / rate);
         let last = motion.len().saturating_sub(1);
         let count = (motion.duration() / dt + 1e-9).floor() as usize + 1;
@@ -95,7 +95,7 @@ impl Drive {
     }
 
     /// The motion that it asks for.
-    pub fn motion(&self) -> Motion {
+    pub(crate) fn motion(&self) -> Motion {
         match self.quantity {
             Quantity::Acceleration => Motion::from_acceleration(self.dt, self.values.clone()),
             Quantity::Displacement => {
@@ -112,18 +112,18 @@ impl Drive {
     }
 
     /// A fact by its key.
-    pub fn fact(&self, key: &str) -> Option<&str> {
+    pub(crate) fn fact(&self, key: &str) -> Option<&str> {
         self.facts.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
     }
 
     /// The size of one step of sixteen bits in RPC III, m or m/s2, and the RMS of what it adds to the second difference, m/s2.
-    pub fn rpc_resolution(&self) -> (f64, f64) {
+    pub(crate) fn rpc_resolution(&self) -> (f64, f64) {
         let step = peak(&self.values) / 32_752.0;
         (step, step / 12f64.sqrt() * 6f64.sqrt() / (self.dt * self.dt))
     }
 
     /// Writes it in the form that the file's name says; whole or not at all.
-    pub fn write(&self, path: &Path, form: Form) -> Result<(), DriveError> {
+    pub(crate) fn write(&self, path: &Path, form: Form) -> Result<(), DriveError> {
         let io = |path: &Path, bytes: &[u8]| {
             crate::files::write_whole(path, bytes).map_err(|cause| DriveError::Io { path: path.to_owned(), cause })
         };
@@ -150,7 +150,7 @@ impl Drive {
     }
 
     /// Reads a drive; none where the file is something else.
-    pub fn read(path: &Path) -> Result<Option<Self>, DriveError> {
+    pub(crate) fn read(path: &Path) -> Result<Option<Self>, DriveError> {
         let Ok(bytes) = bounded::bytes(path, read::SIZE_LIMIT) else { return Ok(None) };
         if bytes.starts_with(b"FORMAT\0") {
             return from_rpc(path, &bytes);

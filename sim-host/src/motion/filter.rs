@@ -13,6 +13,7 @@ use std::f64::consts::PI;
 /// What a filter lets through.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[allow(clippy::enum_variant_names, reason = "what such filters are called")]
 pub enum Band {
     /// Below a corner frequency, Hz.
     LowPass(f64),
@@ -32,7 +33,7 @@ pub struct Butterworth {
 }
 
 /// The highest order that is designed.
-pub const MAX_ORDER: usize = 20;
+pub(crate) const MAX_ORDER: usize = 20;
 
 /// How a filter runs over a signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -12,13 +12,13 @@
 //! - [`certificate`]: what was given up and where, a proof that no motion does better, and the smallest relaxation that
 //!   would meet a target.
 
-pub mod answer;
+pub(crate) mod answer;
 pub mod certificate;
 pub mod convex;
-pub mod method;
-pub mod named;
+pub(crate) mod method;
+pub(crate) mod named;
 pub mod online;
-pub mod spectrum;
+pub(crate) mod spectrum;
 pub mod taut;
 
 pub use convex::Norm;

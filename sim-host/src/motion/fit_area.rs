@@ -32,10 +32,10 @@ impl Choice {
 /// The velocity limit is not a positive number, m/s.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("velocity limit {0} m/s: expected a finite number over 0")]
-pub struct LimitError(pub f64);
+pub(crate) struct LimitError(pub f64);
 
 /// Fits a motion to a velocity limit (m/s). A motion inside it comes back as it is.
-pub fn fit(motion: &Motion, limit: f64, choice: Choice) -> Result<Motion, LimitError> {
+pub(crate) fn fit(motion: &Motion, limit: f64, choice: Choice) -> Result<Motion, LimitError> {
     if !(limit.is_finite() && limit > 0.0) {
         return Err(LimitError(limit));
     }

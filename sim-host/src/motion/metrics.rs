@@ -10,18 +10,17 @@ mod intensity;
 mod played;
 mod shift;
 
-pub use coherence::{Coherence, coherence};
-pub use indices::{At, BandError, Indices, indices};
-pub use intensity::{Intensity, intensity, peak_jerk};
-pub use played::{Played, PlayedError, Recorded, played};
-pub use shift::{Shift, relative_error};
+pub(crate) use coherence::coherence;
+pub(crate) use indices::{Indices, indices};
+pub(crate) use intensity::{Intensity, intensity};
+pub(crate) use played::{Played, Recorded, played};
+pub(crate) use shift::{Shift, relative_error};
 
-use super::spectrum::ResponseSpectrum;
 use super::{Motion, peak};
 use std::ops::Range;
 
 /// The longest shift the paper's metrics are free to take, s.
-pub const MAX_SHIFT: f64 = 0.5;
+pub(crate) const MAX_SHIFT: f64 = 0.5;
 
 /// A relative error in both readings, and the shift it was found at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,7 +123,7 @@ fn comparable(reference: &Motion, response: &Motion) -> Result<(), CompareError>
 }
 
 /// A response's errors as it stands, acceleration and displacement: the shifts of [`compare`] take most of its time.
-pub fn compare_unshifted(
+pub(crate) fn compare_unshifted(
     reference: &Motion,
     response: &Motion,
 ) -> Result<(RelativeError, RelativeError), CompareError> {
@@ -134,7 +133,11 @@ pub fn compare_unshifted(
 }
 
 /// Compares a response with its reference, over the whole or over a window of the reference's time.
-pub fn compare(reference: &Motion, response: &Motion, window: Option<Window>) -> Result<Comparison, CompareError> {
+pub(crate) fn compare(
+    reference: &Motion,
+    response: &Motion,
+    window: Option<Window>,
+) -> Result<Comparison, CompareError> {
     comparable(reference, response)?;
     let (dt, count) = (reference.dt, reference.len());
     let window = window.unwrap_or(Window { from_s: 0.0, to_s: reference.duration() });
@@ -157,38 +160,9 @@ pub fn compare(reference: &Motion, response: &Motion, window: Option<Window>) ->
     })
 }
 
-/// How far two response spectra at the same periods are apart.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpectrumMisfit {
-    /// Root mean square of the relative deviation of `S_a`.
-    pub rms: f64,
-    /// Largest relative deviation of `S_a`, in magnitude.
-    pub worst: f64,
-    /// The period where it is, s.
-    pub worst_period: f64,
-}
-
-/// The misfit of `S_a` over periods from `from` to `to`, s; none where no period of both lies between.
-pub fn spectrum_misfit(
-    reference: &ResponseSpectrum,
-    response: &ResponseSpectrum,
-    from: f64,
-    to: f64,
-) -> Option<SpectrumMisfit> {
-    let pairs = reference.periods.iter().zip(&reference.s_a).zip(response.periods.iter().zip(&response.s_a));
-    let deviations: Vec<(f64, f64)> = pairs
-        .filter(|((period, a), (other, _))| period == other && (from..=to).contains(*period) && **a > 0.0)
-        .map(|((period, a), (_, b))| (*period, b / a - 1.0))
-        .collect();
-    let sum: f64 = deviations.iter().map(|(_, d)| d * d).sum();
-    let (worst_period, worst) = deviations.iter().copied().max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()))?;
-    Some(SpectrumMisfit { rms: (sum / deviations.len() as f64).sqrt(), worst: worst.abs(), worst_period })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::generate::NEAR_FIELD_MODERATE;
-    use super::super::spectrum::{periods, response_spectrum};
     use super::*;
 
     /// The motion a number of samples later, at rest before.
@@ -230,15 +204,5 @@ mod tests {
         assert!(matches!(compare(&reference, &other, None), Err(CompareError::Interval { .. })));
         let shorter = Motion::from_acceleration(reference.dt, reference.acceleration[1..].to_vec());
         assert!(matches!(compare(&reference, &shorter, None), Err(CompareError::Length { .. })));
-    }
-
-    #[test]
-    fn the_misfit_of_a_scaled_motion_is_the_scale_less_one() {
-        let motion = NEAR_FIELD_MODERATE.generate(2).unwrap().motion();
-        let spectrum = |m: &Motion| response_spectrum(&m.acceleration, m.dt, 0.05, &periods(0.05, 0.5, 10)).unwrap();
-        let (a, b) = (spectrum(&motion), spectrum(&motion.scaled(1.07)));
-        let misfit = spectrum_misfit(&a, &b, 0.04, 0.6).unwrap();
-        assert!((misfit.rms - 0.07).abs() < 1e-9 && (misfit.worst - 0.07).abs() < 1e-9);
-        assert_eq!(spectrum_misfit(&a, &b, 1.0, 2.0), None);
     }
 }

@@ -13,7 +13,7 @@ mod standard;
 mod synthesise;
 
 pub use judge::{Judged, Ordinate, QualifyError, Rule, judge};
-pub use required::Required;
+pub use required::{Required, Requirement};
 pub use standard::{Code, Direction, STANDARDS, Site, Standard, StandardError};
 pub use synthesise::{Shape, synthesise};
 

@@ -209,7 +209,7 @@ impl Motion {
 }
 
 /// The derivative of a signal by central differences, one-sided at its ends.
-pub fn central_difference(signal: &[f64], dt: f64) -> Vec<f64> {
+pub(crate) fn central_difference(signal: &[f64], dt: f64) -> Vec<f64> {
     let last = signal.len().saturating_sub(1);
     (0..signal.len())
         .map(|k| {

@@ -25,7 +25,7 @@ static WINDOW_PEAK: LazyLock<f64> = LazyLock::new(|| bessel_i0(BETA));
 const CUT: f64 = 0.92;
 
 /// A signal sampled every `from` s, resampled to every `to` s over the same time.
-pub fn resample(signal: &[f64], from: f64, to: f64, interpolation: Interpolation) -> Vec<f64> {
+pub(crate) fn resample(signal: &[f64], from: f64, to: f64, interpolation: Interpolation) -> Vec<f64> {
     if signal.is_empty() || !(from > 0.0 && to > 0.0) {
         return Vec::new();
     }
@@ -42,7 +42,7 @@ pub fn resample(signal: &[f64], from: f64, to: f64, interpolation: Interpolation
 }
 
 /// The value at a place counted in samples, on a straight line between two; the ends are held.
-pub fn linear(signal: &[f64], place: f64) -> f64 {
+pub(crate) fn linear(signal: &[f64], place: f64) -> f64 {
     let last = signal.len().saturating_sub(1);
     let at = (place.floor().max(0.0) as usize).min(last);
     let (a, b) = (signal[at], signal[(at + 1).min(last)]);

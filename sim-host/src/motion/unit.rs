@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::scalar::GRAVITY as STANDARD_GRAVITY;
+pub(crate) use crate::scalar::GRAVITY as STANDARD_GRAVITY;
 
 /// A unit of acceleration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -51,7 +51,7 @@ pub fn write(path: &Path, record: &Record) -> Result<(), WriteError> {
 }
 
 /// The text of a record in its own format family.
-pub fn render(record: &Record) -> Result<String, WriteError> {
+pub(crate) fn render(record: &Record) -> Result<String, WriteError> {
     let fit = record.dt > 0.0 && record.acceleration.len() > 1 && record.acceleration.iter().all(|a| a.is_finite());
     if !fit {
         return Err(WriteError::Unfit);

@@ -14,16 +14,18 @@
 //! ```
 
 mod bristle;
-pub mod clock_rate;
+pub(crate) mod clock_rate;
 mod countered;
-pub mod own;
-pub mod regional;
-pub mod remainder;
+mod family;
+pub(crate) mod own;
+pub(crate) mod regional;
+pub(crate) mod remainder;
 mod shaken;
 mod stiff_oil;
 
-pub use coulomb_friction::PRESLIDING;
-pub use countered::{Counter, Countered};
+pub(crate) use coulomb_friction::PRESLIDING;
+pub(crate) use countered::{Counter, Countered};
+pub(crate) use family::Family;
 
 use super::model::Kind;
 use crate::scalar::Scalar;
@@ -173,6 +175,8 @@ pub struct Entry {
     pub equation: &'static str,
     /// Where it sits.
     pub stage: Stage,
+    /// What it is counted with.
+    pub family: Family,
     /// Its parameters, in the order its constructor takes them.
     pub parameters: &'static [Parameter],
     /// Models it makes sense for.
@@ -379,7 +383,7 @@ pub fn identifiers() -> Vec<&'static str> {
 
 macro_rules! registry {
     ($($module:ident :: $kind:ident),+ $(,)?) => {
-        $(pub mod $module;)+
+        $(pub(crate) mod $module;)+
 
         /// Every effect, in signal-path order.
         pub const ENTRIES: &[&Entry] = &[$(&$module::ENTRY),+];

@@ -1,6 +1,6 @@
 //! The model a user believes in: its kind and its own parameters, before any effect is added.
 
-pub use crate::scalar::GRAVITY;
+pub(crate) use crate::scalar::GRAVITY;
 use crate::scalar::Scalar;
 
 /// Which equations a model starts from.

@@ -13,7 +13,7 @@ use super::paper::{FixedStep, Paper, ParameterError, finite, positive};
 
 /// Oil column and mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Column {
+pub(crate) struct Column {
     /// Stiffness of both oil columns together, N/m.
     pub stiffness: f64,
     /// Moving mass, kg.
@@ -25,20 +25,20 @@ pub struct Column {
 impl Column {
     /// The paper's cylinder, 240 cm2 over a stroke of 0.3 m, in oil of 1e9 Pa, damped 10 % at 5 t; only the area is the
     /// paper's own figure, the others are usual ones.
-    pub fn usual(mass: f64) -> Self {
+    pub(crate) fn usual(mass: f64) -> Self {
         let stiffness = 4.0 * 1e9 * 0.024 / 0.3;
         Self { stiffness, mass, damping_rate: 2.0 * 0.1 * (stiffness / 5000.0f64).sqrt() }
     }
 
     /// Natural frequency, Hz.
-    pub fn natural_frequency(&self) -> f64 {
+    pub(crate) fn natural_frequency(&self) -> f64 {
         (self.stiffness / self.mass).sqrt() / std::f64::consts::TAU
     }
 }
 
 /// A loaded table at a fixed step.
 #[derive(Debug, Clone)]
-pub struct Loaded {
+pub(crate) struct Loaded {
     flow: FixedStep,
     /// Natural frequency squared, 1/s2.
     square: f64,
@@ -52,7 +52,7 @@ pub struct Loaded {
 
 impl Loaded {
     /// The loaded table at rest at centre, to be moved on in steps of `dt` seconds.
-    pub fn new(paper: Paper, column: Column, dt: f64) -> Result<Self, ParameterError> {
+    pub(crate) fn new(paper: Paper, column: Column, dt: f64) -> Result<Self, ParameterError> {
         positive("stiffness", column.stiffness)?;
         finite("stiffness", column.stiffness)?;
         positive("mass", column.mass)?;

@@ -14,13 +14,14 @@ mod sample;
 use super::effects::{Instant, build, entry};
 use super::model::Baseline;
 use crate::scalar::Scalar;
-pub use balance::{MeasuredMotion, balance};
+pub(crate) use balance::{MeasuredMotion, balance};
 use dynamics::{Dynamics, STATES};
-pub use law::{Law, Notch, NotchFilter, Shaping};
+pub(crate) use law::NotchFilter;
+pub use law::{Law, Notch, Shaping};
 use sample::Sample;
 
 /// Longest integration step, s.
-pub const LONGEST_STEP: f64 = 2.6e-3;
+pub(crate) const LONGEST_STEP: f64 = 2.6e-3;
 
 /// Largest product of a step and the fastest rate: the rule is stable up to 2.8 and accurate well below.
 pub(super) const RESOLVED: f64 = 1.2;
@@ -53,16 +54,16 @@ pub struct Drive<'a> {
     pub wanted: Wanted,
 }
 
-/// The series of a [`Trace`] that are filled beside displacement and supply pressure; the others stay empty.
+/// The series of a `Trace` that are filled beside displacement and supply pressure; the others stay empty.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Wanted {
-    /// [`Trace::velocity`].
+    /// `Trace::velocity`.
     pub velocity: bool,
-    /// [`Trace::acceleration`].
+    /// `Trace::acceleration`.
     pub acceleration: bool,
-    /// [`Trace::command`].
+    /// `Trace::command`.
     pub command: bool,
-    /// [`Trace::load`].
+    /// `Trace::load`.
     pub load: bool,
 }
 
@@ -83,7 +84,7 @@ pub struct Start<S> {
 }
 
 /// Continuous states of these effects together.
-pub fn effect_states<'a>(effects: impl Iterator<Item = (&'a str, Vec<f64>)>) -> usize {
+pub(crate) fn effect_states<'a>(effects: impl Iterator<Item = (&'a str, Vec<f64>)>) -> usize {
     effects.map(|(id, parameters)| build(id, &parameters).map_or(0, |effect| effect.states())).sum()
 }
 

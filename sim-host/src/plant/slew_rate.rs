@@ -8,7 +8,7 @@
 
 /// A valve at work on a piston.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Valve {
+pub(crate) struct Valve {
     /// Flow at the rated pressure drop, m3/s.
     pub rated_flow: f64,
     /// Pressure drop at work over the rated one, 1.
@@ -19,15 +19,15 @@ pub struct Valve {
 
 impl Valve {
     /// The paper's: 7.7 L/s brought to 6.57 L/s, 240 cm2.
-    pub const PAPER: Self = Self { rated_flow: 7.7e-3, drop_ratio: (6.57 / 7.7) * (6.57 / 7.7), area: 0.024 };
+    pub(crate) const PAPER: Self = Self { rated_flow: 7.7e-3, drop_ratio: (6.57 / 7.7) * (6.57 / 7.7), area: 0.024 };
 
     /// Flow at the drop at work, m3/s: an orifice passes the square root of its pressure drop.
-    pub fn flow(&self) -> f64 {
+    pub(crate) fn flow(&self) -> f64 {
         self.rated_flow * self.drop_ratio.sqrt()
     }
 
     /// Largest speed of the piston, m/s (Eq. 8).
-    pub fn slew_rate(&self) -> f64 {
+    pub(crate) fn slew_rate(&self) -> f64 {
         self.flow() / self.area
     }
 }

@@ -5,15 +5,15 @@ use super::table::{Heading, MAX_BYTES, Table, locate};
 use std::io::Read;
 use std::path::Path;
 
-pub mod bytes;
-pub mod hdf5;
-pub mod mseed;
-pub mod rpc;
-pub mod tdms;
+pub(crate) mod bytes;
+pub(crate) mod hdf5;
+pub(crate) mod mseed;
+pub(crate) mod rpc;
+pub(crate) mod tdms;
 
 /// A binary form that a file's first bytes name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub(crate) enum Form {
     /// MTS RPC III.
     Rpc,
     /// NI TDMS.
@@ -26,7 +26,7 @@ pub enum Form {
 
 impl Form {
     /// The form of a file that begins like this; none for text and for MATLAB before 7.3.
-    pub fn of(start: &[u8]) -> Option<Self> {
+    pub(crate) fn of(start: &[u8]) -> Option<Self> {
         if start.starts_with(b"TDSm") {
             Some(Self::Tdms)
         } else if start.starts_with(b"\x89HDF\r\n\x1a\n") || start.starts_with(b"MATLAB 7.3") {
@@ -88,12 +88,12 @@ fn content(input: impl Read, form: Form, path: &Path) -> Result<Content, Recordi
 }
 
 /// Reads the names of all columns.
-pub fn headings(input: impl Read, form: Form, path: &Path) -> Result<Vec<Heading>, RecordingError> {
+pub(crate) fn headings(input: impl Read, form: Form, path: &Path) -> Result<Vec<Heading>, RecordingError> {
     Ok(content(input, form, path)?.columns.into_iter().map(|c| c.heading).collect())
 }
 
 /// Reads the wanted columns.
-pub fn read(input: impl Read, form: Form, path: &Path, wanted: &[&str]) -> Result<Table, RecordingError> {
+pub(crate) fn read(input: impl Read, form: Form, path: &Path, wanted: &[&str]) -> Result<Table, RecordingError> {
     let Content { columns, notes } = content(input, form, path)?;
     pick(columns, notes, path, wanted)
 }

@@ -77,7 +77,7 @@ pub enum Fault {
     WrongController,
     /// The recorded command holds something that the controller did not send.
     MissingInput,
-    /// The command stands at a limit that the stated controller does not have.
+    /// The command is at a limit that the stated controller does not have.
     LimitedCommand,
     /// One channel comes later than another.
     Skew,

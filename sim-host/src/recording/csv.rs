@@ -21,7 +21,7 @@ const MAX_UTF16: u64 = 1 << 28;
 const CREDIBLE: f64 = 1e15;
 
 /// True for the first bytes of a text that says by its first lines how it is written.
-pub fn is_special(start: &[u8]) -> bool {
+pub(crate) fn is_special(start: &[u8]) -> bool {
     special::is_start(start)
 }
 

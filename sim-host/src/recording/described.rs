@@ -78,7 +78,7 @@ impl Described {
 }
 
 /// A `table.toml` to be filled in, of a table with this `[model]`.
-pub fn template(model: &str) -> String {
+pub(crate) fn template(model: &str) -> String {
     format!(
         "# The table, described once. Commands started in this folder use it as soon as [table] states something; elsewhere\n\
          # name it with --table. Take the comment signs away and write your own values.\n\n\

@@ -2,7 +2,7 @@
 
 use super::channel::Channel;
 pub(crate) use crate::files::nearest::nearest;
-pub use crate::files::nearest::suggestion;
+pub(crate) use crate::files::nearest::suggestion;
 use std::fmt;
 use std::path::{Path, PathBuf};
 

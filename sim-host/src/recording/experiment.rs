@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 mod channels;
 mod load;
 
-pub use channels::{ChannelSource, Origin};
+pub(crate) use channels::{ChannelSource, Origin};
 
 /// Fewest samples of a run.
-pub const LEAST_SAMPLES: usize = 16;
+pub(crate) const LEAST_SAMPLES: usize = 16;
 
 /// One experiment.
 #[derive(Debug, Clone, PartialEq)]

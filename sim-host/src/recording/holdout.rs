@@ -28,11 +28,11 @@ pub enum HeldBack {
 impl fmt::Display for HeldBack {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Stated => f.write_str("held back as the experiment says"),
+            Self::Stated => f.write_str("held out as the experiment says"),
             Self::Completed => f.write_str("runs without `use` took the part that no other run has"),
-            Self::LastRuns(1) => f.write_str("no run says `use`: the last one is held back"),
-            Self::LastRuns(n) => write!(f, "no run says `use`: the last {n} are held back"),
-            Self::LastThird => f.write_str("no run says `use`: the last third of the only run is held back"),
+            Self::LastRuns(1) => f.write_str("no run says `use`: the last one is held out"),
+            Self::LastRuns(n) => write!(f, "no run says `use`: the last {n} are held out"),
+            Self::LastThird => f.write_str("no run says `use`: the last third of the only run is held out"),
         }
     }
 }

@@ -14,11 +14,11 @@ use rest::rest;
 mod autoregression;
 mod rest;
 
-pub use autoregression::Autoregression;
+pub(crate) use autoregression::Autoregression;
 
 /// Where a floor comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Origin {
+pub(crate) enum Origin {
     /// The experiment states it.
     Stated,
     /// Scatter between this many runs of one reference.
@@ -33,7 +33,7 @@ pub enum Origin {
 
 /// Whether neighbouring errors know of each other.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Colour {
+pub(crate) enum Colour {
     /// There was no stretch at rest to tell.
     Unknown,
     /// They do not.
@@ -44,7 +44,7 @@ pub enum Colour {
 
 /// The noise floor of one channel of one run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Floor {
+pub(crate) struct Floor {
     /// Standard deviation, SI.
     pub std: f64,
     /// Where it comes from.
@@ -58,7 +58,7 @@ pub struct Floor {
 }
 
 /// The floors of every channel of a run; `others` are searched for repeats of the same reference.
-pub fn floors(run: &Run, others: &[Run]) -> PerChannel<Floor> {
+pub(crate) fn floors(run: &Run, others: &[Run]) -> PerChannel<Floor> {
     let rest = rest(run);
     let mut floors = PerChannel::default();
     for (channel, samples) in run.channels.iter() {

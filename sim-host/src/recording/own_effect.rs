@@ -146,7 +146,7 @@ pub(crate) fn to_toml<'a>(ids: impl Iterator<Item = &'a str>) -> String {
 }
 
 /// One effect as `[[effect]]` text.
-pub fn one_to_toml(stated: &Stated) -> String {
+pub(crate) fn one_to_toml(stated: &Stated) -> String {
     let mut text = format!("[[effect]]\nid = {:?}\nplace = {:?}\n", stated.id, stated.stage.name());
     let _ = writeln!(text, "states = {:?}\nexpression = {:?}", stated.states, stated.expression);
     for p in &stated.parameters {

@@ -93,7 +93,7 @@ pub fn propose(folder: &Path) -> Result<Proposal, ProposeError> {
 }
 
 /// The same of texts whose layout is stated in part.
-pub fn propose_as(folder: &Path, stated: &Stated) -> Result<Proposal, ProposeError> {
+pub(crate) fn propose_as(folder: &Path, stated: &Stated) -> Result<Proposal, ProposeError> {
     let mut left_out = Vec::new();
     let mut groups: Vec<(Vec<Heading>, Vec<String>)> = Vec::new();
     for name in candidates(folder)? {
@@ -131,32 +131,32 @@ pub fn propose_as(folder: &Path, stated: &Stated) -> Result<Proposal, ProposeErr
 
 /// One recording's columns as channels.
 #[derive(Debug, Clone)]
-pub struct Look {
+pub(crate) struct Look {
     /// Every column of numbers.
-    pub facts: Vec<Facts>,
+    pub(crate) facts: Vec<Facts>,
     /// Which of them is which channel, in which unit, and what speaks for it.
-    pub choices: Vec<Choice>,
+    pub(crate) choices: Vec<Choice>,
     /// What was assumed to read the file, in words.
-    pub notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 impl Look {
     /// A channel's samples in SI, gaps bridged; none where no column is it or its unit is open.
-    pub fn channel(&self, channel: super::Channel) -> Option<Vec<f64>> {
+    pub(crate) fn channel(&self, channel: super::Channel) -> Option<Vec<f64>> {
         let choice = self.choices.iter().find(|c| c.channel == channel)?;
         let factor = choice.unit?.factor;
         Some(self.facts[choice.column].samples.iter().map(|x| x * factor).collect())
     }
 
     /// The step, s; none where no column is the time.
-    pub fn step(&self) -> Option<f64> {
+    pub(crate) fn step(&self) -> Option<f64> {
         let time = self.choices.iter().find(|c| c.channel == super::Channel::Time)?;
         Some(self.facts[time.column].step? * time.unit?.factor)
     }
 }
 
 /// Looks at one recording. A column named in `stated` is that channel, whatever its name suggests.
-pub fn look(path: &Path, layout: &Stated, stated: &[(super::Channel, String)]) -> Result<Look, RecordingError> {
+pub(crate) fn look(path: &Path, layout: &Stated, stated: &[(super::Channel, String)]) -> Result<Look, RecordingError> {
     let headings = file::headings_as(path, layout)?;
     for (_, column) in stated {
         super::table::locate(&headings, &[column], path)?;

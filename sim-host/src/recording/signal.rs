@@ -6,13 +6,13 @@ use realfft::num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
 /// Root mean square of the values that are finite; NaN where none is.
-pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.filter(|x| x.is_finite()).fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
     f64::sqrt(sum / count)
 }
 
 /// The samples with NaN filled by straight lines between the neighbours; at the ends the nearest value holds.
-pub fn filled(samples: &[f64]) -> Vec<f64> {
+pub(crate) fn filled(samples: &[f64]) -> Vec<f64> {
     let mut out = samples.to_vec();
     let mut last: Option<usize> = None;
     for k in 0..out.len() {
@@ -34,13 +34,13 @@ pub fn filled(samples: &[f64]) -> Vec<f64> {
 }
 
 /// Mean of the samples that are numbers; zero where there are none.
-pub fn mean(samples: &[f64]) -> f64 {
+pub(crate) fn mean(samples: &[f64]) -> f64 {
     let (sum, count) = samples.iter().filter(|x| x.is_finite()).fold((0.0, 0usize), |(s, n), x| (s + x, n + 1));
     sum / count.max(1) as f64
 }
 
 /// Root mean square about the mean, of the samples that are numbers.
-pub fn deviation(samples: &[f64]) -> f64 {
+pub(crate) fn deviation(samples: &[f64]) -> f64 {
     let mean = mean(samples);
     let (sum, count) =
         samples.iter().filter(|x| x.is_finite()).fold((0.0, 0usize), |(s, n), x| (s + (x - mean).powi(2), n + 1));
@@ -48,7 +48,7 @@ pub fn deviation(samples: &[f64]) -> f64 {
 }
 
 /// The value below which a part `q` of the samples lies; NaN for no samples.
-pub fn quantile(samples: &[f64], q: f64) -> f64 {
+pub(crate) fn quantile(samples: &[f64], q: f64) -> f64 {
     let mut sorted: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
     if sorted.is_empty() {
         return f64::NAN;
@@ -58,7 +58,7 @@ pub fn quantile(samples: &[f64], q: f64) -> f64 {
 }
 
 /// Takes the least-squares line off.
-pub fn detrend(samples: &mut [f64]) {
+pub(crate) fn detrend(samples: &mut [f64]) {
     let n = samples.len() as f64;
     if samples.len() < 2 {
         return;
@@ -73,12 +73,12 @@ pub fn detrend(samples: &mut [f64]) {
 }
 
 /// First difference over two steps, centred, per second; the ends repeat their neighbours.
-pub fn slope(samples: &[f64], dt: f64) -> Vec<f64> {
+pub(crate) fn slope(samples: &[f64], dt: f64) -> Vec<f64> {
     centred(samples, |before, _, after| (after - before) / (2.0 * dt))
 }
 
 /// Second difference, centred, per second squared; the ends repeat their neighbours.
-pub fn curvature(samples: &[f64], dt: f64) -> Vec<f64> {
+pub(crate) fn curvature(samples: &[f64], dt: f64) -> Vec<f64> {
     centred(samples, |before, here, after| (after - 2.0 * here + before) / (dt * dt))
 }
 
@@ -90,7 +90,7 @@ fn centred(samples: &[f64], formula: impl Fn(f64, f64, f64) -> f64) -> Vec<f64> 
 
 /// Averaged auto and cross spectra of two signals.
 #[derive(Debug, Clone, Default)]
-pub struct Spectra {
+pub(crate) struct Spectra {
     /// Frequencies, Hz.
     pub frequency: Vec<f64>,
     /// Power of the first, its unit squared per Hz.
@@ -105,7 +105,7 @@ pub struct Spectra {
 
 impl Spectra {
     /// Magnitude-squared coherence of a bin, with the bias that few averages give taken off.
-    pub fn coherence(&self, bin: usize) -> f64 {
+    pub(crate) fn coherence(&self, bin: usize) -> f64 {
         let power = self.input[bin] * self.output[bin];
         if power <= 0.0 || self.segments < 2 {
             return 0.0;
@@ -119,7 +119,7 @@ impl Spectra {
 
 /// Welch's averaged spectra with Hann segments that overlap by half, each freed of its trend. Segments with a gap (NaN
 /// in either signal) are left out.
-pub fn spectra(first: &[f64], second: &[f64], dt: f64, segment: usize) -> Spectra {
+pub(crate) fn spectra(first: &[f64], second: &[f64], dt: f64, segment: usize) -> Spectra {
     let segment = segment.max(8);
     let fft = RealFftPlanner::<f64>::new().plan_fft_forward(segment);
     let window: Vec<f64> = (0..segment).map(|k| (PI * (k as f64 + 0.5) / segment as f64).sin().powi(2)).collect();
@@ -164,14 +164,15 @@ pub fn spectra(first: &[f64], second: &[f64], dt: f64, segment: usize) -> Spectr
 }
 
 /// A segment length that gives at least about eight averages: a power of two, at most `longest` samples.
-pub fn segment_length(samples: usize, longest: usize) -> usize {
+pub(crate) fn segment_length(samples: usize, longest: usize) -> usize {
     let wanted = (samples / 5).clamp(16, longest.max(16));
     1 << (usize::BITS - 1 - wanted.leading_zeros())
 }
 
 /// A sine as fitted to samples: `sine sin(2 pi f t) + cosine cos(2 pi f t)`, t from the first sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sine {
+#[allow(clippy::struct_field_names, reason = "the weight of the sine is called like it")]
+pub(crate) struct Sine {
     /// f, Hz.
     pub frequency: f64,
     /// Weight of the sine, in the samples' unit.
@@ -183,7 +184,7 @@ pub struct Sine {
 impl Sine {
     /// Of these frequencies (Hz) the one whose sine takes most from samples `dt` (s) apart, by least squares over those that are
     /// finite; none where too few are.
-    pub fn best(samples: &[f64], dt: f64, frequencies: impl Iterator<Item = f64>) -> Option<Self> {
+    pub(crate) fn best(samples: &[f64], dt: f64, frequencies: impl Iterator<Item = f64>) -> Option<Self> {
         let fit = |frequency: f64| {
             let (mut matrix, mut right) = (Matrix2::zeros(), Vector2::zeros());
             for (k, x) in samples.iter().enumerate().filter(|(_, x)| x.is_finite()) {
@@ -199,13 +200,13 @@ impl Sine {
     }
 
     /// Its value at a sample.
-    pub fn at(&self, sample: usize, dt: f64) -> f64 {
+    pub(crate) fn at(&self, sample: usize, dt: f64) -> f64 {
         let (sine, cosine) = (TAU * self.frequency * sample as f64 * dt).sin_cos();
         self.sine * sine + self.cosine * cosine
     }
 
     /// The samples without it.
-    pub fn taken_off(&self, samples: &[f64], dt: f64) -> Vec<f64> {
+    pub(crate) fn taken_off(&self, samples: &[f64], dt: f64) -> Vec<f64> {
         samples.iter().enumerate().map(|(k, x)| x - self.at(k, dt)).collect()
     }
 }

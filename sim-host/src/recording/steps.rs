@@ -6,7 +6,7 @@ use super::signal::quantile;
 ///
 /// Only neighbouring values count: every gap between two that follow each other in size must be a whole number of
 /// steps. Values written with few decimals have a step too, a small one.
-pub fn quantisation_step(samples: &[f64]) -> Option<f64> {
+pub(crate) fn quantisation_step(samples: &[f64]) -> Option<f64> {
     let mut values: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
     values.sort_unstable_by(f64::total_cmp);
     let (first, last) = (*values.first()?, *values.last()?);

@@ -5,10 +5,10 @@ use super::unit::Unit;
 use std::path::Path;
 
 /// Most values kept of one file: 2^26 of them, half a gigabyte.
-pub const MAX_VALUES: usize = 1 << 26;
+pub(crate) const MAX_VALUES: usize = 1 << 26;
 
 /// Largest file that is read, bytes.
-pub const MAX_BYTES: usize = 1 << 30;
+pub(crate) const MAX_BYTES: usize = 1 << 30;
 
 /// A column's name and what its header says of its unit.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -34,14 +34,14 @@ pub struct Unit {
     pub factor: f64,
 }
 
-pub use crate::scalar::GRAVITY as STANDARD_GRAVITY;
+pub(crate) use crate::scalar::GRAVITY as STANDARD_GRAVITY;
 
 const fn unit(symbol: &'static str, dimension: Dimension, factor: f64) -> Unit {
     Unit { symbol, dimension, factor }
 }
 
 /// Every unit an experiment may name (docs/formats.md).
-pub const UNITS: [Unit; 29] = [
+pub(crate) const UNITS: [Unit; 29] = [
     unit("m", Dimension::Length, 1.0),
     unit("cm", Dimension::Length, 1e-2),
     unit("mm", Dimension::Length, 1e-3),
@@ -74,7 +74,7 @@ pub const UNITS: [Unit; 29] = [
 ];
 
 /// A plain number: `1`, the unit of what has none.
-pub const NUMBER: Unit = unit("1", Dimension::Number, 1.0);
+pub(crate) const NUMBER: Unit = unit("1", Dimension::Number, 1.0);
 
 impl Unit {
     /// The unit of that name, exactly as the table writes it.
@@ -115,7 +115,7 @@ impl Unit {
 }
 
 /// All symbols, for a message.
-pub fn symbols() -> String {
+pub(crate) fn symbols() -> String {
     let all: Vec<&str> = UNITS.iter().map(|u| u.symbol).chain([NUMBER.symbol]).collect();
     all.join(" ")
 }

@@ -12,7 +12,7 @@ const DIED_AWAY: f32 = 1e-30;
 /// written in two parts, for which it would have to wait.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
-pub struct Dual<const N: usize> {
+pub(crate) struct Dual<const N: usize> {
     /// Its derivatives.
     pub tangent: [f32; N],
     /// The value.
@@ -21,7 +21,7 @@ pub struct Dual<const N: usize> {
 
 impl<const N: usize> Dual<N> {
     /// The `i`-th parameter: derivative one with respect to itself.
-    pub fn variable(value: f64, i: usize) -> Self {
+    pub(crate) fn variable(value: f64, i: usize) -> Self {
         let mut tangent = [0.0; N];
         if let Some(t) = tangent.get_mut(i) {
             *t = 1.0;

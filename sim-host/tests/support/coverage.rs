@@ -3,14 +3,10 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
-use shakedown::identify::data::{Channel, Measured, Run};
-use shakedown::identify::evaluate::{Local, predict};
-use shakedown::identify::fit::{Effort, Fit};
-use shakedown::identify::interval::{NINETY, profiles};
-use shakedown::identify::model::{Model, Placed, Value, Yardsticks};
-use shakedown::plant::effects::entry;
-use shakedown::plant::model::Kind;
-use shakedown::plant::simulate::Law;
+use shakedown::blocks::identify::{
+    Channel, Effort, Fit, Local, Measured, Model, NINETY, Placed, Run, Value, Yardsticks, predict, profiles,
+};
+use shakedown::blocks::plant::{Kind, Law, entry};
 
 const DT: f64 = 0.005;
 const SECONDS: f64 = 15.0;
@@ -88,7 +84,7 @@ fn run(number: i32) -> Run {
         input: input.collect(),
         added: Vec::new(),
         law: Law::Pi { kp: 8.0, ki: 1.0 },
-        shaping: shakedown::plant::simulate::Shaping::default(),
+        shaping: shakedown::blocks::plant::Shaping::default(),
         loop_noise: None,
         moving_start: false,
         measured: vec![channel(Channel::Displacement, NOISE[0]), channel(Channel::Acceleration, NOISE[1])],

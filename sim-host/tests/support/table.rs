@@ -1,7 +1,6 @@
 //! Runs of the paper's table with effects, by the library's own simulation, with noise that is the same wherever it runs.
 
-use shakedown::plant::model::Baseline;
-use shakedown::plant::simulate::{Drive, Law, Placed, Shaping, Start, Wanted, simulate};
+use shakedown::blocks::plant::{Baseline, Drive, Law, Placed, Shaping, Start, Wanted, simulate};
 use std::fmt::Write as _;
 
 /// Numbers between -1 and 1, four summed, nearly normal; the same wherever this runs.

@@ -9,10 +9,9 @@
     reason = "the lint knows test functions, not helpers"
 )]
 
-use shakedown::diagnose::result::Verdict;
-use shakedown::diagnose::{Diagnosis, Options, diagnose_file};
-use shakedown::motion::condition::Recipe;
-use shakedown::motion::generate::{self, NEAR_FIELD_MODERATE, NEAR_FIELD_STRONG};
+use shakedown::diagnose::{Diagnosis, Options, Verdict, diagnose_file};
+use shakedown::fit::Recipe;
+use shakedown::fit::generate::{self, NEAR_FIELD_MODERATE, NEAR_FIELD_STRONG};
 use shakedown_truth::closed_loop::{Controller, Run, simulate};
 use shakedown_truth::noise::Noise;
 use shakedown_truth::plant::{Lag, Machine, Physics};

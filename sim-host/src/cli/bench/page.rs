@@ -1,9 +1,9 @@
 //! The benchmark's page: who does best where, at a glance, then table by table.
 
 use super::{HELD, HOW, quartiles, sensed, three};
-use shakedown::closed_loop::bench::figures::Figure;
-use shakedown::closed_loop::bench::{Bench, Row};
-use shakedown::report::{Item, Matrix, Page, Section};
+use crate::closed_loop::bench::figures::Figure;
+use crate::closed_loop::bench::{Bench, Row};
+use crate::report::{Item, Matrix, Page, Section};
 
 /// The page; the sections of single tables are folded.
 pub(super) fn page(held: &[Figure], benches: &[Bench], rows: &[Row], sections: Vec<Section>) -> Page {

@@ -4,14 +4,14 @@ use super::super::output::{fingerprints, print, tell};
 use super::super::places::file_name;
 use super::super::{Failure, histories, indices, present};
 use super::{Args, Asked};
+use crate::motion::Motion;
+use crate::motion::metrics::{Played, Recorded, played};
+use crate::motion::spectrum::{periods, response_spectrum};
+use crate::plant::sensors::GRAVITY;
+use crate::recording::Channel;
+use crate::recording::propose::{Look, look};
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use serde_json::json;
-use shakedown::motion::Motion;
-use shakedown::motion::metrics::{Played, Recorded, played};
-use shakedown::motion::spectrum::{periods, response_spectrum};
-use shakedown::plant::sensors::GRAVITY;
-use shakedown::recording::Channel;
-use shakedown::recording::propose::{Look, look};
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use std::path::{Path, PathBuf};
 
 /// Reference and drive further apart than this are not the same, RMS over RMS.

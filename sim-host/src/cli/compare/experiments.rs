@@ -3,11 +3,11 @@
 use super::super::output::{print, print_table};
 use super::super::{Failure, failure, progress};
 use super::Args;
+use crate::identify::change::{Change, CompareError, compare};
+use crate::identify::outcome::IdentifyError;
+use crate::recording::Experiment;
+use crate::report::{Item, Page, Section, Table};
 use serde_json::json;
-use shakedown::identify::change::{Change, CompareError, compare};
-use shakedown::identify::outcome::IdentifyError;
-use shakedown::recording::Experiment;
-use shakedown::report::{Item, Page, Section, Table};
 use std::path::PathBuf;
 
 /// Fits both, compares and shows.

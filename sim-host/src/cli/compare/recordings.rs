@@ -3,11 +3,11 @@
 use super::super::Failure;
 use super::super::output::{print, print_table};
 use super::{Args, drive};
+use crate::closed_loop::learning::stale::{Staleness, stale};
+use crate::motion::metrics::{Recorded, played};
+use crate::motion::{Motion, central_difference};
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Table};
 use serde_json::json;
-use shakedown::closed_loop::learning::stale::{Staleness, stale};
-use shakedown::motion::metrics::{Recorded, played};
-use shakedown::motion::{Motion, central_difference};
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Table};
 
 /// Finds the first recording's motion in the second and holds the two against each other.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {

@@ -3,9 +3,9 @@
 use super::super::output::{print, print_table};
 use super::Args;
 use crate::cli::Failure;
+use crate::files::bounded;
+use crate::report::{Item, Page, Section, Table};
 use serde_json::{Value, json};
-use shakedown::files::bounded;
-use shakedown::report::{Item, Page, Section, Table};
 use std::collections::BTreeMap;
 use std::path::Path;
 

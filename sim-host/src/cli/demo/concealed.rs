@@ -3,11 +3,11 @@
 
 use super::super::diagnose::page;
 use super::super::{Failure, progress};
+use crate::diagnose::{Examined, Options, diagnose};
+use crate::digits;
+use crate::recording::Experiment;
+use crate::report::{Item, Section, Table};
 use serde_json::{Value, json};
-use shakedown::diagnose::{Examined, Options, diagnose};
-use shakedown::digits;
-use shakedown::recording::Experiment;
-use shakedown::report::{Item, Section, Table};
 use shakedown_truth::answer::Opened;
 use shakedown_truth::effect::Effect;
 use shakedown_truth::plan::{Stratum, Strength, stratum};

@@ -1,8 +1,8 @@
 //! The open loop of a design, on the model and in the corners of its uncertainty: Bode and Nyquist.
 
-use shakedown::closed_loop::design::{Corner, Design, DesignError, Spread, Table, open_loops};
-use shakedown::closed_loop::margin::Point;
-use shakedown::report::{Axis, Item, Plot, Section, Series, Style};
+use crate::closed_loop::design::{Corner, Design, DesignError, Spread, Table, open_loops};
+use crate::closed_loop::margin::Point;
+use crate::report::{Axis, Item, Plot, Section, Series, Style};
 use std::f64::consts::TAU;
 
 /// Farthest from the origin that a Nyquist diagram shows, 1: beyond, nothing is near -1.
@@ -107,7 +107,7 @@ fn nyquist(loops: &[(Corner, Vec<Point>)]) -> Item {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shakedown::closed_loop::design::{Demand, design};
+    use crate::closed_loop::design::{Demand, design};
 
     #[test]
     fn phase_goes_on_beyond_half_a_turn() {

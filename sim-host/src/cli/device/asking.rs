@@ -3,7 +3,7 @@
 use super::failed;
 use crate::cli::Failure;
 use crate::cli::output::print;
-use shakedown::device::{Port, Session};
+use crate::device::{Port, Session};
 use shakedown_core::link::HostRequest;
 use std::io::BufRead as _;
 use std::time::Duration;
@@ -24,7 +24,7 @@ pub(super) fn prompted(number: &str, instruction: &str) -> Result<Option<String>
 pub(super) fn clear(session: &mut Session<Port>) -> Result<(), Failure> {
     match session.order(&HostRequest::ClearTrip) {
         // There was none.
-        Ok(()) | Err(shakedown::device::SessionError::Refused(_)) => Ok(()),
+        Ok(()) | Err(crate::device::SessionError::Refused(_)) => Ok(()),
         Err(error) => Err(failed(error)),
     }
 }

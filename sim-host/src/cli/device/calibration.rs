@@ -5,8 +5,8 @@ use super::failed;
 use crate::cli::Failure;
 use crate::cli::asked::{seconds, utc};
 use crate::cli::output::{print, write_whole};
+use crate::device::{Port, Session};
 use serde::{Deserialize, Serialize};
-use shakedown::device::{Port, Session};
 use shakedown_core::link::{Scale, Wiring};
 use std::path::Path;
 

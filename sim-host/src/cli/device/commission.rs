@@ -10,7 +10,7 @@ use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
 use crate::cli::unseen::say_unseen;
-use shakedown::device::{PROOF_TEST, Port, Session};
+use crate::device::{PROOF_TEST, Port, Session};
 use shakedown_core::link::HostRequest;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! What a device said, as a page.
 
-use shakedown::recording::file;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+use crate::recording::file;
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use std::path::Path;
 
 /// Longest recording that is drawn, bytes: a quarter of an hour at 1 kHz.

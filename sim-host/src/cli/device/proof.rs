@@ -6,7 +6,7 @@ use super::failed;
 use crate::cli::Failure;
 use crate::cli::asked::utc;
 use crate::cli::output::{print, write_whole};
-use shakedown::device::{Port, ProofTest, Session, proof_test_kept};
+use crate::device::{Port, ProofTest, Session, proof_test_kept};
 use shakedown_core::State;
 use shakedown_core::link::{HostRequest, Report, StopCause, answer};
 use std::fmt::Write as _;

@@ -5,8 +5,8 @@ use crate::cli::Failure;
 use crate::cli::output::{print, write_whole};
 use crate::cli::places::place;
 use crate::cli::unseen::say_unseen;
-use shakedown::device::{Port, Session};
-use shakedown::files::{bounded, wording};
+use crate::device::{Port, Session};
+use crate::files::{bounded, wording};
 use shakedown_core::link::{HostRequest, Setup};
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 //! What the physics that was found changes for who runs the table.
 
 use super::super::traces;
-use shakedown::diagnose::change::{CUSTOMARY, Change, Gains};
-use shakedown::report::{Item, Section};
+use crate::diagnose::change::{CUSTOMARY, Change, Gains};
+use crate::report::{Item, Section};
 
 /// The section.
 pub(super) fn section(change: &Change) -> Section {

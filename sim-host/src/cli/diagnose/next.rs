@@ -3,11 +3,11 @@
 use super::super::Failure;
 use super::super::output::{tell, write_whole};
 use super::super::traces;
-use shakedown::diagnose::Examined;
-use shakedown::diagnose::result::NextTest;
-use shakedown::motion::drive::{Drive, DriveUnit, Form, Quantity};
-use shakedown::recording::Experiment;
-use shakedown::report::{Item, Section};
+use crate::diagnose::Examined;
+use crate::diagnose::result::NextTest;
+use crate::motion::drive::{Drive, DriveUnit, Form, Quantity};
+use crate::recording::Experiment;
+use crate::report::{Item, Section};
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -2,13 +2,13 @@
 
 use super::super::traces::{self, left, over_frequency, over_time};
 use super::{change, next, place, set_up, term, unfit};
-use shakedown::diagnose::remainder::Remainder;
-use shakedown::diagnose::result::{NamedEffect, Verdict};
-use shakedown::diagnose::{Diagnosis, Examined};
-use shakedown::digits;
-use shakedown::identify::quantity::Quantity;
-use shakedown::recording::Severity;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+use crate::diagnose::remainder::Remainder;
+use crate::diagnose::result::{NamedEffect, Verdict};
+use crate::diagnose::{Diagnosis, Examined};
+use crate::digits;
+use crate::identify::quantity::Quantity;
+use crate::recording::Severity;
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use std::collections::BTreeMap;
 
 /// The page.
@@ -261,7 +261,7 @@ pub(in super::super) fn predicted(examined: &Examined) -> Section {
     let mut items = Vec::new();
     for (i, run) in examined.judging_runs().iter().enumerate() {
         for (j, measured) in run.measured.iter().enumerate() {
-            let of = |judged: &shakedown::diagnose::judged::Judged| judged.hold.predicted[i].channels[j].clone();
+            let of = |judged: &crate::diagnose::judged::Judged| judged.hold.predicted[i].channels[j].clone();
             let (before, after) = (of(&examined.conclusion.before), of(&examined.conclusion.after));
             if before.iter().all(|v| v.is_nan()) {
                 continue;

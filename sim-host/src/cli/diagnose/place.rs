@@ -1,13 +1,13 @@
 //! Where a mismatch is: what the stated model leaves of the runs fitted, along time, frequency and what explains it.
 
 use super::super::traces::{self, left, over_frequency, words};
-use shakedown::diagnose::Examined;
-use shakedown::diagnose::locate::{StateShare, Stretch};
-use shakedown::identify::data::{Measured, Run};
-use shakedown::identify::evaluate::predict;
-use shakedown::plant::effects::entry;
-use shakedown::recording::signal::rms;
-use shakedown::report::{Axis, Band, Item, Plot, Section, Series, Style};
+use crate::diagnose::Examined;
+use crate::diagnose::locate::{StateShare, Stretch};
+use crate::identify::data::{Measured, Run};
+use crate::identify::evaluate::predict;
+use crate::plant::effects::entry;
+use crate::recording::signal::rms;
+use crate::report::{Axis, Band, Item, Plot, Section, Series, Style};
 
 /// Length of the blocks that one point of the picture over time stands for, s.
 const BLOCK: f64 = 0.25;

@@ -1,9 +1,9 @@
 //! What of the stated set-up a diagnosis found otherwise, as a table.
 
 use super::super::traces;
-use shakedown::diagnose::Diagnosis;
-use shakedown::digits;
-use shakedown::report::{Item, Section};
+use crate::diagnose::Diagnosis;
+use crate::digits;
+use crate::report::{Item, Section};
 
 /// What of the stated set-up was found otherwise.
 pub(super) fn section(diagnosis: &Diagnosis) -> Option<Section> {

@@ -1,7 +1,7 @@
 //! The equation found for physics that the library does not hold, as a report shows it.
 
-use shakedown::diagnose::term::report::{Curve, Term};
-use shakedown::report::{Axis, Item, Plot, Section, Series, Style, Table};
+use crate::diagnose::term::report::{Curve, Term};
+use crate::report::{Axis, Item, Plot, Section, Series, Style, Table};
 
 /// What it is and how much it explains, in a sentence or two.
 pub(super) fn sentence(term: &Term) -> String {

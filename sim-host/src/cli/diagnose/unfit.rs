@@ -1,9 +1,9 @@
 //! Recordings that cannot be believed, as they are: no model is held against them.
 
 use super::super::traces::over_time;
-use shakedown::diagnose::Examined;
-use shakedown::identify::data::{Measured, Run};
-use shakedown::report::{Item, Section, Style};
+use crate::diagnose::Examined;
+use crate::identify::data::{Measured, Run};
+use crate::report::{Item, Section, Style};
 
 /// Every channel of every run.
 pub(super) fn recorded(examined: &Examined) -> Section {

@@ -2,10 +2,10 @@
 
 use super::super::{Failure, present, progress};
 use super::Args;
+use crate::faults::adversary::{Search, search};
+use crate::faults::{Beside, CLASSES, Class, Motions};
+use crate::report::{Item, Page, Section, Table};
 use serde_json::json;
-use shakedown::faults::adversary::{Search, search};
-use shakedown::faults::{Beside, CLASSES, Class, Motions};
-use shakedown::report::{Item, Page, Section, Table};
 
 /// Searches and shows what was found.
 pub(super) fn adversary(args: &Args, runs: u64, motions: &Motions) -> Result<(), Failure> {

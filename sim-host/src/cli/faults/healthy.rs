@@ -2,11 +2,11 @@
 
 use super::super::{Failure, present, progress};
 use super::Args;
+use crate::faults::Motions;
+use crate::faults::healthy::{Healthy, run};
+use crate::prove::bounds::upper;
+use crate::report::{Item, Page, Section, Table};
 use serde_json::json;
-use shakedown::faults::Motions;
-use shakedown::faults::healthy::{Healthy, run};
-use shakedown::prove::bounds::upper;
-use shakedown::report::{Item, Page, Section, Table};
 
 /// A tenth or so of the frequencies of the sines, Hz: from, to.
 const BANDS: [(f64, f64); 5] = [(0.1, 0.3), (0.3, 1.0), (1.0, 5.0), (5.0, 15.0), (15.0, 30.0)];

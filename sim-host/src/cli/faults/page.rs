@@ -1,11 +1,11 @@
 //! What a campaign of faults, or one run of it, looks like.
 
-use shakedown::faults::case::Case;
-use shakedown::faults::rig::{Pair, Seen};
-use shakedown::faults::summary::Row;
-use shakedown::faults::watcher::{Broken, MARGIN, Outcome, STROKE};
-use shakedown::faults::{Beside, Summary};
-use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
+use crate::faults::case::Case;
+use crate::faults::rig::{Pair, Seen};
+use crate::faults::summary::Row;
+use crate::faults::watcher::{Broken, MARGIN, Outcome, STROKE};
+use crate::faults::{Beside, Summary};
+use crate::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
 use shakedown_core::OperatorRequest;
 
 fn millis(seconds: f64) -> String {

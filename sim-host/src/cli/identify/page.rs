@@ -1,15 +1,15 @@
 //! The page of an identification: parameters with intervals, both sides in time and frequency, what is left over.
 
 use super::super::traces::{self, left, over_frequency, over_time, table, words};
-use shakedown::diagnose::locate::leftover;
-use shakedown::digits;
-use shakedown::identify::data::{Measured, Run};
-use shakedown::identify::frequency::{Point, Response};
-use shakedown::identify::judge::Score;
-use shakedown::identify::outcome::Identified;
-use shakedown::identify::spectra;
-use shakedown::plant::model::Kind;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+use crate::diagnose::locate::leftover;
+use crate::digits;
+use crate::identify::data::{Measured, Run};
+use crate::identify::frequency::{Point, Response};
+use crate::identify::judge::Score;
+use crate::identify::outcome::Identified;
+use crate::identify::spectra;
+use crate::plant::model::Kind;
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
 /// Coherence below which a point of a measured response is not shown.
 const COHERENT: f64 = 0.5;

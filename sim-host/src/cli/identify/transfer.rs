@@ -1,11 +1,11 @@
 //! The transfer function from command to motion on the page of an identification.
 
 use super::super::traces::table;
-use shakedown::digits;
-use shakedown::identify::frequency::transfer::{Order, Trial};
-use shakedown::identify::frequency::{Point, Response};
-use shakedown::identify::transfer::Transfer;
-use shakedown::report::{Axis, Item, Plot, Section, Series, Style};
+use crate::digits;
+use crate::identify::frequency::transfer::{Order, Trial};
+use crate::identify::frequency::{Point, Response};
+use crate::identify::transfer::Transfer;
+use crate::report::{Axis, Item, Plot, Section, Series, Style};
 
 /// Orders that are listed.
 const LISTED: usize = 8;

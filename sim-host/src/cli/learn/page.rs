@@ -1,9 +1,9 @@
 //! What `learn` shows: the page and the JSON of the runs.
 
+use crate::closed_loop::learning::stale::Staleness;
+use crate::closed_loop::learning::{Learned, Peaks, Round};
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Table};
 use serde_json::json;
-use shakedown::closed_loop::learning::stale::Staleness;
-use shakedown::closed_loop::learning::{Learned, Peaks, Round};
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Table};
 
 /// The page: what was gained, what to do, the runs.
 pub(super) fn page(learned: &Learned, record: &str, section: Section, checked: Option<&Staleness>) -> Page {

@@ -5,14 +5,14 @@ use super::super::places::file_name;
 use super::super::written::Plan;
 use super::super::{Failure, present};
 use super::{Args, RUN, limited, page, written};
+use crate::closed_loop::learning::stale::Staleness;
+use crate::closed_loop::learning::{Learning, Limits, Made, Peaks, next, scored};
+use crate::motion::Motion;
+use crate::motion::drive::Drive;
+use crate::motion::metrics::{Comparison, Played};
+use crate::motion::resample::linear;
+use crate::report::{Item, Page, Section, Table};
 use serde_json::json;
-use shakedown::closed_loop::learning::stale::Staleness;
-use shakedown::closed_loop::learning::{Learning, Limits, Made, Peaks, next, scored};
-use shakedown::motion::Motion;
-use shakedown::motion::drive::Drive;
-use shakedown::motion::metrics::{Comparison, Played};
-use shakedown::motion::resample::linear;
-use shakedown::report::{Item, Page, Section, Table};
 use std::path::{Path, PathBuf};
 
 /// A run of a real table, and what is to follow from it.

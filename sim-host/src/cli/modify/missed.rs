@@ -1,9 +1,9 @@
 //! The periods at which a fit could not keep the spectrum.
 
-use shakedown::motion::STANDARD_GRAVITY;
-use shakedown::motion::fit::answer::Answer;
-use shakedown::motion::fit::method::Method;
-use shakedown::report::{Item, Table};
+use crate::motion::STANDARD_GRAVITY;
+use crate::motion::fit::answer::Answer;
+use crate::motion::fit::method::Method;
+use crate::report::{Item, Table};
 
 /// Periods whose ordinate could not be kept.
 pub(super) fn periods(answer: &Answer) -> Option<Item> {

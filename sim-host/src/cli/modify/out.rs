@@ -3,8 +3,8 @@
 use super::super::Failure;
 use super::super::written::{Plan, provenance};
 use super::Args;
-use shakedown::motion::Record;
-use shakedown::motion::fit::answer::Answer;
+use crate::motion::Record;
+use crate::motion::fit::answer::Answer;
 use std::path::PathBuf;
 
 impl Args {

@@ -4,14 +4,14 @@ use super::super::Failure;
 use super::super::histories::strong_motion;
 use super::super::indices;
 use super::missed;
-use shakedown::motion::fit::Norm;
-use shakedown::motion::fit::answer::{Answer, Compared, Errors};
-use shakedown::motion::fit::certificate::Stretch;
-use shakedown::motion::fit::method::Method;
-use shakedown::motion::metrics::RelativeError;
-use shakedown::motion::spectrum::{periods, response_spectrum};
-use shakedown::motion::{Motion, STANDARD_GRAVITY, peak};
-use shakedown::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
+use crate::motion::fit::Norm;
+use crate::motion::fit::answer::{Answer, Compared, Errors};
+use crate::motion::fit::certificate::Stretch;
+use crate::motion::fit::method::Method;
+use crate::motion::metrics::RelativeError;
+use crate::motion::spectrum::{periods, response_spectrum};
+use crate::motion::{Motion, STANDARD_GRAVITY, peak};
+use crate::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
 use std::fmt::Write as _;
 
 /// The whole page.

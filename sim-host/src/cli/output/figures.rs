@@ -1,8 +1,8 @@
 //! A page's figures in a folder: each as SVG, and the arrays that they draw as JSON.
 
 use super::{Failure, write_whole};
+use crate::report::{Page, Plot};
 use serde_json::{Value, json};
-use shakedown::report::{Page, Plot};
 use std::path::Path;
 
 /// What the arrays are in.

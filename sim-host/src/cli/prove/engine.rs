@@ -2,8 +2,8 @@
 //! brings it down costs that case only.
 
 use super::super::{Failure, output};
+use crate::prove::{Answer, Examinee};
 use serde_json::Value;
-use shakedown::prove::{Answer, Examinee};
 use std::ffi::OsStr;
 use std::io::Read as _;
 use std::path::Path;

@@ -7,16 +7,16 @@ use super::super::output::{Outputs, print_table};
 use super::super::places::file_name;
 use super::super::{Failure, progress};
 use super::engine::Engine;
+use crate::prove::inject::{Claims, Fault, Kind, LEAST, Trial, claims, found, misses, table};
+use crate::prove::page::gate_table;
+use crate::prove::{Examinee as _, inject};
+use crate::recording::Experiment;
+use crate::recording::channel::Channel;
+use crate::recording::run::Run;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde_json::Value;
-use shakedown::prove::inject::{Claims, Fault, Kind, LEAST, Trial, claims, found, misses, table};
-use shakedown::prove::page::gate_table;
-use shakedown::prove::{Examinee as _, inject};
-use shakedown::recording::Experiment;
-use shakedown::recording::channel::Channel;
-use shakedown::recording::run::Run;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use units::si;
@@ -89,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .enumerate()
         .map(|(number, stretch)| {
             let kept = args.out.as_ref().map(|folder| folder.join(format!("stretch-{number:04}.json")));
-            let trial = match kept.as_ref().and_then(|path| shakedown::files::json::read::<Trial>(path).ok()) {
+            let trial = match kept.as_ref().and_then(|path| crate::files::json::read::<Trial>(path).ok()) {
                 Some(trial) => Some(trial),
                 None => trial(&engine, &sources[stretch.source], *stretch, args.seed, number as u64)?,
             };
@@ -107,7 +107,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 fn keep(path: &Path, trial: &Trial) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(|e| Failure::Work(format!("{}: {e}", folder.display())))?;
-    shakedown::files::json::write(path, serde_json::to_string_pretty(trial)).map_err(|e| Failure::Work(e.to_string()))
+    crate::files::json::write(path, serde_json::to_string_pretty(trial)).map_err(|e| Failure::Work(e.to_string()))
 }
 
 fn show(summary: inject::Summary, outputs: &Outputs) -> Result<(), Failure> {

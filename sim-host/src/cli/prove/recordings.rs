@@ -5,11 +5,11 @@ use super::super::diagnose::page::{lead, parameters};
 use super::super::output::{Outputs, print_table};
 use super::super::traces;
 use super::super::{Failure, progress};
+use crate::diagnose::{Diagnosis, Options, diagnose};
+use crate::digits;
+use crate::recording::Experiment;
+use crate::report::{Item, Page, Section, Table};
 use serde_json::json;
-use shakedown::diagnose::{Diagnosis, Options, diagnose};
-use shakedown::digits;
-use shakedown::recording::Experiment;
-use shakedown::report::{Item, Page, Section, Table};
 use std::path::PathBuf;
 
 /// One experiment and its diagnosis.

@@ -6,12 +6,12 @@ use super::super::shard::Shard;
 use super::super::{Failure, progress};
 use super::engine::Engine;
 use super::{Deal, failure, joined};
+use crate::prove::campaign::{join, run};
+use crate::prove::laboratory::{calibrate, independence};
+use crate::prove::{Answer, Examinee};
+use crate::report::Table;
 use serde::Serialize;
 use serde_json::{Value, json};
-use shakedown::prove::campaign::{join, run};
-use shakedown::prove::laboratory::{calibrate, independence};
-use shakedown::prove::{Answer, Examinee};
-use shakedown::report::Table;
 use std::path::Path;
 
 /// An examinee that says nothing, so that a case costs the library's best fit alone.

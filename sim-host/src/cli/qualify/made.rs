@@ -3,9 +3,9 @@
 use super::super::Failure;
 use super::super::output::write_whole;
 use super::{Answer, Args};
-use shakedown::motion::drive::{Drive, Form};
-use shakedown::motion::write::render;
-use shakedown::motion::{Fact, Format, Record, STANDARD_GRAVITY};
+use crate::motion::drive::{Drive, Form};
+use crate::motion::write::render;
+use crate::motion::{Fact, Format, Record, STANDARD_GRAVITY};
 use std::fmt::Write as _;
 use std::path::Path;
 

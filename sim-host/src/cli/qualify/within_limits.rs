@@ -7,7 +7,7 @@ use super::super::required::Demanded;
 use super::super::written::{Shape, provenance};
 use super::super::{Failure, described};
 use super::Args;
-use shakedown::motion::fit::Limits;
+use crate::motion::fit::Limits;
 use std::path::PathBuf;
 
 /// The table's limits, as options.

@@ -4,12 +4,12 @@ use super::super::Failure;
 use super::super::histories::{self, Opening};
 use super::super::indices;
 use super::Outcome;
-use shakedown::closed_loop::scenario::Scenario;
-use shakedown::closed_loop::trial::{Scores, Seen, Setup, TrialError};
-use shakedown::motion::spectrum::{periods, response_spectrum};
-use shakedown::plant::sensors::GRAVITY;
-use shakedown::recording::Described;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
+use crate::closed_loop::scenario::Scenario;
+use crate::closed_loop::trial::{Scores, Seen, Setup, TrialError};
+use crate::motion::spectrum::{periods, response_spectrum};
+use crate::plant::sensors::GRAVITY;
+use crate::recording::Described;
+use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 
 /// The page: verdict, key figures, what to do; histories at the strong motion; tables folded.
 pub(super) fn page(

@@ -2,7 +2,7 @@
 
 use super::super::Failure;
 use super::super::output::write_whole;
-use shakedown::closed_loop::Trace;
+use crate::closed_loop::Trace;
 use std::fmt::Write as _;
 use std::path::Path;
 

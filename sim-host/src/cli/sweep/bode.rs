@@ -2,12 +2,12 @@
 
 use super::super::present::Part;
 use super::super::{Failure, progress};
+use crate::closed_loop::bode::{Curve, Grid, displacement_loop, settles};
+use crate::closed_loop::frequency::linear;
+use crate::digits;
+use crate::plant::paper::Paper;
+use crate::report::{Axis, Item, Plot, Section, Series, Style, Table};
 use serde_json::json;
-use shakedown::closed_loop::bode::{Curve, Grid, displacement_loop, settles};
-use shakedown::closed_loop::frequency::linear;
-use shakedown::digits;
-use shakedown::plant::paper::Paper;
-use shakedown::report::{Axis, Item, Plot, Section, Series, Style, Table};
 
 /// Control rate of the sweep, Hz.
 pub(super) const RATE: f64 = 1000.0;
@@ -155,9 +155,7 @@ fn plots((kp, ki): (f64, f64), curves: &[Curve]) -> [Plot; 2] {
     let gain = exact.iter().map(|h| 20.0 * h.norm().log10()).collect();
     let phase = exact.iter().map(|h| h.arg().to_degrees()).collect();
     [
-        plot("Gain", "dB", gain, &|c| {
-            c.points.iter().map(shakedown::closed_loop::frequency::Point::decibels).collect()
-        }),
+        plot("Gain", "dB", gain, &|c| c.points.iter().map(crate::closed_loop::frequency::Point::decibels).collect()),
         plot("Phase", "deg", phase, &Curve::unwrapped_degrees),
     ]
 }

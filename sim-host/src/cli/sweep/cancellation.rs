@@ -2,15 +2,15 @@
 
 use super::super::present::Part;
 use super::super::{Failure, progress};
+use crate::closed_loop::feedforward::{inside_and_outside, track_zero};
+use crate::closed_loop::named::RATE;
+use crate::closed_loop::published::Named;
+use crate::closed_loop::trial::table1_motion;
+use crate::closed_loop::{Clock, ClosedLoopError, Trace};
+use crate::motion::generate::RECIPES;
+use crate::plant::sensors::SensorModel;
+use crate::report::{Axis, Item, Plot, Section, Series, Style, Table};
 use serde_json::json;
-use shakedown::closed_loop::feedforward::{inside_and_outside, track_zero};
-use shakedown::closed_loop::named::RATE;
-use shakedown::closed_loop::published::Named;
-use shakedown::closed_loop::trial::table1_motion;
-use shakedown::closed_loop::{Clock, ClosedLoopError, Trace};
-use shakedown::motion::generate::RECIPES;
-use shakedown::plant::sensors::SensorModel;
-use shakedown::report::{Axis, Item, Plot, Section, Series, Style, Table};
 
 /// Where the first test starts, m.
 const START: f64 = 0.05;

@@ -3,13 +3,13 @@
 use super::super::present::Part;
 use super::super::{Failure, progress};
 use super::bode::{self, RATE};
+use crate::closed_loop::bode::{Curve, Grid, farthest_apart, survey};
+use crate::closed_loop::published::Gains;
+use crate::closed_loop::{Clock, ClosedLoopError, named};
+use crate::plant::oil_column::{Column, Loaded};
+use crate::plant::paper::Paper;
+use crate::report::{Axis, Item, Plot, Section, Series, Style};
 use serde_json::json;
-use shakedown::closed_loop::bode::{Curve, Grid, farthest_apart, survey};
-use shakedown::closed_loop::published::Gains;
-use shakedown::closed_loop::{Clock, ClosedLoopError, named};
-use shakedown::plant::oil_column::{Column, Loaded};
-use shakedown::plant::paper::Paper;
-use shakedown::report::{Axis, Item, Plot, Section, Series, Style};
 use shakedown_core::Controller;
 
 /// The paper's amplitude with the test mass, m.
@@ -61,7 +61,7 @@ fn plot(empty: &Curve, loaded: &Curve) -> Plot {
     let series = |name: &str, curve: &Curve, style| Series {
         name: name.into(),
         x: curve.points.iter().map(|p| p.frequency).collect(),
-        y: curve.points.iter().map(shakedown::closed_loop::frequency::Point::decibels).collect(),
+        y: curve.points.iter().map(crate::closed_loop::frequency::Point::decibels).collect(),
         style,
     };
     Plot {

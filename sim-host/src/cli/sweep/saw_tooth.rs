@@ -3,13 +3,13 @@
 use super::super::Failure;
 use super::super::present::Part;
 use super::bode::RATE;
+use crate::closed_loop::published::Named;
+use crate::closed_loop::saw_tooth::SawTooth;
+use crate::closed_loop::{Clock, ClosedLoopError, Trace, run as run_loop};
+use crate::plant::paper::{FixedStep, Paper};
+use crate::plant::sensors::{GRAVITY, SensorModel, Sensors};
+use crate::report::{Axis, Band, Item, Plot, Section, Series, Style, Table};
 use serde_json::json;
-use shakedown::closed_loop::published::Named;
-use shakedown::closed_loop::saw_tooth::SawTooth;
-use shakedown::closed_loop::{Clock, ClosedLoopError, Trace, run as run_loop};
-use shakedown::plant::paper::{FixedStep, Paper};
-use shakedown::plant::sensors::{GRAVITY, SensorModel, Sensors};
-use shakedown::report::{Axis, Band, Item, Plot, Section, Series, Style, Table};
 use shakedown_core::Controller;
 use std::f64::consts::TAU;
 

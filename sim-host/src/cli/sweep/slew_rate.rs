@@ -3,9 +3,9 @@
 use super::super::Failure;
 use super::super::failure::within;
 use super::super::present::Part;
+use crate::plant::slew_rate::Valve;
+use crate::report::{Item, Section};
 use serde_json::json;
-use shakedown::plant::slew_rate::Valve;
-use shakedown::report::{Item, Section};
 
 /// The valve and the piston.
 #[derive(Debug, clap::Args)]

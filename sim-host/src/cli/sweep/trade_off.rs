@@ -3,11 +3,11 @@
 use super::super::present::Part;
 use super::super::source::Source;
 use super::super::{Failure, progress};
+use crate::closed_loop::named::RATE;
+use crate::closed_loop::trade_off::{GAINS, Point, trade_off};
+use crate::closed_loop::trial::table1_motion;
+use crate::report::{Axis, Item, Plot, Section, Series, Style, Table};
 use serde_json::json;
-use shakedown::closed_loop::named::RATE;
-use shakedown::closed_loop::trade_off::{GAINS, Point, trade_off};
-use shakedown::closed_loop::trial::table1_motion;
-use shakedown::report::{Axis, Item, Plot, Section, Series, Style, Table};
 
 /// Plays the record at every gain.
 pub(super) fn run(source: &Source) -> Result<Part, Failure> {

@@ -1,10 +1,10 @@
 //! The rows of fitted records as a table and as JSON.
 
+use crate::closed_loop::table1::Case;
+use crate::closed_loop::table1::fitted::{FittedRow, SPIKE};
+use crate::plant::sensors::GRAVITY;
+use crate::report::Table;
 use serde_json::{Value, json};
-use shakedown::closed_loop::table1::Case;
-use shakedown::closed_loop::table1::fitted::{FittedRow, SPIKE};
-use shakedown::plant::sensors::GRAVITY;
-use shakedown::report::Table;
 
 fn name(row: &FittedRow) -> String {
     match row.fit {

@@ -1,7 +1,7 @@
 //! What the table's figures mean, and why a row differs from the paper's.
 
-use shakedown::closed_loop::published::{Event, Named};
-use shakedown::closed_loop::table1::{Reading, Row};
+use crate::closed_loop::published::{Event, Named};
+use crate::closed_loop::table1::{Reading, Row};
 
 /// Why a row differs, in a few words; empty where it does not by much.
 pub(super) fn cause(row: &Row) -> &'static str {

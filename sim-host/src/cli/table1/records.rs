@@ -1,10 +1,10 @@
 //! The three records of the table: files of a folder, or generated stand-ins.
 
 use super::super::Failure;
-use shakedown::closed_loop::published::Event;
-use shakedown::closed_loop::table1::Case;
-use shakedown::motion::generate::{self, GenerateError};
-use shakedown::motion::{Record, read};
+use crate::closed_loop::published::Event;
+use crate::closed_loop::table1::Case;
+use crate::motion::generate::{self, GenerateError};
+use crate::motion::{Record, read};
 use std::path::{Path, PathBuf};
 
 /// Where a record comes from.

@@ -4,7 +4,7 @@
 use super::super::output::sha256;
 use super::super::places::file_name;
 use super::super::{Failure, asked};
-use shakedown::motion::fit::Limits;
+use crate::motion::fit::Limits;
 use std::path::Path;
 
 /// A fact: its key and its value.

@@ -14,7 +14,7 @@ use shakedown_core::Controller;
 
 /// One figure against its bound.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// What it is of.
     pub name: String,
     /// Its value.
@@ -37,14 +37,14 @@ impl Figure {
     }
 
     /// Whether it is within its bound.
-    pub fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         if self.at_least { self.value >= self.bound } else { self.value <= self.bound }
     }
 }
 
 /// Which of the two records a case is, where the figures name one.
 #[derive(Debug, Clone, Copy)]
-pub struct Records<'a> {
+pub(crate) struct Records<'a> {
     /// El Centro.
     pub el_centro: &'a Case,
     /// Kobe at 0.74 g.
@@ -57,7 +57,7 @@ fn unsquared(reference: &Motion, response: &Motion) -> Result<f64, BenchError> {
 }
 
 /// All of them.
-pub fn all(records: &Records) -> Result<Vec<Figure>, BenchError> {
+pub(crate) fn all(records: &Records) -> Result<Vec<Figure>, BenchError> {
     let (paper, oil) = (with_margins("paper")?, with_margins("oil")?);
     let mut found = el_centro(records.el_centro, &paper)?;
     found.push(with_sensors(records.el_centro, &paper.1)?);

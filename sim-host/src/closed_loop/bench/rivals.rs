@@ -55,7 +55,7 @@ fn send(valve: f64, most: f64, measured: &Measured) -> Actuation {
 /// w the bandwidth, in rad/s, and kv the velocity gain, one of [`VELOCITY_GAINS`], are tuned on the table; `ka` damps the oil
 /// column to 0.7, and is 0 where it is stiff.
 #[derive(Debug, Clone)]
-pub struct ThreeVariable {
+pub(crate) struct ThreeVariable {
     per_gain: f64,
     bandwidth: f64,
     velocity: f64,
@@ -69,7 +69,7 @@ pub struct ThreeVariable {
 
 impl ThreeVariable {
     /// For `table` with a bandwidth of `hz` and a gain on the velocity error of `velocity` (1) at `rate` (Hz).
-    pub fn new(table: &Table, (hz, velocity): (f64, f64), rate: f64) -> Self {
+    pub(crate) fn new(table: &Table, (hz, velocity): (f64, f64), rate: f64) -> Self {
         let lead = 1.0 / table.a1 - table.b1 / table.b0;
         let (forward, damping) = match table.oil {
             None => ([lead, 0.0], 0.0),
@@ -97,7 +97,7 @@ impl Law for ThreeVariable {
 }
 
 /// Gains on the velocity error that are tried, 1.
-pub const VELOCITY_GAINS: [f64; 5] = [0.0, 0.2, 0.5, 1.0, 2.0];
+pub(crate) const VELOCITY_GAINS: [f64; 5] = [0.0, 0.2, 0.5, 1.0, 2.0];
 
 /// Linear-quadratic regulator with an integrator: the model's states held to the reference's, the integral of the
 /// displacement error among them.
@@ -106,7 +106,7 @@ pub const VELOCITY_GAINS: [f64; 5] = [0.0, 0.2, 0.5, 1.0, 2.0];
 /// displacement error, that of its integral times the square of a third of the bandwidth, and the square of
 /// `a1 u / (b0 w)`.
 #[derive(Debug, Clone)]
-pub struct Lqi {
+pub(crate) struct Lqi {
     gain: DVector<f64>,
     eyes: Eyes,
     /// Flow of the model, m/s, and its rate.
@@ -120,7 +120,7 @@ pub struct Lqi {
 
 impl Lqi {
     /// For `table` with a bandwidth of `hz` at `rate` (Hz).
-    pub fn new(table: &Table, hz: f64, rate: f64) -> Self {
+    pub(crate) fn new(table: &Table, hz: f64, rate: f64) -> Self {
         let (dt, w) = (1.0 / rate, TAU * hz);
         let (a, b) = continuous(table);
         let n = a.nrows();
@@ -226,7 +226,7 @@ impl Law for Lqi {
 /// ```
 /// wc, in rad/s, and the ratio, one of [`OBSERVER_RATIOS`], are tuned on the table.
 #[derive(Debug, Clone)]
-pub struct Adrc {
+pub(crate) struct Adrc {
     b0: f64,
     loop_: f64,
     observer: f64,
@@ -237,11 +237,11 @@ pub struct Adrc {
 }
 
 /// Widths of the observer over that of the loop that are tried, 1.
-pub const OBSERVER_RATIOS: [f64; 3] = [3.0, 6.0, 10.0];
+pub(crate) const OBSERVER_RATIOS: [f64; 3] = [3.0, 6.0, 10.0];
 
 impl Adrc {
     /// For `table` with a loop of `hz` and an observer `ratio` times as wide at `rate` (Hz).
-    pub fn new(table: &Table, (hz, ratio): (f64, f64), rate: f64) -> Self {
+    pub(crate) fn new(table: &Table, (hz, ratio): (f64, f64), rate: f64) -> Self {
         let wc = TAU * hz;
         // No faster than the sampled observer is stable.
         let observer = (ratio * wc).min(0.3 * rate);
@@ -281,6 +281,18 @@ mod tests {
         let q = DMatrix::identity(2, 2) * dt;
         let gain = regulator(&a, &b, &q, dt);
         assert!((gain[0] - 1.0).abs() < 2e-3 && (gain[1] - 3f64.sqrt()).abs() < 2e-3, "{gain}");
+    }
+
+    /// A velocity error of 0.1 m/s alone: the command follows the equation at every gain that is tried.
+    #[test]
+    fn the_velocity_gain_is_the_one_that_is_documented() {
+        let table = Table::default();
+        let lags = Measured { reference_velocity: 0.1, ..Measured::default() };
+        for gain in VELOCITY_GAINS {
+            let sent = ThreeVariable::new(&table, (2.0, gain), 1000.0).step(&lags).valve;
+            let wanted = table.a1 / table.b0 * (0.1 + gain * 0.1);
+            assert!((sent / wanted - 1.0).abs() < 1e-9, "{gain}: {sent} for {wanted}");
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::motion::metrics::{Comparison, compare};
 
 /// One record's figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Score {
+pub(crate) struct Score {
     /// True motion, ideal sensors, nothing filtered.
     pub ideal: Comparison,
     /// True motion, ideal sensors, both sides low-passed at 15 Hz.
@@ -20,7 +20,7 @@ pub struct Score {
 
 impl Score {
     /// Scores two runs along `wanted`.
-    pub fn new(wanted: &Motion, ideal: &Trace, sensed: &Trace) -> Result<Self, TrialError> {
+    pub(crate) fn new(wanted: &Motion, ideal: &Trace, sensed: &Trace) -> Result<Self, TrialError> {
         let low = low_passed(wanted)?;
         Ok(Self {
             ideal: compare(wanted, &truth(ideal), None)?,
@@ -32,7 +32,7 @@ impl Score {
 }
 
 /// The table's true motion.
-pub fn truth(trace: &Trace) -> Motion {
+pub(crate) fn truth(trace: &Trace) -> Motion {
     Motion {
         dt: trace.dt,
         displacement: trace.displacement.clone(),
@@ -43,7 +43,7 @@ pub fn truth(trace: &Trace) -> Motion {
 
 /// Best, quartiles and worst.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Quartiles {
+pub(crate) struct Quartiles {
     /// Smallest.
     pub best: f64,
     /// A quarter lies below.
@@ -58,7 +58,7 @@ pub struct Quartiles {
 
 impl Quartiles {
     /// Of `values`, linear between ranks; an infinite or missing value counts as infinite.
-    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn of(values: impl Iterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.map(|v| if v.is_nan() { f64::INFINITY } else { v }).collect();
         sorted.sort_by(f64::total_cmp);
         let at = |share: f64| {

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 /// What is mounted on a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Payload {
+pub(crate) enum Payload {
     /// Nothing.
     None,
     /// A structure of half the table's mass at 3 Hz, damped 3 %.
@@ -21,7 +21,7 @@ pub enum Payload {
 
 /// A table of the benchmark: what it is, and what a controller is told of it.
 #[derive(Debug, Clone)]
-pub struct Bench {
+pub(crate) struct Bench {
     /// Name in tables and files.
     pub name: &'static str,
     /// What is special about it.
@@ -37,17 +37,17 @@ pub struct Bench {
 }
 
 /// Names, in order.
-pub const TABLES: [&str; 7] = ["paper", "soft-orifice", "oil", "payload", "yielding", "droop", "noisy"];
+pub(crate) const TABLES: [&str; 7] = ["paper", "soft-orifice", "oil", "payload", "yielding", "droop", "noisy"];
 
 /// Share of its limit that a table is asked for.
-pub const ASKED: f64 = crate::motion::fit::named::ASKED;
+pub(crate) const ASKED: f64 = crate::motion::fit::named::ASKED;
 
 /// Mass of the structure over the table's, 1; Hz; damping ratio, 1.
 const STRUCTURE: [f64; 4] = [0.5, 3.0, 0.03, 0.0];
 
 impl Bench {
     /// The table of this name.
-    pub fn named(name: &str) -> Option<Self> {
+    pub(crate) fn named(name: &str) -> Option<Self> {
         let paper = Table::default();
         let oil = Some((12.0, 0.05));
         let bench = |table: Table, about| {
@@ -86,7 +86,7 @@ impl Bench {
     }
 
     /// The oil-resonance table with a drooping supply: the hardest of the robustness figures.
-    pub fn oil_with_droop() -> Self {
+    pub(crate) fn oil_with_droop() -> Self {
         let table = Table { oil: Some((12.0, 0.05)), droop: (0.3, 3.0), ..Table::default() };
         Self {
             name: "oil with droop",
@@ -100,7 +100,7 @@ impl Bench {
     }
 
     /// The plant at a corner of its uncertainty.
-    pub fn plant(&self, corner: &Corner, dt: f64) -> Result<Stepped, DesignError> {
+    pub(crate) fn plant(&self, corner: &Corner, dt: f64) -> Result<Stepped, DesignError> {
         let [mass_ratio, frequency, damping, _] = STRUCTURE;
         let placed = Placed { id: payload_resonance::ENTRY.id, parameters: STRUCTURE.to_vec() };
         let others: Vec<Box<dyn Effect<f64>>> = vec![Box::new(YieldingPayload {

@@ -29,7 +29,7 @@ impl Step {
         match self {
             Self::Identify => "who it is",
             Self::Setup => "its setup",
-            Self::Vitals | Self::Attend(_) | Self::Stand | Self::Held => "how it fares",
+            Self::Vitals | Self::Attend(_) | Self::Stand | Self::Held => "its health",
             Self::ClearTrip => "clearing the trip",
             Self::Challenge | Self::Arm(_) => "arming",
             Self::Fill | Self::Stream => "the reference",

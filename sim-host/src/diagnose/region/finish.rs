@@ -46,8 +46,8 @@ pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<Judged, Simulate
     unseen(best, weighing)
 }
 
-/// The form with each open end where it foresees best among places that the runs fitted do not tell apart: what is held back of them lies
-/// in stretches, and an end within one is a choice that the stretches held back make, as they make every other.
+/// The form with each open end where it predicts best among places that the runs fitted do not tell apart: what is held out of them lies
+/// in stretches, and an end within one is a choice that the stretches held out make, as they make every other.
 fn unseen(best: Fit, weighing: &Weighing) -> Result<Judged, SimulateError> {
     let runs = weighing.fitted();
     let mut judged = Judged::of(best, weighing)?;

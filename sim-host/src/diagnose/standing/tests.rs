@@ -12,7 +12,7 @@ fn leaving(chi2: f64, template: &Judged) -> Judged {
     judged
 }
 
-/// Beside an effect that explains 998 of 1000, one that explains the rest is told from another form of the first only where it
+/// Beside an effect that explains 998 of 1000, one that explains the rest is distinguished from another form of the first only where it
 /// is nothing like it, and only where it explains nearly all of the rest.
 #[test]
 fn what_differs_stands_beside_a_gross_effect_where_it_completes_it() {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 /// How a text's bytes stand for its characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Encoding {
+pub(crate) enum Encoding {
     /// UTF-8, ASCII included.
     Utf8,
     /// UTF-16, the lower byte first.
@@ -17,7 +17,7 @@ pub enum Encoding {
 
 impl Encoding {
     /// The encoding of these first bytes; an error where they are no text.
-    pub fn of(bytes: &[u8]) -> Result<Self, String> {
+    pub(crate) fn of(bytes: &[u8]) -> Result<Self, String> {
         match bytes {
             [0xff, 0xfe, ..] => return Ok(Self::Utf16Le),
             [0xfe, 0xff, ..] => return Ok(Self::Utf16Be),
@@ -37,7 +37,7 @@ impl Encoding {
     }
 
     /// What is said of it where it is not UTF-8.
-    pub fn note(self) -> Option<&'static str> {
+    pub(crate) fn note(self) -> Option<&'static str> {
         match self {
             Self::Utf8 => None,
             Self::Utf16Le | Self::Utf16Be => Some("UTF-16 text"),
@@ -55,7 +55,7 @@ const UPPER: [char; 32] = [
 ];
 
 /// The text of some bytes.
-pub fn decode(bytes: &[u8], encoding: Encoding) -> Cow<'_, str> {
+pub(crate) fn decode(bytes: &[u8], encoding: Encoding) -> Cow<'_, str> {
     let pairs = |of: fn([u8; 2]) -> u16| {
         let units = bytes.chunks_exact(2).map(|pair| of([pair[0], pair[1]]));
         let text: String = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();

@@ -9,7 +9,7 @@ const UNITS: [&str; 58] = [
 ];
 
 /// True for a unit, in brackets or without: `mm`, `[m/s²]`, `(g)`.
-pub fn is_unit(text: &str) -> bool {
+pub(crate) fn is_unit(text: &str) -> bool {
     let plain = text.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim();
     let plain = plain.replace('²', "2").replace("**2", "2").replace("^2", "2").replace("/sec", "/s").replace('µ', "u");
     UNITS.iter().any(|unit| unit.eq_ignore_ascii_case(&plain))

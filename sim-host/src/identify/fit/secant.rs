@@ -18,7 +18,7 @@ const NOTHING: f64 = 1e-6;
 
 /// A fit with the rows behind its normal equations.
 #[derive(Debug)]
-pub struct Base<'a> {
+pub(crate) struct Base<'a> {
     fit: &'a Fit,
     rows: Vec<Rows>,
     /// The step that the fit's own parameters would take.
@@ -27,7 +27,7 @@ pub struct Base<'a> {
 
 impl<'a> Base<'a> {
     /// Simulates the fit once more to keep its rows; none where its normal equations cannot be solved.
-    pub fn of(fit: &'a Fit, runs: &[Run]) -> Result<Option<Self>, SimulateError> {
+    pub(crate) fn of(fit: &'a Fit, runs: &[Run]) -> Result<Option<Self>, SimulateError> {
         let kept = |(run, local)| -> Result<Rows, SimulateError> {
             let mut rows = Rows::default();
             normal(&fit.model, run, local, Some(&mut rows))?;
@@ -39,7 +39,7 @@ impl<'a> Base<'a> {
     }
 
     /// What `model` changes.
-    pub fn chord(&self, model: &Model, runs: &[Run]) -> Result<Chord, SimulateError> {
+    pub(crate) fn chord(&self, model: &Model, runs: &[Run]) -> Result<Chord, SimulateError> {
         let locals = matching(self.fit.locals.clone(), model, runs);
         let new = runs.iter().zip(&locals).map(|(run, local)| residuals(model, run, local));
         let less = |(rows, new): (&Rows, Result<Vec<f64>, SimulateError>)| -> Result<Vec<f64>, SimulateError> {
@@ -52,7 +52,7 @@ impl<'a> Base<'a> {
 
     /// Products of several changes, each with each and with what the fit leaves, the fit's own parameters moving with them; none
     /// where that cannot be told.
-    pub fn products(&self, chords: &[Chord]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
+    pub(crate) fn products(&self, chords: &[Chord]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
         let dot = |a: &Chord, b: &Chord| -> f64 {
             a.rows.iter().flatten().zip(b.rows.iter().flatten()).map(|(a, b)| a * b).sum()
         };
@@ -66,7 +66,7 @@ impl<'a> Base<'a> {
     }
 
     /// The same products for each run by itself, the fit's own parameters held.
-    pub fn products_of_runs(&self, chords: &[Chord]) -> Vec<(Vec<Vec<f64>>, Vec<f64>)> {
+    pub(crate) fn products_of_runs(&self, chords: &[Chord]) -> Vec<(Vec<Vec<f64>>, Vec<f64>)> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let of = |(i, rows): (usize, &Rows)| {
             let with = |a: &Chord| chords.iter().map(|b| dot(&a.rows[i], &b.rows[i])).collect();
@@ -78,7 +78,7 @@ impl<'a> Base<'a> {
 
     /// Squares that `model` promises, some strength of what it changes and a step of the fit's own parameters being taken;
     /// none where that cannot be told. A change that is not `signed` counts in its own direction only.
-    pub fn promised(&self, model: &Model, signed: bool, runs: &[Run]) -> Result<Option<f64>, SimulateError> {
+    pub(crate) fn promised(&self, model: &Model, signed: bool, runs: &[Run]) -> Result<Option<f64>, SimulateError> {
         let change = self.chord(model, runs)?.change;
         if change.squares > NOTHING {
             return Ok(self.explained(&change, signed));
@@ -138,7 +138,7 @@ impl<'a> Base<'a> {
 
 /// What a model changes of every row, kept to be summed up with other changes.
 #[derive(Debug)]
-pub struct Chord {
+pub(crate) struct Chord {
     rows: Vec<Vec<f64>>,
     change: Change,
 }

@@ -21,7 +21,7 @@ const NOTHING: f64 = 1e-5;
 
 /// A fit with the sums of its sensitivities over each stretch.
 #[derive(Debug)]
-pub struct Tangents<'a> {
+pub(crate) struct Tangents<'a> {
     fit: &'a Fit,
     runs: &'a [Run],
     rows: Vec<Rows>,
@@ -39,7 +39,7 @@ struct Own {
 
 /// Sums of an addition's sensitivities over each stretch.
 #[derive(Debug, Clone)]
-pub struct Addition {
+pub(crate) struct Addition {
     stretches: Vec<Along>,
 }
 
@@ -52,7 +52,7 @@ struct Along {
 
 /// An addition as regressed on a choice of stretches.
 #[derive(Debug, Clone)]
-pub struct Regressed {
+pub(crate) struct Regressed {
     /// Squares it takes away there, the fit's own parameters moving with it.
     pub gain: f64,
     /// Its values, in the order of its parameters.
@@ -61,7 +61,7 @@ pub struct Regressed {
 
 impl<'a> Tangents<'a> {
     /// Simulates the fit once more to keep its rows.
-    pub fn of(fit: &'a Fit, runs: &'a [Run]) -> Result<Self, SimulateError> {
+    pub(crate) fn of(fit: &'a Fit, runs: &'a [Run]) -> Result<Self, SimulateError> {
         let kept = |(run, local): (&Run, &Local)| -> Result<Rows, SimulateError> {
             let mut rows = Rows::default();
             normal(&fit.model, run, local, Some(&mut rows))?;
@@ -82,7 +82,7 @@ impl<'a> Tangents<'a> {
     }
 
     /// How many stretches there are.
-    pub fn stretches(&self) -> usize {
+    pub(crate) fn stretches(&self) -> usize {
         self.stretches.len()
     }
 
@@ -135,7 +135,7 @@ impl<'a> Tangents<'a> {
 
     /// The tangent of what `model` has beyond the fit: of every free value of its effects that the fit has not. None where it
     /// has none.
-    pub fn addition(&self, model: &Model) -> Result<Option<Addition>, SimulateError> {
+    pub(crate) fn addition(&self, model: &Model) -> Result<Option<Addition>, SimulateError> {
         let known = self.fit.model.ids();
         let mut narrow = model.clone();
         let is_new = |id: &str| !known.contains(&id);
@@ -196,7 +196,12 @@ impl<'a> Tangents<'a> {
 
     /// Regresses some columns of an addition on the stretches that are `taken`; none where nothing of them is left beside the
     /// fit's own parameters.
-    pub fn regress(&self, addition: &Addition, columns: &[usize], taken: impl Fn(usize) -> bool) -> Option<Regressed> {
+    pub(crate) fn regress(
+        &self,
+        addition: &Addition,
+        columns: &[usize],
+        taken: impl Fn(usize) -> bool,
+    ) -> Option<Regressed> {
         let (n, width) = (self.fit.normal.gradient.len(), columns.len());
         let (mut own, mut gradient) = self.prior.clone();
         let (mut cross, mut matrix) = (DMatrix::zeros(n, width), DMatrix::zeros(width, width));

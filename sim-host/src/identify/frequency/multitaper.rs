@@ -21,7 +21,7 @@ struct Sums {
 /// (8 is a good start: it smooths over `(tapers + 1) / (2 duration)` Hz to either side).
 ///
 /// Points are one smoothing width apart, up to 0.45 of the sampling rate. The records are averaged by their power.
-pub fn multitaper(records: &[(&[f64], &[f64])], dt: f64, tapers: usize) -> Result<Response, ResponseError> {
+pub(crate) fn multitaper(records: &[(&[f64], &[f64])], dt: f64, tapers: usize) -> Result<Response, ResponseError> {
     let tapers = tapers.max(2);
     for (input, output) in records {
         check(input, output, 8 * tapers)?;

@@ -104,7 +104,7 @@ impl fmt::Display for TransferFunction {
 }
 
 /// Fits one order.
-pub fn fit(response: &Response, order: Order) -> Result<TransferFit, ResponseError> {
+pub(crate) fn fit(response: &Response, order: Order) -> Result<TransferFit, ResponseError> {
     let free = order.numerator + 1 + order.denominator + usize::from(order.longest_delay > 0.0);
     let least = free.div_ceil(2) + 1;
     if response.points.len() < least {
@@ -129,7 +129,7 @@ pub struct Trial {
 /// Fits every order to one response and judges each on another that was held out: another record, or another
 /// amplitude's repeat. The trials come back with the chosen one first: the lowest order (fewest coefficients) whose
 /// error held out is within one standard error of the best.
-pub fn choose(response: &Response, held_back: &Response, orders: &[Order]) -> Result<Vec<Trial>, ResponseError> {
+pub(crate) fn choose(response: &Response, held_back: &Response, orders: &[Order]) -> Result<Vec<Trial>, ResponseError> {
     let mut trials: Vec<Trial> = orders
         .iter()
         .filter_map(|&order| {

@@ -17,7 +17,7 @@ pub(in crate::motion) fn is_first_line(line: &str) -> bool {
 
 /// What a drive's values are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
+pub(crate) enum Quantity {
     /// Displacement, m.
     Displacement,
     /// Acceleration, m/s2.
@@ -26,7 +26,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// Its name in files.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Displacement => "displacement",
             Self::Acceleration => "acceleration",
@@ -34,14 +34,14 @@ impl Quantity {
     }
 
     /// The quantity of that name.
-    pub fn named(name: &str) -> Option<Self> {
+    pub(crate) fn named(name: &str) -> Option<Self> {
         [Self::Displacement, Self::Acceleration].into_iter().find(|q| q.name() == name)
     }
 }
 
 /// The unit of a drive's values.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DriveUnit {
+pub(crate) struct DriveUnit {
     /// How the file writes it: `mm`, `V`, `%`, `g`.
     pub symbol: String,
     /// m, or m/s2, in one of it.
@@ -50,7 +50,7 @@ pub struct DriveUnit {
 
 impl DriveUnit {
     /// A unit with a fixed size; none for `V` and `%`, whose size the table decides.
-    pub fn fixed(symbol: &str, quantity: Quantity) -> Option<Self> {
+    pub(crate) fn fixed(symbol: &str, quantity: Quantity) -> Option<Self> {
         let in_si = match quantity {
             Quantity::Displacement => match symbol {
                 "m" => 1.0,
@@ -67,7 +67,7 @@ impl DriveUnit {
 
 /// Files that a drive is written to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub(crate) enum Form {
     /// `.csv`
     Csv,
     /// `.rpc`, `.drv`, `.tim`: MTS RPC III, its points stored so.
@@ -78,7 +78,7 @@ pub enum Form {
 
 impl Form {
     /// The form that a file's extension says; the refusal names the forms there are.
-    pub fn of(path: &Path) -> Result<Self, String> {
+    pub(crate) fn of(path: &Path) -> Result<Self, String> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("csv") => Ok(Self::Csv),

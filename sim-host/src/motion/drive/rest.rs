@@ -15,7 +15,7 @@ const RESTS: f64 = 1e-2;
 impl Drive {
     /// Lets a displacement that ends at rest away from zero go back there, along a polynomial of fifth degree; gives the time that it
     /// takes, s. None where nothing was added: it ends at zero, it is none of displacement, or it ends in motion.
-    pub fn return_to_zero(&mut self) -> Option<f64> {
+    pub(crate) fn return_to_zero(&mut self) -> Option<f64> {
         let speed: Vec<f64> = self.values.windows(2).map(|w| (w[1] - w[0]) / self.dt).collect();
         let (end, fastest) = (*self.values.last()?, peak(&speed));
         let rests = speed.last()?.abs() <= RESTS * fastest;

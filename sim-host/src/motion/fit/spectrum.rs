@@ -8,7 +8,7 @@
 //! lower the deviation, until that gains nothing. Among motions that keep the spectrum the one with the nearest waveform
 //! wins. What is fitted is the motion as it is written, acceleration linear between samples, and so is its spectrum.
 //!
-//! Whether one period can be met at all is a closed form, [`reachable`]: no motion within the velocity limit, of any
+//! Whether one period can be met at all is a closed form, [`Ordinate::reachable`]: no motion within the velocity limit, of any
 //! length, has a larger spectral ordinate there.
 
 mod drive;
@@ -17,7 +17,7 @@ mod search;
 
 use super::super::Motion;
 use super::{FitError, Limits, Reference};
-pub use oscillator::{Oscillator, Peak};
+pub(crate) use oscillator::{Oscillator, Peak};
 use search::Search;
 
 /// What of the spectrum has to be kept.
@@ -111,7 +111,7 @@ const WORTH: f64 = 0.03;
 
 /// The motion within `limits` that keeps `band` of the reference's spectrum, as near to its waveform as that leaves; where
 /// none is found, the one with the smallest deviation that was. `progress` is told each round and its deviation.
-pub fn fit(
+pub(crate) fn fit(
     reference: &Motion,
     limits: &Limits,
     band: &Band,
@@ -148,12 +148,4 @@ pub fn fit(
         best.bound = Some(search.least_deviation()?);
     }
     Ok(best)
-}
-
-/// The largest `S_a`, m/s2, that any motion within a `velocity` limit, m/s, can have at a period, s: the resonance that a
-/// velocity switching between its limits builds up, velocity times the integral of the magnitude of the impulse
-/// response's derivative.
-pub fn reachable(period: f64, damping: f64, velocity: f64) -> f64 {
-    let oscillator = Oscillator::new(period, damping);
-    velocity * oscillator.variation()
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Coherence over frequency.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Coherence {
+pub(crate) struct Coherence {
     /// Frequencies, Hz, from 0 to half the sampling rate.
     pub frequency: Vec<f64>,
     /// Coherence, 0 to 1; 0 where either signal has nothing at the frequency.
@@ -23,7 +23,7 @@ pub struct Coherence {
 }
 
 /// The coherence of two signals sampled every `dt` s, over windows of `window` samples (2 at least).
-pub fn coherence(reference: &[f64], response: &[f64], dt: f64, window: usize) -> Coherence {
+pub(crate) fn coherence(reference: &[f64], response: &[f64], dt: f64, window: usize) -> Coherence {
     let count = reference.len().min(response.len());
     let size = window.clamp(2, count.max(2)) / 2 * 2;
     let bins = size / 2 + 1;

@@ -97,7 +97,7 @@ const SPECTRUM: (f64, f64) = (0.5, 33.0);
 const ENOUGH: f64 = 200.0;
 
 /// The indices of a response against its reference, accelerations (m/s2) every `dt` s of the same length.
-pub fn indices(reference: &[f64], response: &[f64], dt: f64) -> Result<Indices, SpectrumError> {
+pub(crate) fn indices(reference: &[f64], response: &[f64], dt: f64) -> Result<Indices, SpectrumError> {
     let count = reference.len().min(response.len());
     let (reference, response) = (&reference[..count], &response[..count]);
     let range = 0..count;

@@ -15,7 +15,7 @@ pub struct Intensity {
 }
 
 /// The intensity of an acceleration, m/s², sampled every `dt` s and linear between samples.
-pub fn intensity(acceleration: &[f64], dt: f64) -> Intensity {
+pub(crate) fn intensity(acceleration: &[f64], dt: f64) -> Intensity {
     let mut running = vec![0.0];
     for w in acceleration.windows(2) {
         // The exact integral of the square of a straight line.
@@ -35,11 +35,6 @@ pub fn intensity(acceleration: &[f64], dt: f64) -> Intensity {
     Intensity { arias: PI / (2.0 * STANDARD_GRAVITY) * total, start, d5_95: when(0.95) - start }
 }
 
-/// The largest magnitude of the jerk of an acceleration (m/s²) that is linear between samples `dt` s apart, m/s³.
-pub fn peak_jerk(acceleration: &[f64], dt: f64) -> f64 {
-    acceleration.windows(2).fold(0.0, |p, w| ((w[1] - w[0]) / dt).abs().max(p))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,10 +47,5 @@ mod tests {
         let quiet = intensity(&[0.0; 5], 0.01);
         assert_eq!((quiet.arias, quiet.d5_95), (0.0, 0.0));
         assert_eq!(intensity(&[], 0.01).arias, 0.0);
-    }
-
-    #[test]
-    fn jerk_is_the_steepest_slope() {
-        assert!((peak_jerk(&[0.0, 1.0, -2.0, -2.5], 0.5) - 6.0).abs() < 1e-12);
     }
 }

@@ -14,7 +14,7 @@ use realfft::RealFftPlanner;
 
 /// What a recording holds, evenly sampled, in SI, without gaps.
 #[derive(Debug, Clone, Copy)]
-pub struct Recorded<'a> {
+pub(crate) struct Recorded<'a> {
     /// Step, s.
     pub dt: f64,
     /// Displacement of the table, m.
@@ -27,7 +27,7 @@ pub struct Recorded<'a> {
 
 /// A drive beside what the table made of it.
 #[derive(Debug, Clone)]
-pub struct Played {
+pub(crate) struct Played {
     /// When the drive begins, s after the recording's first sample.
     pub start: f64,
     /// How far the recorded reference is from the drive, RMS over RMS; none where no reference was recorded, and then the start is
@@ -52,7 +52,7 @@ pub struct Played {
 
 /// Why a drive and a recording are not compared.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum PlayedError {
+pub(crate) enum PlayedError {
     /// The drive is not in it.
     #[error(
         "nothing in the recording resembles the drive: the correlation of their velocities is {correlation:.2} at most, expected {least}; \
@@ -101,7 +101,7 @@ const SAMPLES: usize = 64;
 const FINE: f64 = 3e-4;
 
 /// Finds a drive in a recording and compares the two.
-pub fn played(drive: &Motion, recorded: &Recorded<'_>) -> Result<Played, PlayedError> {
+pub(crate) fn played(drive: &Motion, recorded: &Recorded<'_>) -> Result<Played, PlayedError> {
     let dt = recorded.dt;
     let by_motion = lag(drive, recorded.displacement, dt, "displacement")?;
     let by_reference = recorded.reference.map(|r| lag(drive, r, dt, "reference")).transpose()?;
@@ -275,7 +275,7 @@ mod tests {
         let mean = drive.displacement.iter().sum::<f64>() / drive.displacement.len() as f64;
         assert!((found.offset - (5e-3 - 0.03 * mean)).abs() < 2e-4 && found.covered > 0.999, "{}", found.offset);
         assert!(found.reference_error.unwrap() < 0.04 && found.comparison.e_d.ratio < 0.04);
-        // Without the reference the delay cannot be told from the start.
+        // Without the reference the delay cannot be distinguished from the start.
         let blind = played(&drive, &Recorded { reference: None, ..recorded }).unwrap();
         assert!((blind.start - 3.222).abs() < 3e-4 && blind.indices.delay.abs() < 3e-4, "{}", blind.start);
     }

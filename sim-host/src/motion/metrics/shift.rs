@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// How the response may be shifted before it is compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shift {
+pub(crate) enum Shift {
     /// Not at all.
     None,
     /// By the delay that makes the error least, within so many seconds to both sides.
@@ -25,7 +25,7 @@ pub enum Shift {
 }
 
 /// The relative error of a response over a range of the reference's samples, both sampled every `dt` s.
-pub fn relative_error(
+pub(crate) fn relative_error(
     reference: &[f64],
     response: &[f64],
     dt: f64,

@@ -15,7 +15,7 @@ mod sweep;
 
 use super::super::Motion;
 use super::super::fit::Limits;
-use super::{Judged, Ordinate, QualifyError, Required, Standard, judge, rigid};
+use super::{Judged, Ordinate, QualifyError, Requirement, judge, rigid};
 use proof::unreachable;
 
 pub use proof::Unreachable;
@@ -79,40 +79,32 @@ const NEAR: f64 = 0.85;
 /// Seeds tried.
 const SEEDS: u64 = 3;
 
-/// A motion for a required spectrum within limits, judged as the standard judges it from `lowest` Hz on.
-pub fn attain(
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
-    limits: &Limits,
-    seed: u64,
-) -> Result<Attained, QualifyError> {
-    attain_from(None, standard, required, lowest, limits, seed)
+/// A motion for a required spectrum within limits.
+pub fn attain(asked: Requirement<'_>, limits: &Limits, seed: u64) -> Result<Attained, QualifyError> {
+    attain_from(None, asked, limits, seed)
 }
 
 /// The same beginning with a record, which keeps its character where it can.
 pub fn attain_from(
     record: Option<&Motion>,
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
+    asked: Requirement<'_>,
     limits: &Limits,
     seed: u64,
 ) -> Result<Attained, QualifyError> {
-    let proof = unreachable(standard, required, lowest, limits);
+    let proof = unreachable(asked, limits);
     if !proof.is_empty() {
         return Ok(Attained::Impossible(proof));
     }
     let mut best: Option<(Motion, Judged)> = None;
     let mut without = Vec::new();
     if let Some(record) = record {
-        let motion = random::corrected_from(record, standard, required, lowest, MARGIN, limits)?;
-        if let Some(found) = accept(motion, Way::Record, standard, required, lowest, limits, &mut best)? {
+        let motion = random::corrected_from(record, asked, MARGIN, limits)?;
+        if let Some(found) = accept(motion, Way::Record, asked, limits, &mut best)? {
             return Ok(found);
         }
         without = best.as_ref().map_or_else(|| vec!["the limits"], |(_, judged)| names(judged));
     }
-    let found = made(standard, required, lowest, limits, seed, &mut best)?;
+    let found = made(asked, limits, seed, &mut best)?;
     Ok(match (found, best) {
         (Some(Attained::Motion { motion, way, judged, .. }), _) => {
             Attained::Motion { motion, way, judged, lost: without }
@@ -132,22 +124,20 @@ fn names(judged: &Judged) -> Vec<&'static str> {
 
 /// The ways that need no record, in turn.
 fn made(
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
+    asked: Requirement<'_>,
     limits: &Limits,
     seed: u64,
     best: &mut Option<(Motion, Judged)>,
 ) -> Result<Option<Attained>, QualifyError> {
     for seed in seed..seed + SEEDS {
-        let motion = random::plain(standard, required, lowest, MARGIN, seed)?;
-        if let Some(found) = accept(motion, Way::Random, standard, required, lowest, limits, best)? {
+        let motion = random::plain(asked, MARGIN, seed)?;
+        if let Some(found) = accept(motion, Way::Random, asked, limits, best)? {
             return Ok(Some(found));
         }
     }
     for seed in seed..seed + SEEDS {
-        let motion = random::clipped(standard, required, lowest, MARGIN, limits, seed)?;
-        if let Some(found) = accept(motion, Way::Clipped, standard, required, lowest, limits, best)? {
+        let motion = random::clipped(asked, MARGIN, limits, seed)?;
+        if let Some(found) = accept(motion, Way::Clipped, asked, limits, best)? {
             return Ok(Some(found));
         }
         // What one seed misses by far no other reaches.
@@ -156,12 +146,12 @@ fn made(
         }
     }
     for (k, cycles) in sweep::CYCLES.into_iter().enumerate() {
-        if k > 0 && sweep::duration(lowest, cycles) > sweep::LONGEST {
+        if k > 0 && sweep::duration(asked.lowest, cycles) > sweep::LONGEST {
             continue;
         }
-        let motion = sweep::sweep(standard, required, lowest, MARGIN, limits, cycles)?;
-        let motion = if standard.stationary.is_some() { sweep::repeated(&motion) } else { motion };
-        if let Some(found) = accept(motion, Way::Sweep, standard, required, lowest, limits, best)? {
+        let motion = sweep::sweep(asked, MARGIN, limits, cycles)?;
+        let motion = if asked.standard.stationary.is_some() { sweep::repeated(&motion) } else { motion };
+        if let Some(found) = accept(motion, Way::Sweep, asked, limits, best)? {
             return Ok(Some(found));
         }
     }
@@ -172,9 +162,7 @@ fn made(
 fn accept(
     motion: Motion,
     way: Way,
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
+    asked: Requirement<'_>,
     limits: &Limits,
     best: &mut Option<(Motion, Judged)>,
 ) -> Result<Option<Attained>, QualifyError> {
@@ -182,8 +170,8 @@ fn accept(
     if !inside(&motion) {
         return Ok(None);
     }
-    let whole = rigid::raised(&motion, standard, required, inside).unwrap_or(motion);
-    let judged = judge(&whole.acceleration, whole.dt, &[], standard, required, lowest)?;
+    let whole = rigid::raised(&motion, asked, inside).unwrap_or(motion);
+    let judged = judge(&whole.acceleration, whole.dt, &[], asked)?;
     if judged.complies() {
         return Ok(Some(Attained::Motion { motion: whole, way, judged, lost: Vec::new() }));
     }

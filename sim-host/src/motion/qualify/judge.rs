@@ -4,7 +4,7 @@ use super::super::metrics::{Intensity, coherence, intensity};
 use super::super::peak;
 use super::super::spectrum::{SpectrumError, response_spectrum};
 use super::measures::{correlation, middle, part, unsteadiness};
-use super::{Required, Standard};
+use super::{Requirement, Standard};
 
 /// A motion's spectrum beside the required one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,20 +107,14 @@ pub enum QualifyError {
 /// Offsets of the grid that are tried.
 const OFFSETS: usize = 12;
 
-/// Holds an acceleration (m/s2, every `dt` s) against a standard from `lowest` Hz on; `axes` are the other axes of the same test.
-pub fn judge(
-    acceleration: &[f64],
-    dt: f64,
-    axes: &[Vec<f64>],
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
-) -> Result<Judged, QualifyError> {
+/// Holds an acceleration (m/s2, every `dt` s) against what a standard asks; `axes` are the other axes of the same test.
+pub fn judge(acceleration: &[f64], dt: f64, axes: &[Vec<f64>], asked: Requirement<'_>) -> Result<Judged, QualifyError> {
+    let Requirement { standard, required, lowest } = asked;
     let highest = standard.band.1;
     if 1.0 / dt < 4.0 * highest {
         return Err(QualifyError::Slow { rate: 1.0 / dt, highest });
     }
-    let fine = ordinates(acceleration, dt, standard, required, lowest)?;
+    let fine = ordinates(acceleration, dt, asked)?;
     let grids = grids(&fine);
     let judge = Judge { standard };
     let worst = grids.first().and_then(|(_, o)| o.iter().copied().min_by(|a, b| a.ratio().total_cmp(&b.ratio())));
@@ -168,13 +162,8 @@ pub fn judge(
 }
 
 /// The spectra at every point of every offset.
-fn ordinates(
-    acceleration: &[f64],
-    dt: f64,
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
-) -> Result<Vec<Ordinate>, QualifyError> {
+fn ordinates(acceleration: &[f64], dt: f64, asked: Requirement<'_>) -> Result<Vec<Ordinate>, QualifyError> {
+    let Requirement { standard, required, lowest } = asked;
     let each = (standard.per_octave * OFFSETS) as f64;
     let count = ((standard.band.1 / lowest).log2() * each + 1e-9).floor() as usize;
     let frequencies: Vec<f64> = (0..=count).map(|k| lowest * (k as f64 / each).exp2()).collect();

@@ -1,5 +1,18 @@
 //! A required response spectrum: straight lines between points, both axes logarithmic.
 
+use super::Standard;
+
+/// What a motion is made for and judged by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Requirement<'a> {
+    /// The rules.
+    pub standard: &'a Standard,
+    /// The spectrum to be reached.
+    pub required: &'a Required,
+    /// The lowest frequency that is judged, Hz.
+    pub lowest: f64,
+}
+
 /// A required response spectrum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Required {

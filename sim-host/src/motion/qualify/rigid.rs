@@ -7,7 +7,7 @@
 //! is large already, on the first of such places at which the limits are kept.
 
 use super::super::{Motion, peak};
-use super::{Required, Standard};
+use super::Requirement;
 use std::f64::consts::{PI, TAU};
 
 /// Frequency over the highest of the standard's band.
@@ -21,25 +21,15 @@ const OVER: f64 = 1.002;
 
 /// The motion with its peak acceleration raised to what the standard asks of it; none where it has that, or where no place gives a motion
 /// that is `allowed`.
-pub(super) fn raised(
-    motion: &Motion,
-    standard: &Standard,
-    required: &Required,
-    allowed: impl Fn(&Motion) -> bool,
-) -> Option<Motion> {
-    let (burst, wanted) = lacking(&motion.acceleration, motion.dt, standard, required)?;
+pub(super) fn raised(motion: &Motion, asked: Requirement<'_>, allowed: impl Fn(&Motion) -> bool) -> Option<Motion> {
+    let (burst, wanted) = lacking(&motion.acceleration, motion.dt, asked)?;
     let candidates = places(&motion.acceleration, burst.reach);
     candidates.into_iter().map(|at| burst.laid(motion, at, wanted)).find(allowed)
 }
 
 /// The same of an acceleration alone, m/s2, every `dt` s, which no limit binds; none where it has what is asked.
-pub(super) fn raised_acceleration(
-    acceleration: &[f64],
-    dt: f64,
-    standard: &Standard,
-    required: &Required,
-) -> Option<Vec<f64>> {
-    let (burst, wanted) = lacking(acceleration, dt, standard, required)?;
+pub(super) fn raised_acceleration(acceleration: &[f64], dt: f64, asked: Requirement<'_>) -> Option<Vec<f64>> {
+    let (burst, wanted) = lacking(acceleration, dt, asked)?;
     let at = places(acceleration, burst.reach).into_iter().next()?;
     let mut made = acceleration.to_vec();
     burst.add(&mut made, 2, burst.size(acceleration, at, wanted));
@@ -47,7 +37,8 @@ pub(super) fn raised_acceleration(
 }
 
 /// The burst and the peak acceleration that a motion lacks, m/s2; none where it has what is asked.
-fn lacking(acceleration: &[f64], dt: f64, standard: &Standard, required: &Required) -> Option<(Burst, f64)> {
+fn lacking(acceleration: &[f64], dt: f64, asked: Requirement<'_>) -> Option<(Burst, f64)> {
+    let Requirement { standard, required, .. } = asked;
     let wanted = OVER * standard.zero_period * required.zero_period();
     (peak(acceleration) < wanted).then(|| (Burst::new(dt, ABOVE * standard.band.1), wanted))
 }

@@ -3,7 +3,7 @@
 //! still peak below the zero-period acceleration; what is lacking, a short burst above the band adds.
 
 use super::super::spectrum::{SpectrumError, response_spectrum};
-use super::{Judged, QualifyError, Required, Standard, judge, rigid};
+use super::{Judged, QualifyError, Requirement, judge, rigid};
 use rand::{Rng as _, SeedableRng as _};
 use std::f64::consts::PI;
 
@@ -35,35 +35,21 @@ const SINES: f64 = 24.0;
 /// Corrections.
 const ROUNDS: usize = 8;
 
-/// An acceleration, m/s2, whose spectrum is at the least `margin` times what is required, judged as the standard judges it from
-/// `lowest` Hz on. The same seed gives the same motion; other seeds give motions that are independent.
-pub fn synthesise(
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
-    margin: f64,
-    shape: &Shape,
-    seed: u64,
-) -> Result<Vec<f64>, QualifyError> {
+/// An acceleration, m/s2, whose spectrum is at the least `margin` times what is required. The same seed gives the same motion; other seeds give motions that are independent.
+pub fn synthesise(asked: Requirement<'_>, margin: f64, shape: &Shape, seed: u64) -> Result<Vec<f64>, QualifyError> {
     let dt = 1.0 / shape.rate;
-    let plain = sines(standard, required, lowest, margin, shape, seed)?;
-    let Some(motion) = rigid::raised_acceleration(&plain, dt, standard, required) else { return Ok(plain) };
+    let plain = sines(asked, margin, shape, seed)?;
+    let Some(motion) = rigid::raised_acceleration(&plain, dt, asked) else { return Ok(plain) };
     // The burst may take from an oscillator what another sine gave it.
-    let Judged { margin: found, .. } = judge(&motion, dt, &[], standard, required, lowest)?;
+    let Judged { margin: found, .. } = judge(&motion, dt, &[], asked)?;
     let factor = (margin / found).max(1.0);
     Ok(motion.iter().map(|a| a * factor).collect())
 }
 
 /// The sines alone: the spectrum is reached, the zero-period acceleration is what comes of it.
-pub(super) fn sines(
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
-    margin: f64,
-    shape: &Shape,
-    seed: u64,
-) -> Result<Vec<f64>, QualifyError> {
+pub(super) fn sines(asked: Requirement<'_>, margin: f64, shape: &Shape, seed: u64) -> Result<Vec<f64>, QualifyError> {
     let dt = 1.0 / shape.rate;
+    let Requirement { standard, required, lowest } = asked;
     let highest = standard.band.1 * 1.15;
     let count = ((highest / (0.8 * lowest)).log2() * SINES).ceil() as usize;
     let mut dice = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
@@ -86,7 +72,7 @@ pub(super) fn sines(
     }
     let motion = sum(&frequencies, &phases, &amplitudes, shape);
     // A spectrum grows with its motion, so one factor sets the margin.
-    let Judged { margin: found, .. } = judge(&motion, dt, &[], standard, required, lowest)?;
+    let Judged { margin: found, .. } = judge(&motion, dt, &[], asked)?;
     Ok(motion.iter().map(|a| a * margin / found).collect())
 }
 

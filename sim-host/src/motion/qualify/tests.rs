@@ -13,14 +13,16 @@ fn ac156() -> (Standard, Required) {
     (standard, standard.required(&SITE).unwrap())
 }
 
+fn asked((standard, required): &(Standard, Required), lowest: f64) -> Requirement<'_> {
+    Requirement { standard, required, lowest }
+}
+
 fn made(shape: &Shape, seed: u64) -> Vec<f64> {
-    let (standard, required) = ac156();
-    synthesise(&standard, &required, 1.3, 1.05, shape, seed).unwrap()
+    synthesise(asked(&ac156(), 1.3), 1.05, shape, seed).unwrap()
 }
 
 fn broken(motion: &[f64], axes: &[Vec<f64>]) -> Vec<&'static str> {
-    let (standard, required) = ac156();
-    let judged = judge(motion, DT, axes, &standard, &required, 1.3).unwrap();
+    let judged = judge(motion, DT, axes, asked(&ac156(), 1.3)).unwrap();
     judged.broken().map(|rule| rule.name).collect()
 }
 
@@ -73,9 +75,8 @@ fn required_spectra_are_their_formulas() {
 
 #[test]
 fn a_synthetic_motion_has_the_margin_it_was_made_with() {
-    let (standard, required) = ac156();
     let motion = made(&Shape::USUAL, 1);
-    let judged = judge(&motion, DT, &[made(&Shape::USUAL, 2)], &standard, &required, 1.3).unwrap();
+    let judged = judge(&motion, DT, &[made(&Shape::USUAL, 2)], asked(&ac156(), 1.3)).unwrap();
     assert!((judged.margin - 1.05).abs() < 1e-9, "{}", judged.margin);
     assert!(judged.complies(), "{:?}", judged.broken().collect::<Vec<_>>());
     assert_eq!(judged.rules.len(), 7);
@@ -107,8 +108,9 @@ fn one_broken_rule_is_named_and_no_other() {
 fn the_zero_period_is_a_rule_of_its_own() {
     let standard = Standard::named("ac156").unwrap();
     let required = standard.required(&Site { z_over_h: 1.0, ..SITE }).unwrap();
-    let motion = synthesise::sines(&standard, &required, 1.3, 1.05, &Shape::USUAL, 1).unwrap();
-    let judged = judge(&motion, DT, &[], &standard, &required, 1.3).unwrap();
+    let asked = Requirement { standard: &standard, required: &required, lowest: 1.3 };
+    let motion = synthesise::sines(asked, 1.05, &Shape::USUAL, 1).unwrap();
+    let judged = judge(&motion, DT, &[], asked).unwrap();
     assert_eq!(judged.broken().map(|r| r.name).collect::<Vec<_>>(), ["zero-period acceleration"]);
 }
 
@@ -121,8 +123,9 @@ fn what_is_made_for_a_standard_satisfies_it() {
         let directions = [Direction::Horizontal, Direction::Vertical];
         for (z_over_h, direction) in [0.0, 0.5, 1.0].into_iter().flat_map(|z| directions.map(|d| (z, d))) {
             let Ok(required) = standard.required(&Site { z_over_h, direction, ..SITE }) else { continue };
-            let motion = synthesise(&standard, &required, lowest, 1.05, &Shape::USUAL, 7).unwrap();
-            let judged = judge(&motion, DT, &[], &standard, &required, lowest).unwrap();
+            let asked = Requirement { standard: &standard, required: &required, lowest };
+            let motion = synthesise(asked, 1.05, &Shape::USUAL, 7).unwrap();
+            let judged = judge(&motion, DT, &[], asked).unwrap();
             let broken: Vec<_> = judged.broken().map(|r| r.name).collect();
             assert!(
                 broken.is_empty() && judged.margin > 1.05 - 1e-9,
@@ -139,14 +142,15 @@ fn what_is_made_for_a_standard_satisfies_it() {
 fn what_weakens_is_not_stationary() {
     let standard = Standard::named("ieee344").unwrap();
     let required = Required::parse("frequency,acceleration\n1,0.4\n4,1.0\n16,1.0\n33,0.5\n", 0.05).unwrap();
-    let motion = synthesise(&standard, &required, 1.0, 1.1, &Shape::USUAL, 3).unwrap();
-    let steady = judge(&motion, DT, &[], &standard, &required, 1.0).unwrap();
+    let asked = Requirement { standard: &standard, required: &required, lowest: 1.0 };
+    let motion = synthesise(asked, 1.1, &Shape::USUAL, 3).unwrap();
+    let steady = judge(&motion, DT, &[], asked).unwrap();
     assert!(steady.complies(), "{:?}", steady.broken().collect::<Vec<_>>());
     // Strong, weak and strong again.
     let third = motion.len() / 3;
     let uneven: Vec<f64> =
         motion.iter().enumerate().map(|(k, a)| if k / third == 1 { 0.5 * a } else { 1.6 * a }).collect();
-    let judged = judge(&uneven, DT, &[], &standard, &required, 1.0).unwrap();
+    let judged = judge(&uneven, DT, &[], asked).unwrap();
     assert_eq!(judged.broken().map(|r| r.name).collect::<Vec<_>>(), ["stationarity"]);
 }
 
@@ -160,6 +164,6 @@ fn a_spectrum_of_ones_own_is_read_or_refused_by_line() {
     ] {
         assert!(Required::parse(text, 0.05).unwrap_err().contains(said), "{text}");
     }
-    let slow = judge(&[0.0; 100], 0.02, &[], &ac156().0, &ac156().1, 1.3).unwrap_err().to_string();
+    let slow = judge(&[0.0; 100], 0.02, &[], asked(&ac156(), 1.3)).unwrap_err().to_string();
     assert!(slow.contains("50 Hz") && slow.contains("33.3 Hz"), "{slow}");
 }

@@ -1,14 +1,15 @@
 //! The accelerometer's zero is off.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "acceleration_bias",
     equation: "a + b",
     stage: Stage::Sensor,
+    family: Family::Sensors,
     parameters: &[Parameter {
         key: "offset",
         unit: "m/s2",
@@ -34,13 +35,13 @@ pub const ENTRY: Entry = Entry {
 
 /// An accelerometer's zero offset.
 #[derive(Debug, Clone)]
-pub struct AccelerationBias<S> {
+pub(crate) struct AccelerationBias<S> {
     offset: S,
 }
 
 impl<S: Scalar> AccelerationBias<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[offset] = parameters else { return None };
         Some(Self { offset })
     }

@@ -1,14 +1,15 @@
 //! The accelerometer's sensitivity is not what is declared.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "acceleration_gain",
     equation: "g a",
     stage: Stage::Sensor,
+    family: Family::Sensors,
     parameters: &[Parameter {
         key: "gain",
         unit: "1",
@@ -34,13 +35,13 @@ pub const ENTRY: Entry = Entry {
 
 /// A wrong accelerometer sensitivity.
 #[derive(Debug, Clone)]
-pub struct AccelerationGain<S> {
+pub(crate) struct AccelerationGain<S> {
     gain: S,
 }
 
 impl<S: Scalar> AccelerationGain<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[gain] = parameters else { return None };
         Some(Self { gain })
     }

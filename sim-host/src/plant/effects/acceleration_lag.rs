@@ -1,15 +1,16 @@
 //! The accelerometer's filter lags.
 
 use super::displacement_lag::{SECOND, TIME_CONSTANT};
-use super::{Effect, Entry, Hooks, Instant, Order, Stage};
+use super::{Effect, Entry, Family, Hooks, Instant, Order, Stage};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "acceleration_lag",
     equation: "tau y' = a - y, tau_2 z' = y - z",
     stage: Stage::Sensor,
+    family: Family::Sensors,
     parameters: &[TIME_CONSTANT, SECOND],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
@@ -23,14 +24,14 @@ pub const ENTRY: Entry = Entry {
 
 /// A lag in the accelerometer.
 #[derive(Debug, Clone)]
-pub struct AccelerationLag<S> {
+pub(crate) struct AccelerationLag<S> {
     time: S,
     second: Option<S>,
 }
 
 impl<S: Scalar> AccelerationLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[time, second] = parameters else { return None };
         Some(Self { time, second: Some(second).filter(|second| second.value() > TIME_CONSTANT.low) })
     }

@@ -1,14 +1,15 @@
 //! The valve passes more flow in one direction than in the other: unequal piston areas, ports or amplifier stages.
 
-use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "asymmetric_gain",
     equation: "u' = u (1 + d sgn(u))",
     stage: Stage::Valve,
+    family: Family::Valve,
     parameters: &[Parameter {
         key: "difference",
         unit: "1",
@@ -34,13 +35,13 @@ pub const ENTRY: Entry = Entry {
 
 /// A gain for each direction.
 #[derive(Debug, Clone)]
-pub struct AsymmetricGain<S> {
+pub(crate) struct AsymmetricGain<S> {
     difference: S,
 }
 
 impl<S: Scalar> AsymmetricGain<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[difference] = parameters else { return None };
         Some(Self { difference })
     }

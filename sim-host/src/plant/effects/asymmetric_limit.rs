@@ -1,6 +1,6 @@
 //! The two directions saturate at different speeds, for piston areas or valve lands differ.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -8,10 +8,11 @@ use crate::scalar::Scalar;
 const HARD: f64 = 100.0;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "asymmetric_limit",
     equation: "clamp(w, -v_neg, v_pos), corners rounded as w / (1 + abs(w/v)^n)^(1/n)",
     stage: Stage::Flow,
+    family: Family::Flow,
     parameters: &[
         Parameter {
             key: "positive",
@@ -72,7 +73,7 @@ pub const ENTRY: Entry = Entry {
 
 /// A velocity limit for each direction.
 #[derive(Debug, Clone)]
-pub struct AsymmetricLimit<S> {
+pub(crate) struct AsymmetricLimit<S> {
     positive: S,
     negative: S,
     /// Exponent of rounded corners; none where they are hard.
@@ -81,7 +82,7 @@ pub struct AsymmetricLimit<S> {
 
 impl<S: Scalar> AsymmetricLimit<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[positive, negative, sharpness] = parameters else { return None };
         Some(Self { positive, negative, sharpness: Some(sharpness).filter(|n| n.value() < HARD) })
     }

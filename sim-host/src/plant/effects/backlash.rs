@@ -7,15 +7,16 @@
 //!
 //! Source: A. Visintin, "Differential Models of Hysteresis", Springer (1994), chapter V.
 
-use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "backlash",
     equation: "x_t = x - d, dd/dx = 1 - |2 d/gap|^n as the lead d grows, 1 as it shrinks",
     stage: Stage::Table,
+    family: Family::Contact,
     parameters: &[
         Parameter {
             key: "gap",
@@ -68,7 +69,7 @@ const FREE: f64 = -7.0;
 
 /// Lost motion between actuator and table.
 #[derive(Debug, Clone)]
-pub struct Backlash<S> {
+pub(crate) struct Backlash<S> {
     half: S,
     exponent: S,
     /// The actuator's lead over the table, m.
@@ -78,7 +79,7 @@ pub struct Backlash<S> {
 
 impl<S: Scalar> Backlash<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[gap, exponent] = parameters else { return None };
         Some(Self { half: gap * 0.5, exponent, lead: S::from(0.0), before: None })
     }

@@ -1,14 +1,15 @@
 //! The reaction mass moves on its springs: the accelerometer shows absolute motion, the LVDT motion relative to it.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "base_compliance",
     equation: "(1 + mu) x_b'' = -w_b^2 x_b - 2 zeta_b w_b x_b' - mu x''",
     stage: Stage::Table,
+    family: Family::Structure,
     parameters: &[
         Parameter {
             key: "frequency",
@@ -62,7 +63,7 @@ pub const ENTRY: Entry = Entry {
 
 /// A base on springs.
 #[derive(Debug, Clone)]
-pub struct BaseCompliance<S> {
+pub(crate) struct BaseCompliance<S> {
     frequency: S,
     damping: S,
     mass_ratio: S,
@@ -70,7 +71,7 @@ pub struct BaseCompliance<S> {
 
 impl<S: Scalar> BaseCompliance<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[hertz, damping, mass_ratio] = parameters else { return None };
         Some(Self { frequency: hertz * std::f64::consts::TAU, damping, mass_ratio })
     }

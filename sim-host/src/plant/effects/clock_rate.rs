@@ -3,15 +3,16 @@
 //! By the stamps everything moves faster or slower by one factor, and an acceleration is not what the displacement's second
 //! difference says. It stands among a diagnosis's hypotheses so that it is weighed like any other, and is corrected where it wins.
 
-use super::{Compliance, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "clock_rate",
     equation: "dt (1 + r)",
     stage: Stage::Sensor,
+    family: Family::Sensors,
     parameters: &[Parameter {
         key: "rate",
         unit: "1",
@@ -37,13 +38,13 @@ pub const ENTRY: Entry = Entry {
 
 /// A clock at another rate.
 #[derive(Debug, Clone)]
-pub struct ClockRate<S> {
+pub(crate) struct ClockRate<S> {
     rate: S,
 }
 
 impl<S: Scalar> ClockRate<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[rate] = parameters else { return None };
         Some(Self { rate })
     }

@@ -3,16 +3,17 @@
 //! The command is constant over a step; delayed, it switches inside one. Its mean over the step is linear in the delay,
 //! so the delay has an exact derivative.
 
-use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 use std::collections::VecDeque;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "command_delay",
     equation: "u(t - tau)",
     stage: Stage::Command,
+    family: Family::Command,
     parameters: &[Parameter {
         key: "time",
         unit: "s",
@@ -46,14 +47,14 @@ const ARRIVAL: f64 = 2000.0;
 
 /// Transport delay of the command.
 #[derive(Debug, Clone)]
-pub struct CommandDelay<S> {
+pub(crate) struct CommandDelay<S> {
     time: S,
     past: VecDeque<S>,
 }
 
 impl<S: Scalar> CommandDelay<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[time] = parameters else { return None };
         Some(Self { time, past: VecDeque::new() })
     }

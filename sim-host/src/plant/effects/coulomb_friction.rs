@@ -1,15 +1,16 @@
 //! Dry friction of the bearings: one size, against the motion, reached after the contact's bristles have bent.
 
 use super::bristle::Bristles;
-use super::{Dither, Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "coulomb_friction",
     equation: "f = Fc z, dz/dt = (v - |v| z)/s",
     stage: Stage::Table,
+    family: Family::Friction,
     parameters: &[
         FORCE,
         PRESLIDING,
@@ -44,7 +45,7 @@ pub(super) const FORCE: Parameter = Parameter {
 };
 
 /// The travel over which a contact bends before it slides.
-pub const PRESLIDING: Parameter = Parameter {
+pub(crate) const PRESLIDING: Parameter = Parameter {
     key: "presliding",
     unit: "m",
     rigid_unit: "m",
@@ -60,14 +61,14 @@ pub const PRESLIDING: Parameter = Parameter {
 
 /// Dry friction.
 #[derive(Debug, Clone)]
-pub struct CoulombFriction<S> {
+pub(crate) struct CoulombFriction<S> {
     force: S,
     bristles: Bristles<S>,
 }
 
 impl<S: Scalar> CoulombFriction<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[force, presliding] = parameters else { return None };
         Some(Self { force, bristles: Bristles::new(presliding) })
     }

@@ -3,7 +3,7 @@
 use super::entry;
 
 /// Notes an effect's parameters where a law counters them.
-pub type Counter = fn(&[f64], &mut Countered);
+pub(crate) type Counter = fn(&[f64], &mut Countered);
 
 /// What a law is told of a table beyond Eq. 7. SI; zeros and none where there is nothing to counter.
 #[derive(Debug, Clone, Copy, PartialEq)]

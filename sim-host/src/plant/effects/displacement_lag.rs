@@ -1,14 +1,15 @@
 //! The displacement sensor's filter lags.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "displacement_lag",
     equation: "tau y' = x - y, tau_2 z' = y - z",
     stage: Stage::Sensor,
+    family: Family::Sensors,
     parameters: &[TIME_CONSTANT, SECOND],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
@@ -50,14 +51,14 @@ const NONE: f64 = 5e-5;
 
 /// A lag in the displacement sensor.
 #[derive(Debug, Clone)]
-pub struct DisplacementLag<S> {
+pub(crate) struct DisplacementLag<S> {
     time: S,
     second: Option<S>,
 }
 
 impl<S: Scalar> DisplacementLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[time, second] = parameters else { return None };
         Some(Self { time, second: Some(second).filter(|second| second.value() > TIME_CONSTANT.low) })
     }

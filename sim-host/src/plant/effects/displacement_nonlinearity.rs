@@ -1,14 +1,15 @@
 //! The displacement sensor is not linear over its stroke.
 
-use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "displacement_nonlinearity",
     equation: "x (1 + c3 x^2)",
     stage: Stage::Sensor,
+    family: Family::Sensors,
     parameters: &[Parameter {
         key: "cubic",
         unit: "1/m2",
@@ -34,13 +35,13 @@ pub const ENTRY: Entry = Entry {
 
 /// A cubic displacement sensor.
 #[derive(Debug, Clone)]
-pub struct DisplacementNonlinearity<S> {
+pub(crate) struct DisplacementNonlinearity<S> {
     cubic: S,
 }
 
 impl<S: Scalar> DisplacementNonlinearity<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[cubic] = parameters else { return None };
         Some(Self { cubic })
     }

@@ -1,14 +1,15 @@
 //! A cushion near the end of the stroke.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "end_stop",
     equation: "f = k d (d/10 mm)^(n - 1) (1 + l d'), d = max(abs(x) - x_c, 0), against x",
     stage: Stage::Table,
+    family: Family::Contact,
     parameters: &[
         Parameter {
             key: "position",
@@ -75,7 +76,7 @@ pub const ENTRY: Entry = Entry {
 
 /// A cushion near the end of the stroke.
 #[derive(Debug, Clone)]
-pub struct EndStop<S> {
+pub(crate) struct EndStop<S> {
     position: S,
     stiffness: S,
     exponent: S,
@@ -89,7 +90,7 @@ const DEEPER: f64 = 3.0;
 
 impl<S: Scalar> EndStop<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[position, stiffness, exponent, loss] = parameters else { return None };
         Some(Self { position, stiffness, exponent, loss })
     }

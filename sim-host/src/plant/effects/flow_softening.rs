@@ -1,14 +1,15 @@
 //! The orifice softens the velocity limit: flow bends over before it reaches it.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "flow_softening",
     equation: "w / (1 + abs(w/v_max)^n)^(1/n)",
     stage: Stage::Flow,
+    family: Family::Flow,
     parameters: &[Parameter {
         key: "sharpness",
         unit: "1",
@@ -38,13 +39,13 @@ pub const ENTRY: Entry = Entry {
 
 /// A softened velocity limit.
 #[derive(Debug, Clone)]
-pub struct FlowSoftening<S> {
+pub(crate) struct FlowSoftening<S> {
     sharpness: S,
 }
 
 impl<S: Scalar> FlowSoftening<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[sharpness] = parameters else { return None };
         Some(Self { sharpness })
     }

@@ -1,14 +1,15 @@
 //! The gain changes as the oil warms.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "gain_drift",
     equation: "b0 (1 + k T (1 - exp(-t/T)))",
     stage: Stage::Flow,
+    family: Family::Flow,
     parameters: &[RATE, SETTLING],
     kinds: &[Kind::Servo],
     frees: &[],
@@ -54,14 +55,14 @@ const NEVER: f64 = 1e4;
 
 /// A gain that changes with time.
 #[derive(Debug, Clone)]
-pub struct GainDrift<S> {
+pub(crate) struct GainDrift<S> {
     rate: S,
     settling: Option<S>,
 }
 
 impl<S: Scalar> GainDrift<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[rate, settling] = parameters else { return None };
         Some(Self { rate, settling: Some(settling).filter(|settling| settling.value() < NEVER) })
     }

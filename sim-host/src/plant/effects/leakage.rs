@@ -1,14 +1,15 @@
 //! Oil leaks past the piston in proportion to load pressure.
 
-use super::{Compliance, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "leakage",
     equation: "q/A - C (A p_L/m)",
     stage: Stage::Actuator,
+    family: Family::OilColumn,
     parameters: &[Parameter {
         key: "coefficient",
         unit: "s",
@@ -34,13 +35,13 @@ pub const ENTRY: Entry = Entry {
 
 /// Leakage past the piston.
 #[derive(Debug, Clone)]
-pub struct Leakage<S> {
+pub(crate) struct Leakage<S> {
     coefficient: S,
 }
 
 impl<S: Scalar> Leakage<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[coefficient] = parameters else { return None };
         Some(Self { coefficient })
     }

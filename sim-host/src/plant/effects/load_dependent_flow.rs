@@ -1,15 +1,16 @@
 //! Load pressure takes its share of the supply: less is left to drive flow through the valve.
 
 use super::stiff_oil::{DAMPING, OIL, beneath};
-use super::{Compliance, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "load_dependent_flow",
     equation: "w sqrt(1 - sgn(w) p_L/p_s), A p_L = m a + F",
     stage: Stage::Flow,
+    family: Family::Flow,
     parameters: &[
         Parameter {
             key: "stall_acceleration",
@@ -43,14 +44,14 @@ pub const ENTRY: Entry = Entry {
 
 /// Flow that falls with load.
 #[derive(Debug, Clone)]
-pub struct LoadDependentFlow<S> {
+pub(crate) struct LoadDependentFlow<S> {
     stall_acceleration: S,
     oil: (S, S),
 }
 
 impl<S: Scalar> LoadDependentFlow<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[stall_acceleration, frequency, damping] = parameters else { return None };
         Some(Self { stall_acceleration, oil: (frequency, damping) })
     }

@@ -2,15 +2,16 @@
 //!
 //! The phase differs from run to run: two amplitudes are fitted for each run, and the size over all runs is reported.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "mains_hum",
     equation: "a + A sin(2 pi f t + phase)",
     stage: Stage::Sensor,
+    family: Family::Sensors,
     parameters: &[
         Parameter {
             key: "frequency",
@@ -77,7 +78,7 @@ pub const ENTRY: Entry = Entry {
 
 /// Mains in the accelerometer's line.
 #[derive(Debug, Clone)]
-pub struct MainsHum<S> {
+pub(crate) struct MainsHum<S> {
     frequency: S,
     in_phase: S,
     quadrature: S,
@@ -85,7 +86,7 @@ pub struct MainsHum<S> {
 
 impl<S: Scalar> MainsHum<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[hertz, amplitude, in_phase, quadrature] = parameters else { return None };
         Some(Self { frequency: hertz * std::f64::consts::TAU, in_phase: in_phase + amplitude, quadrature })
     }

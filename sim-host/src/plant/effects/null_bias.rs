@@ -2,15 +2,16 @@
 //!
 //! For a rigid mass the offset is a force in newtons beside the command's.
 
-use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "null_bias",
     equation: "u + b + r t",
     stage: Stage::Command,
+    family: Family::Command,
     parameters: &[OFFSET, WARMING],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
@@ -52,7 +53,7 @@ const WARMING: Parameter = Parameter {
 
 /// An offset of the command.
 #[derive(Debug, Clone)]
-pub struct NullBias<S> {
+pub(crate) struct NullBias<S> {
     offset: S,
     warming: S,
     /// Time from the start of the run, s.
@@ -61,7 +62,7 @@ pub struct NullBias<S> {
 
 impl<S: Scalar> NullBias<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[offset, warming] = parameters else { return None };
         Some(Self { offset, warming, time: 0.0 })
     }

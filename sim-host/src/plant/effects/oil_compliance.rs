@@ -1,14 +1,15 @@
 //! The oil column is a spring between piston flow and table mass.
 
-use super::{Compliance, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "oil_compliance",
     equation: "A p_L/m = p; p' = w_h^2 (q/A - v) - 2 zeta_h w_h p; v' = p - f",
     stage: Stage::Actuator,
+    family: Family::OilColumn,
     parameters: &[
         Parameter {
             key: "frequency",
@@ -53,14 +54,14 @@ pub const ENTRY: Entry = Entry {
 
 /// A compressible oil column.
 #[derive(Debug, Clone)]
-pub struct OilCompliance<S> {
+pub(crate) struct OilCompliance<S> {
     frequency: S,
     damping: S,
 }
 
 impl<S: Scalar> OilCompliance<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[hertz, damping] = parameters else { return None };
         Some(Self { frequency: hertz * std::f64::consts::TAU, damping })
     }

@@ -17,18 +17,17 @@ mod state;
 
 pub(super) use act::build;
 pub(in super::super) use act::is_force;
-pub use dimension::Dimension;
-pub use finite::NotFinite;
-pub use register::{Taken, found, register};
-pub use state::State;
+pub(crate) use dimension::Dimension;
+pub(crate) use register::{found, register};
+pub(crate) use state::State;
 
-use super::{Ends, Entry, Order, Parameter, Role, Stage, Yardstick};
+use super::{Ends, Entry, Family, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use program::Program;
 
 /// What the expression of an effect gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sense {
+pub(crate) enum Sense {
     /// A force that opposes positive motion, per table mass, m/s2.
     ForcePerMass,
     /// The same in newtons, for a rigid mass.
@@ -66,7 +65,7 @@ impl Sense {
     }
 
     /// The states that can be had where it acts.
-    pub fn states(self) -> &'static [State] {
+    pub(crate) fn states(self) -> &'static [State] {
         use State::{Acceleration, Command, Displacement, Path, Time, Velocity, VelocitySign};
         match self {
             Self::ForcePerMass | Self::Force | Self::Gain | Self::Command | Self::Displacement => {
@@ -100,7 +99,7 @@ impl Sense {
 
 /// A parameter as a user states it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StatedParameter {
+pub(crate) struct StatedParameter {
     /// Its name in the expression.
     pub name: String,
     /// Its unit, SI.
@@ -117,7 +116,7 @@ pub struct StatedParameter {
 
 /// An effect as a user states it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stated {
+pub(crate) struct Stated {
     /// Identifier.
     pub id: String,
     /// Where it acts.
@@ -134,7 +133,7 @@ pub struct Stated {
 
 /// Which key of an effect is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Key {
+pub(crate) enum Key {
     /// `id`.
     Id,
     /// `states`.
@@ -150,7 +149,7 @@ pub enum Key {
 /// What is wrong with an effect, and in which key.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{why}")]
-pub struct Wrong {
+pub(crate) struct Wrong {
     /// The key.
     pub key: Key,
     /// What and what to do.
@@ -166,7 +165,7 @@ const LONGEST: usize = 400;
 
 /// A checked effect, ready to be registered.
 #[derive(Debug, Clone)]
-pub struct Own {
+pub(crate) struct Own {
     stated: Stated,
     sense: Sense,
     program: Program,
@@ -174,7 +173,7 @@ pub struct Own {
 
 impl Own {
     /// Checks names, units and finiteness; what is wrong comes with its key, the first of each effect.
-    pub fn new(stated: Stated) -> Result<Self, Wrong> {
+    pub(crate) fn new(stated: Stated) -> Result<Self, Wrong> {
         check::names(&stated)?;
         let states = check::states(&stated)?;
         let text = stated.expression.as_str();
@@ -202,16 +201,6 @@ impl Own {
         Ok(own)
     }
 
-    /// What the expression gives.
-    pub fn sense(&self) -> Sense {
-        self.sense
-    }
-
-    /// As it was stated.
-    pub fn stated(&self) -> &Stated {
-        &self.stated
-    }
-
     /// The entry that the rest of the project reads; its text lives as long as the process.
     fn entry(&self) -> Entry {
         let keep = |text: String| -> &'static str { Box::leak(text.into_boxed_str()) };
@@ -221,6 +210,7 @@ impl Own {
             id: keep(self.stated.id.clone()),
             equation: keep(self.sense.equation(&self.stated.expression)),
             stage: self.stated.stage,
+            family: Family::Sensors,
             parameters: Box::leak(parameters.into_boxed_slice()),
             kinds: self.sense.kinds(self.program.states()),
             frees: &[],

@@ -1,15 +1,16 @@
 //! A one-storey structure on the table, reacting on it, whose stiffness may change with its drift: joints that crack and
 //! open soften, columns that go into tension stiffen, and its frequency moves with the size of the motion.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "payload_resonance",
     equation: "f = mu (w_s^2 k(d) d + 2 zeta_s w_s d'), d = x - x_s, k = 1 + h d^2/(1 + |h| d^2); x_s'' = f/mu",
     stage: Stage::Payload,
+    family: Family::Structure,
     parameters: &[
         Parameter {
             key: "mass_ratio",
@@ -76,7 +77,7 @@ pub const ENTRY: Entry = Entry {
 
 /// A one-storey structure.
 #[derive(Debug, Clone)]
-pub struct PayloadResonance<S> {
+pub(crate) struct PayloadResonance<S> {
     mass_ratio: S,
     frequency: S,
     damping: S,
@@ -85,7 +86,7 @@ pub struct PayloadResonance<S> {
 
 impl<S: Scalar> PayloadResonance<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[mass_ratio, hertz, damping, hardening] = parameters else { return None };
         Some(Self { mass_ratio, frequency: hertz * std::f64::consts::TAU, damping, hardening })
     }

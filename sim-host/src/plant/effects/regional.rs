@@ -14,7 +14,7 @@ use std::sync::Mutex;
 
 /// What an effect's strength depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Along {
+pub(crate) enum Along {
     /// Time from the start of a run, s.
     Time,
     /// Displacement, m.
@@ -27,7 +27,7 @@ pub enum Along {
 
 /// How it depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Shape {
+pub(crate) enum Shape {
     /// There between two values and nowhere else.
     Window,
     /// More, or less, in proportion.
@@ -36,10 +36,10 @@ pub enum Shape {
 
 impl Along {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Time, Self::Displacement, Self::Velocity, Self::Speed];
+    pub(crate) const ALL: [Self; 4] = [Self::Time, Self::Displacement, Self::Velocity, Self::Speed];
 
     /// The name used in files and results.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
             Self::Displacement => "displacement",
@@ -72,7 +72,7 @@ const CODE: &str = "region";
 const SCALE: &str = "scale";
 
 /// The code of a form, as the parameter `region` holds it: the first of the further ones; the scale, and what is fitted, follow.
-pub fn code(along: Along, shape: Shape) -> f64 {
+pub(crate) fn code(along: Along, shape: Shape) -> f64 {
     f64::from(along as u8) + if shape == Shape::Slope { 10.0 } else { 0.0 }
 }
 
@@ -86,7 +86,7 @@ fn decoded(code: f64) -> Option<(Along, Shape)> {
 const WHOLE: [&str; 4] = ["flow_softening", "oil_compliance", "load_dependent_flow", "gain_drift"];
 
 /// An effect of the library with a region; none for one that has no share of its strength.
-pub fn regional(plain: &'static Entry, along: Along, shape: Shape) -> Option<&'static Entry> {
+pub(crate) fn regional(plain: &'static Entry, along: Along, shape: Shape) -> Option<&'static Entry> {
     type Known = BTreeMap<(&'static str, Along, Shape), &'static Entry>;
     static KNOWN: Mutex<Known> = Mutex::new(BTreeMap::new());
     if WHOLE.contains(&plain.id) || super::own::found(plain.id).is_some() {
@@ -142,7 +142,7 @@ const fn further(key: &'static str, unit: &'static str, meaning: &'static str, r
 }
 
 /// The entry of a stated effect: with a region where one of its parameters' keys is a region's.
-pub fn stated<'a>(id: &str, keys: impl Iterator<Item = &'a str>) -> Option<&'static Entry> {
+pub(crate) fn stated<'a>(id: &str, keys: impl Iterator<Item = &'a str>) -> Option<&'static Entry> {
     let plain = entry(id)?;
     let keys: Vec<&str> = keys.collect();
     let all = Along::ALL.into_iter().flat_map(|along| [(along, Shape::Window), (along, Shape::Slope)]);
@@ -155,14 +155,14 @@ pub fn stated<'a>(id: &str, keys: impl Iterator<Item = &'a str>) -> Option<&'sta
 
 /// Where the further parameters of a regional effect's entry begin among its values, and what form these say it has; none for
 /// another effect.
-pub fn form(entry: &Entry, values: &[f64]) -> Option<(usize, Along, Shape)> {
+pub(crate) fn form(entry: &Entry, values: &[f64]) -> Option<(usize, Along, Shape)> {
     let place = entry.parameters.iter().position(|p| p.key == CODE)?;
     let (along, shape) = decoded(*values.get(place)?)?;
     Some((place, along, shape))
 }
 
 /// The window of a regional effect's entry and values: along what, from where, to where; none for another effect.
-pub fn window(entry: &Entry, values: &[f64]) -> Option<(Along, f64, f64)> {
+pub(crate) fn window(entry: &Entry, values: &[f64]) -> Option<(Along, f64, f64)> {
     match (form(entry, values)?, values) {
         ((_, along, Shape::Window), &[.., from, to]) => Some((along, from, to)),
         _ => None,
@@ -170,7 +170,7 @@ pub fn window(entry: &Entry, values: &[f64]) -> Option<(Along, f64, f64)> {
 }
 
 /// True for a parameter that only says which form an effect has.
-pub fn is_code(key: &str) -> bool {
+pub(crate) fn is_code(key: &str) -> bool {
     key == CODE
 }
 

@@ -3,12 +3,12 @@
 //! These are not physics and no search tries them: a diagnosis that has to call a mismatch unlisted fits them to what is
 //! left, so that the model predicts better and the curve's shape says what to look for.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// Knots of a curve, evenly spread over what the runs reach.
-pub const KNOTS: usize = 9;
+pub(crate) const KNOTS: usize = 9;
 
 /// Where a curve acts, and along what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +59,7 @@ const CURVES: [(Acts, Entry); 6] = [
 ];
 
 /// Every curve, in the order of the signal path's places above.
-pub fn entries() -> impl Iterator<Item = &'static Entry> {
+pub(crate) fn entries() -> impl Iterator<Item = &'static Entry> {
     const ALL: &[(Acts, Entry)] = &CURVES;
     ALL.iter().map(|(_, entry)| entry)
 }
@@ -90,6 +90,7 @@ const fn curve(
         id,
         equation,
         stage,
+        family: Family::Sensors,
         parameters,
         kinds: if matches!(stage, Stage::Flow) { SERVO } else { ANY },
         frees: &[],
@@ -137,14 +138,14 @@ const fn knots(along: Yardstick, unit: &'static str, height: Height) -> [Paramet
 }
 
 /// Where a curve's knots stand, in the unit of its coordinate; evenly from `-span` to `span`, of time from 0.
-pub fn places(id: &str, span: f64) -> Option<[f64; KNOTS]> {
+pub(crate) fn places(id: &str, span: f64) -> Option<[f64; KNOTS]> {
     let (acts, _) = CURVES.iter().find(|(_, entry)| entry.id == id)?;
     let low = if *acts == Acts::LimitByTime { 0.0 } else { -span };
     Some(std::array::from_fn(|i| low + (span - low) * i as f64 / (KNOTS - 1) as f64))
 }
 
 /// A curve with its parameters, in the order of its entry; none where the identifier is unknown.
-pub fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
+pub(crate) fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
     let (acts, _) = CURVES.iter().find(|(_, entry)| entry.id == id)?;
     let (&span, heights) = parameters.split_first()?;
     let heights: [S; KNOTS] = heights.try_into().ok()?;

@@ -1,14 +1,15 @@
 //! Something elastic between the table and the ground: hoses, cable chains, a gas spring, a gravity restoring force.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "spring",
     equation: "f = k x (1 + c x^2)",
     stage: Stage::Table,
+    family: Family::Contact,
     parameters: &[
         Parameter {
             key: "stiffness",
@@ -49,7 +50,7 @@ pub const ENTRY: Entry = Entry {
 
 /// A spring that hardens or softens with displacement.
 #[derive(Debug, Clone)]
-pub struct Spring<S> {
+pub(crate) struct Spring<S> {
     stiffness: S,
     hardening: S,
     /// It is straight, and no derivative asks what if it were not.
@@ -58,7 +59,7 @@ pub struct Spring<S> {
 
 impl<S: Scalar> Spring<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[stiffness, hardening] = parameters else { return None };
         let straight = (0..S::PARTS).all(|i| hardening.part(i) == 0.0);
         Some(Self { stiffness, hardening, straight })

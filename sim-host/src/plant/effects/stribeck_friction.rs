@@ -2,15 +2,16 @@
 
 use super::bristle::Bristles;
 use super::coulomb_friction::{FORCE, PRESLIDING};
-use super::{Dither, Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "stribeck_friction",
     equation: "f = (Fc + (Fs - Fc) exp(-(v/vs)^2)) z, dz/dt = (v - |v| z)/s",
     stage: Stage::Table,
+    family: Family::Friction,
     parameters: &[
         Parameter { starts: &[0.02, 0.2], ..FORCE },
         Parameter {
@@ -60,7 +61,7 @@ const PEAK: f64 = 6.5;
 
 /// Dry friction with a standstill peak.
 #[derive(Debug, Clone)]
-pub struct StribeckFriction<S> {
+pub(crate) struct StribeckFriction<S> {
     sliding: S,
     standstill: S,
     velocity: S,
@@ -69,7 +70,7 @@ pub struct StribeckFriction<S> {
 
 impl<S: Scalar> StribeckFriction<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[sliding, standstill, velocity, presliding] = parameters else { return None };
         Some(Self { sliding, standstill, velocity, bristles: Bristles::new(presliding) })
     }

@@ -3,15 +3,16 @@
 //!
 //! The pressure is relative to its start; running at the limit for long it falls by `depth`.
 
-use super::{Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "supply_droop",
     equation: "p' = (1 - p - D abs(v)/v_max)/T; gain and v_max times sqrt(p)",
     stage: Stage::Flow,
+    family: Family::Flow,
     parameters: &[
         Parameter {
             key: "depth",
@@ -56,14 +57,14 @@ pub const ENTRY: Entry = Entry {
 
 /// An accumulator that empties.
 #[derive(Debug, Clone)]
-pub struct SupplyDroop<S> {
+pub(crate) struct SupplyDroop<S> {
     depth: S,
     recovery: S,
 }
 
 impl<S: Scalar> SupplyDroop<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[depth, recovery] = parameters else { return None };
         Some(Self { depth, recovery })
     }

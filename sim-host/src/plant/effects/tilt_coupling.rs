@@ -1,14 +1,15 @@
 //! The table tilts as it travels, and gravity shows in the accelerometer.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::{GRAVITY, Kind};
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "tilt_coupling",
     equation: "a cos(k x) + g sin(k x)",
     stage: Stage::Sensor,
+    family: Family::Sensors,
     parameters: &[Parameter {
         key: "angle_per_displacement",
         unit: "rad/m",
@@ -34,13 +35,13 @@ pub const ENTRY: Entry = Entry {
 
 /// Gravity through tilt.
 #[derive(Debug, Clone)]
-pub struct TiltCoupling<S> {
+pub(crate) struct TiltCoupling<S> {
     angle: S,
 }
 
 impl<S: Scalar> TiltCoupling<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[angle] = parameters else { return None };
         Some(Self { angle })
     }

@@ -6,15 +6,16 @@
 //! of a share `r` of the half width does. Within the overlap the clearance may leave a share `l` of the gain.
 
 use super::shaken::positive_part;
-use super::{Dither, Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "valve_deadband",
     equation: "dz(u, d) + l clamp(u, -d, d), dz = u - clamp(u, -d, d), corners rounded over r d",
     stage: Stage::Valve,
+    family: Family::Valve,
     parameters: &[Parameter {
         key: "half_width",
         unit: "unit of u",
@@ -70,7 +71,7 @@ pub const ENTRY: Entry = Entry {
 
 /// Overlap of the spool's lands.
 #[derive(Debug, Clone)]
-pub struct ValveDeadband<S> {
+pub(crate) struct ValveDeadband<S> {
     half_width: S,
     rounding: S,
     leak: S,
@@ -85,7 +86,7 @@ fn blur<S: Scalar>(edge: S, noise: f64) -> S {
 
 impl<S: Scalar> ValveDeadband<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[half_width, rounding, leak] = parameters else { return None };
         Some(Self { half_width, rounding, leak, blur: blur(rounding * half_width, 0.0) })
     }

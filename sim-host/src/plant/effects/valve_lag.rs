@@ -1,15 +1,16 @@
 //! The spool follows its command as a second-order system, whose driving force may be limited: a torque motor or a pilot stage
 //! gives less than in proportion where the spool is far from its command.
 
-use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "valve_lag",
     equation: "s'' = w_v^2 e/(1 + k |e|) - 2 zeta w_v s', e = u - s",
     stage: Stage::Valve,
+    family: Family::Valve,
     parameters: &[
         Parameter {
             key: "frequency",
@@ -63,7 +64,7 @@ pub const ENTRY: Entry = Entry {
 
 /// Second-order spool.
 #[derive(Debug, Clone)]
-pub struct ValveLag<S> {
+pub(crate) struct ValveLag<S> {
     frequency: S,
     damping: S,
     weakness: S,
@@ -73,7 +74,7 @@ pub struct ValveLag<S> {
 
 impl<S: Scalar> ValveLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[hertz, damping, weakness] = parameters else { return None };
         let linear = (0..S::PARTS).all(|i| weakness.part(i) == 0.0);
         Some(Self { frequency: hertz * std::f64::consts::TAU, damping, weakness, linear })

@@ -4,15 +4,16 @@
 //! command the spool moves at its greatest rate, close to it as a first-order lag (Merritt, *Hydraulic Control Systems*,
 //! 1967, section 7-5).
 
-use super::{Effect, Ends, Entry, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "valve_rate_limit",
     equation: "s' = clamp((u - s)/tau, -R, R)",
     stage: Stage::Valve,
+    family: Family::Valve,
     parameters: &[
         Parameter {
             key: "rate",
@@ -54,7 +55,7 @@ pub const ENTRY: Entry = Entry {
 
 /// A limit on the spool's speed.
 #[derive(Debug, Clone)]
-pub struct ValveRateLimit<S> {
+pub(crate) struct ValveRateLimit<S> {
     rate: S,
     time: S,
     spool: S,
@@ -62,7 +63,7 @@ pub struct ValveRateLimit<S> {
 
 impl<S: Scalar> ValveRateLimit<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[rate, time] = parameters else { return None };
         Some(Self { rate, time, spool: S::from(0.0) })
     }

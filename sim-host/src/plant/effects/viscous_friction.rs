@@ -3,15 +3,16 @@
 //! A film of oil is sheared in proportion to the speed until the shear itself warms and thins it: the coefficient falls as
 //! speed rises.
 
-use super::{Effect, Ends, Entry, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
-pub const ENTRY: Entry = Entry {
+pub(crate) const ENTRY: Entry = Entry {
     id: "viscous_friction",
     equation: "f = c v / (1 + k abs(v))",
     stage: Stage::Table,
+    family: Family::Friction,
     parameters: &[
         Parameter {
             key: "coefficient",
@@ -56,7 +57,7 @@ pub const ENTRY: Entry = Entry {
 
 /// Friction that grows with velocity.
 #[derive(Debug, Clone)]
-pub struct ViscousFriction<S> {
+pub(crate) struct ViscousFriction<S> {
     coefficient: S,
     thinning: S,
     /// Nothing thins the film, and no derivative asks what if.
@@ -65,7 +66,7 @@ pub struct ViscousFriction<S> {
 
 impl<S: Scalar> ViscousFriction<S> {
     /// Takes the parameters in the order of [`ENTRY`].
-    pub fn new(parameters: &[S]) -> Option<Self> {
+    pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[coefficient, thinning] = parameters else { return None };
         let plain = (0..S::PARTS).all(|i| thinning.part(i) == 0.0);
         Some(Self { coefficient, thinning, plain })

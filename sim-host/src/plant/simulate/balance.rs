@@ -23,7 +23,7 @@ const MOST: usize = 12;
 
 /// The load per table mass, `x'' + c x' + f`, that the motion asks for; `states` says by how much the effects' states
 /// differ from rest at its start.
-pub fn balance<S: Scalar>(
+pub(crate) fn balance<S: Scalar>(
     viscous: S,
     effects: &[Placed<S>],
     motion: &MeasuredMotion,

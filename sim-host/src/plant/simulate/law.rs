@@ -103,7 +103,7 @@ pub struct Notch {
 
 /// A notch on its way through a run.
 #[derive(Debug, Clone)]
-pub struct NotchFilter<S> {
+pub(crate) struct NotchFilter<S> {
     b: [f64; 3],
     a: [f64; 2],
     x: [S; 2],
@@ -112,7 +112,7 @@ pub struct NotchFilter<S> {
 
 impl<S: Scalar> NotchFilter<S> {
     /// At rest, run every `tick` seconds.
-    pub fn new(notch: Notch, tick: f64) -> Self {
+    pub(crate) fn new(notch: Notch, tick: f64) -> Self {
         let k = (std::f64::consts::PI * notch.frequency * tick).tan();
         let size = 1.0 + 2.0 * notch.damping * k + k * k;
         let narrow = 2.0 * notch.damping * notch.depth * k;
@@ -128,12 +128,12 @@ impl<S: Scalar> NotchFilter<S> {
 
     /// The same after it has stood at a value for long: its gain at rest is one.
     #[must_use]
-    pub fn resting_at(self, value: S) -> Self {
+    pub(crate) fn resting_at(self, value: S) -> Self {
         Self { x: [value; 2], y: [value; 2], ..self }
     }
 
     /// One tick.
-    pub fn step(&mut self, x: S) -> S {
+    pub(crate) fn step(&mut self, x: S) -> S {
         let y = x * self.b[0] + self.x[0] * self.b[1] + self.x[1] * self.b[2]
             - self.y[0] * self.a[0]
             - self.y[1] * self.a[1];

@@ -4,6 +4,7 @@ use super::super::gates::{Gate, Limit};
 use super::super::record::Record;
 use super::outcome::{Judged, Outcome};
 use super::{calibration, strata};
+use crate::plant::effects::{ENTRIES, Family};
 use std::collections::BTreeMap;
 
 /// Longest processor time that 95 % of the cases may take (s).
@@ -147,16 +148,8 @@ fn families(all: &[Judged<'_>]) -> Vec<Gate> {
     counts.into_iter().map(gate).collect()
 }
 
-/// Family of an effect's parameter `ID.key`.
+/// Family of an effect's parameter `ID.key`; what is no effect of the library is a sensor's.
 fn family(parameter: &str) -> &'static str {
-    match parameter.split('.').next().unwrap_or_default() {
-        "null_bias" | "command_delay" => "command",
-        "valve_rate_limit" | "valve_lag" | "valve_deadband" | "asymmetric_gain" => "valve",
-        "flow_softening" | "asymmetric_limit" | "supply_droop" | "gain_drift" | "load_dependent_flow" => "flow",
-        "oil_compliance" | "leakage" => "oil column",
-        "viscous_friction" | "coulomb_friction" | "stribeck_friction" => "friction",
-        "end_stop" | "backlash" | "spring" => "contact",
-        "payload_resonance" | "base_compliance" => "structure",
-        _ => "sensors",
-    }
+    let id = parameter.split('.').next().unwrap_or_default();
+    ENTRIES.iter().find(|entry| entry.id == id).map_or(Family::Sensors, |entry| entry.family).name()
 }

@@ -1,4 +1,4 @@
-//! One case of examiner 2 scored. What counts as what is said here, in [`super::place`] and in [`super::set_up`].
+//! One case of examiner 2 scored. What counts as what is said here, in `place` and in `set_up`.
 
 use super::super::record::{Record, Reply, Truth};
 use super::super::score::{Score, score};

@@ -1,11 +1,11 @@
 //! A file's bytes read piece by piece; an end before its time is a flaw and no panic.
 
 /// What is wrong with a file's bytes, in words.
-pub type Flaw = String;
+pub(crate) type Flaw = String;
 
 /// Order of the bytes of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
+pub(crate) enum Order {
     /// The lowest first.
     Little,
     /// The highest first.
@@ -14,7 +14,7 @@ pub enum Order {
 
 /// Bytes and how far they are read.
 #[derive(Debug, Clone, Copy)]
-pub struct Bytes<'a> {
+pub(crate) struct Bytes<'a> {
     all: &'a [u8],
     at: usize,
     order: Order,
@@ -22,33 +22,28 @@ pub struct Bytes<'a> {
 
 impl<'a> Bytes<'a> {
     /// All of a file's bytes, from the first on.
-    pub fn new(all: &'a [u8], order: Order) -> Self {
+    pub(crate) fn new(all: &'a [u8], order: Order) -> Self {
         Self { all, at: 0, order }
     }
 
     /// How many bytes are read.
-    pub fn position(&self) -> usize {
+    pub(crate) fn position(&self) -> usize {
         self.at
     }
 
-    /// How many bytes are left.
-    pub fn left(&self) -> usize {
-        self.all.len() - self.at
-    }
-
     /// The order of the numbers.
-    pub fn order(&self) -> Order {
+    pub(crate) fn order(&self) -> Order {
         self.order
     }
 
     /// From here on numbers come in this order.
-    pub fn ordered(mut self, order: Order) -> Self {
+    pub(crate) fn ordered(mut self, order: Order) -> Self {
         self.order = order;
         self
     }
 
     /// The next bytes.
-    pub fn take(&mut self, count: usize) -> Result<&'a [u8], Flaw> {
+    pub(crate) fn take(&mut self, count: usize) -> Result<&'a [u8], Flaw> {
         let end = self.at.checked_add(count).filter(|end| *end <= self.all.len());
         let end = end.ok_or_else(|| format!("is cut off: {count} bytes are expected at byte {}", self.at))?;
         let bytes = &self.all[self.at..end];
@@ -57,7 +52,7 @@ impl<'a> Bytes<'a> {
     }
 
     /// Reads on from another place.
-    pub fn seek(&mut self, to: usize) -> Result<(), Flaw> {
+    pub(crate) fn seek(&mut self, to: usize) -> Result<(), Flaw> {
         if to > self.all.len() {
             return Err(format!("is cut off: it ends before byte {to}"));
         }
@@ -66,18 +61,13 @@ impl<'a> Bytes<'a> {
     }
 
     /// An unsigned number of four bytes.
-    pub fn u32(&mut self) -> Result<u32, Flaw> {
+    pub(crate) fn u32(&mut self) -> Result<u32, Flaw> {
         Ok(u32_of(self.take(4)?, self.order))
     }
 
     /// An unsigned number of eight bytes.
-    pub fn u64(&mut self) -> Result<u64, Flaw> {
+    pub(crate) fn u64(&mut self) -> Result<u64, Flaw> {
         Ok(u64_of(self.take(8)?, self.order))
-    }
-
-    /// A number of eight bytes with a fraction.
-    pub fn f64(&mut self) -> Result<f64, Flaw> {
-        Ok(f64::from_bits(self.u64()?))
     }
 }
 
@@ -93,16 +83,16 @@ fn padded<const N: usize>(bytes: &[u8], order: Order) -> [u8; N] {
 }
 
 /// The first two bytes as a number.
-pub fn u16_of(bytes: &[u8], order: Order) -> u16 {
+pub(crate) fn u16_of(bytes: &[u8], order: Order) -> u16 {
     u16::from_le_bytes(padded(bytes, order))
 }
 
 /// The first four bytes as a number.
-pub fn u32_of(bytes: &[u8], order: Order) -> u32 {
+pub(crate) fn u32_of(bytes: &[u8], order: Order) -> u32 {
     u32::from_le_bytes(padded(bytes, order))
 }
 
 /// The first eight bytes as a number.
-pub fn u64_of(bytes: &[u8], order: Order) -> u64 {
+pub(crate) fn u64_of(bytes: &[u8], order: Order) -> u64 {
     u64::from_le_bytes(padded(bytes, order))
 }

@@ -18,7 +18,7 @@ const OFF_GRID: f64 = 0.3;
 const SHORTEST: usize = 40;
 
 /// True for the first bytes of a file in this form.
-pub fn is_start(start: &[u8]) -> bool {
+pub(crate) fn is_start(start: &[u8]) -> bool {
     let three = start.starts_with(b"MS\x03");
     let two = start.len() >= 8
         && start[..6].iter().all(u8::is_ascii_digit)
@@ -34,7 +34,7 @@ struct Source {
 }
 
 /// Reads a file.
-pub fn parse(bytes: &[u8]) -> Result<Content, Flaw> {
+pub(crate) fn parse(bytes: &[u8]) -> Result<Content, Flaw> {
     let turned = order::big_endian(bytes);
     let bytes = turned.as_ref();
     let mut sources: BTreeMap<String, Source> = BTreeMap::new();

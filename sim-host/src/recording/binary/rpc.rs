@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 mod write;
 
-pub use write::{Points, RpcChannel, RpcError, render};
+pub(crate) use write::{Points, RpcChannel, RpcError, render};
 
 /// Bytes of a record of the header: a key of [`KEY`] bytes and a value.
 const RECORD: usize = 128;

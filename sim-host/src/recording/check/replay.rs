@@ -37,7 +37,7 @@ pub(super) struct Replay {
 impl Replay {
     /// Replays a run; none where it states no law or lacks a channel.
     pub(super) fn of(signals: &PerChannel<Cow<'_, [f64]>>, run: &Run) -> Option<Self> {
-        // What stands around a law is tested where the set-up is doubted.
+        // What surrounds a law is tested where the set-up is doubted.
         if run.shaping != Shaping::default() {
             return None;
         }
@@ -210,7 +210,7 @@ pub(super) fn check(run: &Run) -> Option<Finding> {
     }
     if limited(command, &replay) {
         return Some(whole(Fault::LimitedCommand, Severity::Remark).saying(
-            format!("{missed}, but only where the command stands at its largest or smallest value"),
+            format!("{missed}, but only where the command is at its largest or smallest value"),
             "the controller limits its output; state it as `{ core = ... }`, or leave `controller` out",
         ));
     }

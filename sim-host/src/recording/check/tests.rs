@@ -285,7 +285,7 @@ fn harmonics_of_a_saw_tooth_are_no_hum() {
         let run = run_of(columns, dt, Law::ProportionalIntegral { kp: 3.7, ki: 0.6 });
         hum::check(&run).iter().any(|f| f.channel == "acceleration")
     };
-    assert!(!hums(0.0), "a harmonic was taken for hum");
+    assert!(!hums(0.0), "a harmonic was mistaken for hum");
     assert!(hums(2.0), "hum was overlooked");
 }
 
@@ -427,7 +427,7 @@ fn data() -> PathBuf {
 fn the_real_tables_are_sound_and_their_late_accelerometers_are_found() {
     let folder = data().join("recordings/shake_table");
     if !folder.exists() {
-        eprintln!("skipped: no {}", folder.display());
+        crate::skipped::without(&folder);
         return;
     }
     for name in ["CHY027", "KAU039", "TAP089"] {
@@ -447,7 +447,7 @@ fn the_real_tables_are_sound_and_their_late_accelerometers_are_found() {
 fn emps(file: &str, more: &str) -> Option<Experiment> {
     let path = data().join("recordings/emps").join(file);
     if !path.exists() {
-        eprintln!("skipped: no {}", path.display());
+        crate::skipped::without(&path);
         return None;
     }
     let folder = tempfile::TempDir::new().unwrap();

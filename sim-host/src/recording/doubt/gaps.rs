@@ -1,4 +1,4 @@
-//! Gaps too long to be bridged: a run is cut there, and what stands on either side serves as runs of their own.
+//! Gaps too long to be bridged: a run is cut there, and what lies on either side serves as runs of their own.
 //!
 //! A simulation in closed loop needs the reference all the time. A gap is bridged where bridges over known samples beside it err by
 //! no more than twice the noise of the displacement; a longer one would be a guess. A run that is cut starts in motion, with the

@@ -217,7 +217,7 @@ fn the_real_experiments_are_read() {
     let data = std::env::var("SHAKEDOWN_DATA").map_or_else(|_| "../../shared/data".into(), PathBuf::from);
     let folder = data.join("recordings/shake_table");
     if !folder.exists() {
-        eprintln!("skipped: no {}", folder.display());
+        crate::skipped::without(&folder);
         return;
     }
     for (name, samples) in [("CHY027", 6473), ("KAU039", 6220), ("TAP089", 5766)] {

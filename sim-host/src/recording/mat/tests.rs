@@ -125,7 +125,7 @@ fn the_real_files_are_read() {
     let data = std::env::var("SHAKEDOWN_DATA").unwrap_or_else(|_| "../../shared/data".into());
     let path = Path::new(&data).join("recordings/emps/DATA_EMPS.mat");
     if !path.exists() {
-        eprintln!("skipped: no {}", path.display());
+        crate::skipped::without(&path);
         return;
     }
     let table = crate::recording::file::read(&path, &["t", "qg", "qm", "vir"]).unwrap();

@@ -1,10 +1,11 @@
 //! Coloured noise as an autoregression, `x[k] = sum_i a_i x[k-i] + e[k]`.
 
+#[cfg(test)]
 use std::f64::consts::PI;
 
 /// An autoregression; without coefficients it is white noise.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Autoregression {
+pub(crate) struct Autoregression {
     /// The coefficients `a_1, a_2, ...`
     pub coefficients: Vec<f64>,
     /// Standard deviation of the innovation e, the samples' unit.
@@ -15,7 +16,7 @@ impl Autoregression {
     /// Fits by Burg's method, the order up to `highest` chosen by the Bayesian information criterion.
     ///
     /// Source: J. P. Burg, "Maximum entropy spectral analysis", 1975.
-    pub fn fit(samples: &[f64], highest: usize) -> Self {
+    pub(crate) fn fit(samples: &[f64], highest: usize) -> Self {
         let n = samples.len() as f64;
         let cost = |fit: &Self| {
             n * (fit.innovation.powi(2)).max(f64::MIN_POSITIVE).ln() + n.ln() * fit.coefficients.len() as f64
@@ -25,15 +26,14 @@ impl Autoregression {
             .min_by(|a, b| cost(a).total_cmp(&cost(b)))
             .unwrap_or(Self { coefficients: Vec::new(), innovation: 0.0 })
     }
+}
 
-    /// Fits one order by Burg's method.
-    pub fn of_order(samples: &[f64], order: usize) -> Self {
-        burg(samples, order).pop().unwrap_or(Self { coefficients: Vec::new(), innovation: 0.0 })
-    }
-
+/// What tests hold a fit against.
+#[cfg(test)]
+impl Autoregression {
     /// The innovations behind samples: white where the samples are of this colour. The first ones, before the past is
     /// long enough, use what past there is.
-    pub fn whitened(&self, samples: &[f64]) -> Vec<f64> {
+    pub(crate) fn whitened(&self, samples: &[f64]) -> Vec<f64> {
         (0..samples.len())
             .map(|k| {
                 let past = self.coefficients.iter().zip(samples[..k].iter().rev());
@@ -43,7 +43,7 @@ impl Autoregression {
     }
 
     /// One-sided power spectral density at a frequency in Hz, the samples' unit squared per Hz.
-    pub fn power(&self, frequency: f64, dt: f64) -> f64 {
+    pub(crate) fn power(&self, frequency: f64, dt: f64) -> f64 {
         let phase = 2.0 * PI * frequency * dt;
         let (re, im) = self.coefficients.iter().zip(1..).fold((1.0, 0.0), |(re, im), (a, i): (&f64, i32)| {
             (re - a * (f64::from(i) * phase).cos(), im + a * (f64::from(i) * phase).sin())

@@ -85,7 +85,7 @@ fn the_real_folders_are_understood() {
     let data = std::env::var("SHAKEDOWN_DATA").map_or_else(|_| "../../shared/data".into(), PathBuf::from);
     let (table, emps) = (data.join("recordings/shake_table"), data.join("recordings/emps"));
     if !table.exists() {
-        eprintln!("skipped: no {}", table.display());
+        crate::skipped::without(&table);
         return;
     }
     let proposal = propose(&table).unwrap();

@@ -116,7 +116,7 @@ fn runs(
     choices: &[Choice],
     control: Option<&Loop>,
 ) {
-    text.push_str("# No run says `use`, so some are held back to judge by: the last quarter of several runs, the last third of one.\n");
+    text.push_str("# No run says `use`, so some are held out to judge by: the last quarter of several runs, the last third of one.\n");
     for file in files {
         let _ = writeln!(text, "[[runs]]\nfile = {}", toml_string(file));
         match control {

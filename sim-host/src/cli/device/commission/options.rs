@@ -3,7 +3,7 @@
 use super::failed;
 use crate::cli::Failure;
 use crate::cli::output::print;
-use shakedown::device::{Port, Session};
+use crate::device::{Port, Session};
 use shakedown_core::link::{HostRequest, OptionByte, OptionPurpose, Report};
 use std::fmt::Write as _;
 

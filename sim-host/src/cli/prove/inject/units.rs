@@ -1,6 +1,6 @@
 //! The units that a stretch's samples are written in.
 
-use shakedown::recording::channel::Channel;
+use crate::recording::channel::Channel;
 
 /// The SI unit that a channel's samples are in, given its entry.
 pub(super) fn si(channel: Channel, stated: Option<&toml::Value>) -> &'static str {

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// A damped oscillator.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oscillator {
+pub(crate) struct Oscillator {
     /// Natural frequency, rad/s.
     natural: f64,
     /// Damped frequency, rad/s.
@@ -20,7 +20,7 @@ pub struct Oscillator {
 
 /// A peak of a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Peak {
+pub(crate) struct Peak {
     /// When, s from the first sample.
     pub time: f64,
     /// Absolute acceleration there, m/s2, signed.
@@ -34,13 +34,13 @@ const MEMORY: f64 = 9.0;
 
 impl Oscillator {
     /// An oscillator of a natural `period`, s, and a damping ratio below 1.
-    pub fn new(period: f64, damping: f64) -> Self {
+    pub(crate) fn new(period: f64, damping: f64) -> Self {
         let natural = TAU / period;
         Self { natural, damped: natural * (1.0 - damping * damping).sqrt(), decay: damping * natural }
     }
 
     /// Natural period, s.
-    pub fn period(&self) -> f64 {
+    pub(crate) fn period(&self) -> f64 {
         TAU / self.natural
     }
 
@@ -62,7 +62,7 @@ impl Oscillator {
     ///
     /// The impulse response exp(-d t) (2 d cos + (w_d - d^2 / w_d) sin) jumps to 2 d, rises to its first extreme and then
     /// swings through extremes that shrink by exp(-pi d / w_d) each.
-    pub fn variation(&self) -> f64 {
+    pub(crate) fn variation(&self) -> f64 {
         let (d, w) = (self.decay, self.damped);
         let (rise, jump) = (w - d * d / w, 2.0 * d);
         let angle = (w / d).atan() - jump.atan2(rise);
@@ -90,7 +90,7 @@ impl Oscillator {
     }
 
     /// The largest response to an acceleration, m/s2, every `dt` s.
-    pub fn peak(&self, acceleration: &[f64], dt: f64) -> Peak {
+    pub(crate) fn peak(&self, acceleration: &[f64], dt: f64) -> Peak {
         let mut best = Peak { time: 0.0, value: 0.0 };
         self.respond(acceleration, dt, |time, value| {
             if value.abs() > best.value.abs() {

@@ -1,7 +1,7 @@
 //! Frequencies at which no motion within the limits satisfies a standard, whatever grid of points a laboratory lays.
 
 use super::super::super::fit::Limits;
-use super::super::{Required, Standard};
+use super::super::Requirement;
 use super::bound::reachable;
 
 /// A frequency that no motion within the limits reaches.
@@ -19,7 +19,8 @@ pub struct Unreachable {
 
 /// The frequencies at which what is required is beyond what any motion reaches, dips taken into account: a single point may lie
 /// below by so much, never two neighbours, never more than so many.
-pub(super) fn unreachable(standard: &Standard, required: &Required, lowest: f64, limits: &Limits) -> Vec<Unreachable> {
+pub(super) fn unreachable(asked: Requirement<'_>, limits: &Limits) -> Vec<Unreachable> {
+    let Requirement { standard, required, lowest } = asked;
     // A laboratory may lay the points where it likes: two of them per octave and offset are always in a band as wide as their distance.
     let each = f64::from(standard.per_octave as u32) * 12.0;
     let count = ((standard.band.1 / lowest).log2() * each + 1e-9).floor() as usize;

@@ -5,7 +5,7 @@ use super::super::super::fit::Limits;
 use super::super::super::resample::Interpolation;
 use super::super::super::{Motion, peak};
 use super::super::synthesise::sines;
-use super::super::{QualifyError, Required, Shape, Standard};
+use super::super::{QualifyError, Requirement, Shape, Standard};
 use super::reached;
 use realfft::RealFftPlanner;
 
@@ -24,16 +24,10 @@ fn shape(standard: &Standard) -> Shape {
 }
 
 /// Random motion without what lies far below the lowest frequency judged, which costs stroke and gives nothing.
-pub(super) fn plain(
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
-    margin: f64,
-    seed: u64,
-) -> Result<Motion, QualifyError> {
-    let shape = shape(standard);
-    let made = sines(standard, required, lowest, margin, &shape, seed)?;
-    Ok(settled(Motion::from_acceleration(1.0 / shape.rate, made), lowest))
+pub(super) fn plain(asked: Requirement<'_>, margin: f64, seed: u64) -> Result<Motion, QualifyError> {
+    let shape = shape(asked.standard);
+    let made = sines(asked, margin, &shape, seed)?;
+    Ok(settled(Motion::from_acceleration(1.0 / shape.rate, made), asked.lowest))
 }
 
 /// The motion with rest at either end and without drift.
@@ -45,43 +39,33 @@ fn settled(motion: Motion, lowest: f64) -> Motion {
 
 /// The same with its velocity clipped and its spectrum corrected, in rounds; the last motion within the limits whose spectrum came
 /// nearest, else the last.
-pub(super) fn clipped(
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
-    margin: f64,
-    limits: &Limits,
-    seed: u64,
-) -> Result<Motion, QualifyError> {
-    let motion = plain(standard, required, lowest, margin, seed)?;
-    rounds(motion, standard, required, lowest, margin, limits, false)
+pub(super) fn clipped(asked: Requirement<'_>, margin: f64, limits: &Limits, seed: u64) -> Result<Motion, QualifyError> {
+    let motion = plain(asked, margin, seed)?;
+    rounds(motion, asked, margin, limits, false)
 }
 
 /// A record, brought to the rate that the standard needs, its spectrum corrected in the same way.
 pub(super) fn corrected_from(
     record: &Motion,
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
+    asked: Requirement<'_>,
     margin: f64,
     limits: &Limits,
 ) -> Result<Motion, QualifyError> {
-    let step = Step::Resample { rate_hz: shape(standard).rate, between: Interpolation::Linear };
+    let step = Step::Resample { rate_hz: shape(asked.standard).rate, between: Interpolation::Linear };
     let motion = step.apply(record.clone()).unwrap_or_else(|_| record.clone());
-    rounds(settled(motion, lowest), standard, required, lowest, margin, limits, true)
+    rounds(settled(motion, asked.lowest), asked, margin, limits, true)
 }
 
 /// Rounds of clipping and correcting: the first motion that reaches the spectrum, or, where it is to come `near`, the one of all rounds
 /// that passes it by least in the mean.
 fn rounds(
     mut motion: Motion,
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
+    asked: Requirement<'_>,
     margin: f64,
     limits: &Limits,
     near: bool,
 ) -> Result<Motion, QualifyError> {
+    let Requirement { standard, required, lowest } = asked;
     // What lies between the points of the correction is looked at where the motion is to lie near above the spectrum.
     let each = if near { BETWEEN } else { 1 };
     let points = POINTS * each as f64;

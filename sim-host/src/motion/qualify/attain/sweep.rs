@@ -7,7 +7,7 @@
 
 use super::super::super::Motion;
 use super::super::super::fit::Limits;
-use super::super::{QualifyError, Required, Standard};
+use super::super::{QualifyError, Requirement};
 use super::reached;
 use std::f64::consts::{FRAC_PI_2, LN_2, PI};
 
@@ -47,14 +47,8 @@ fn shape(level: f64, phase: f64) -> f64 {
 }
 
 /// The sweep.
-pub(super) fn sweep(
-    standard: &Standard,
-    required: &Required,
-    lowest: f64,
-    margin: f64,
-    limits: &Limits,
-    cycles: f64,
-) -> Result<Motion, QualifyError> {
+pub(super) fn sweep(asked: Requirement<'_>, margin: f64, limits: &Limits, cycles: f64) -> Result<Motion, QualifyError> {
+    let Requirement { standard, required, lowest } = asked;
     let (low, high) = (0.93 * lowest, 1.07 * standard.band.1);
     let count = ((high / low).log2() * POINTS).ceil() as usize;
     let frequencies: Vec<f64> = (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Exponents of metre, second, kilogram and the command's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Dimension {
+pub(crate) struct Dimension {
     exponents: [f64; 4],
 }
 
@@ -28,22 +28,22 @@ const UNITS: &[(&str, [f64; 4])] = &[
 
 impl Dimension {
     /// A number.
-    pub const NONE: Self = Self { exponents: [0.0; 4] };
+    pub(crate) const NONE: Self = Self { exponents: [0.0; 4] };
     /// m.
-    pub const LENGTH: Self = Self { exponents: [1.0, 0.0, 0.0, 0.0] };
+    pub(crate) const LENGTH: Self = Self { exponents: [1.0, 0.0, 0.0, 0.0] };
     /// s.
-    pub const TIME: Self = Self { exponents: [0.0, 1.0, 0.0, 0.0] };
+    pub(crate) const TIME: Self = Self { exponents: [0.0, 1.0, 0.0, 0.0] };
     /// m/s.
-    pub const VELOCITY: Self = Self { exponents: [1.0, -1.0, 0.0, 0.0] };
+    pub(crate) const VELOCITY: Self = Self { exponents: [1.0, -1.0, 0.0, 0.0] };
     /// m/s2.
-    pub const ACCELERATION: Self = Self { exponents: [1.0, -2.0, 0.0, 0.0] };
+    pub(crate) const ACCELERATION: Self = Self { exponents: [1.0, -2.0, 0.0, 0.0] };
     /// N.
-    pub const FORCE: Self = Self { exponents: [1.0, -2.0, 1.0, 0.0] };
+    pub(crate) const FORCE: Self = Self { exponents: [1.0, -2.0, 1.0, 0.0] };
     /// The command's.
-    pub const COMMAND: Self = Self { exponents: [0.0, 0.0, 0.0, 1.0] };
+    pub(crate) const COMMAND: Self = Self { exponents: [0.0, 0.0, 0.0, 1.0] };
 
     /// From a unit as it is written: `m/s2`, `1/s`, `N s/m`, `1/(m2 s2)`.
-    pub fn of_unit(text: &str) -> Result<Self, String> {
+    pub(crate) fn of_unit(text: &str) -> Result<Self, String> {
         let (above, below) = text.split_once('/').unwrap_or((text, ""));
         let below = below.trim();
         let below = below.strip_prefix('(').and_then(|b| b.strip_suffix(')')).unwrap_or(below);

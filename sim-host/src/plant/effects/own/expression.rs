@@ -90,7 +90,7 @@ impl Default for Tree {
 
 impl Tree {
     pub(super) fn pair(operation: Operation, a: Self, b: Self) -> Self {
-        // A signed number is a number: what stands in an exponent must be one.
+        // A signed number is a number: what an exponent holds must be one.
         if let (Operation::Subtract, Self::Number(0.0), Self::Number(n)) = (operation, &a, &b) {
             return Self::Number(-n);
         }

@@ -8,7 +8,7 @@ use crate::scalar::{Dual, Scalar};
 /// Where an expression, or its derivative, leaves the numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("is not finite at {at}; keep the ranges of its parameters away from there, or add what keeps it finite")]
-pub struct NotFinite {
+pub(super) struct NotFinite {
     /// States and parameters, in words.
     pub at: String,
 }

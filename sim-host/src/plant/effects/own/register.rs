@@ -19,7 +19,7 @@ static KNOWN: RwLock<BTreeMap<&'static str, &'static Registered>> = RwLock::new(
 /// Another effect has this identifier.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("`{id}` stands for another effect in a file read before: {before}; call one of them otherwise")]
-pub struct Taken {
+pub(crate) struct Taken {
     /// The identifier.
     pub id: String,
     /// The other's expression.
@@ -27,7 +27,7 @@ pub struct Taken {
 }
 
 /// Makes an effect known by its identifier, and gives its entry; the same effect may come again.
-pub fn register(own: Own) -> Result<&'static Entry, Taken> {
+pub(crate) fn register(own: Own) -> Result<&'static Entry, Taken> {
     let mut known = KNOWN.write().unwrap_or_else(PoisonError::into_inner);
     if let Some(before) = known.get(own.stated.id.as_str()) {
         return if before.own.stated == own.stated {
@@ -47,6 +47,6 @@ pub(super) fn registered(id: &str) -> Option<&'static Registered> {
 }
 
 /// An effect of a user's own as it was stated, and its entry.
-pub fn found(id: &str) -> Option<(&'static Stated, &'static Entry)> {
+pub(crate) fn found(id: &str) -> Option<(&'static Stated, &'static Entry)> {
     registered(id).map(|r| (&r.own.stated, &r.entry))
 }

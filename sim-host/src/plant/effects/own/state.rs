@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 
 /// What of the plant an expression can see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
+pub(crate) enum State {
     /// Displacement of the table, m.
     Displacement,
     /// Velocity, m/s.
@@ -24,7 +24,7 @@ pub enum State {
 
 impl State {
     /// Every state.
-    pub const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::Displacement,
         Self::Velocity,
         Self::Acceleration,
@@ -35,7 +35,7 @@ impl State {
     ];
 
     /// Its name in files and expressions.
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Displacement => "displacement",
             Self::Velocity => "velocity",

@@ -9,7 +9,7 @@ const FRAME: usize = 1024;
 
 /// How points are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Points {
+pub(crate) enum Points {
     /// Single precision (`FLOATING_POINT`), which RPC III has but its releases 5.0x do not read.
     #[default]
     Float,
@@ -19,7 +19,7 @@ pub enum Points {
 
 /// One channel of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RpcChannel {
+pub(crate) struct RpcChannel {
     /// What it is.
     pub name: String,
     /// Unit of its values.
@@ -30,7 +30,7 @@ pub struct RpcChannel {
 
 /// Why a file cannot be written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RpcError {
+pub(crate) enum RpcError {
     /// What fills the last frame would be a step.
     #[error(
         "channel `{name}` ends at {value:.3e} {unit} of {peak:.3e}: RPC III fills its last frame with zeros, which would be a step \
@@ -52,7 +52,7 @@ pub enum RpcError {
 }
 
 /// A file with these channels every `dt` s; `facts` are further records of the header, each cut to its field.
-pub fn render(
+pub(crate) fn render(
     dt: f64,
     channels: &[RpcChannel],
     facts: &[(String, String)],
