@@ -84,11 +84,14 @@ impl Modifier {
         }
     }
 
-    /// Puts `state` at rest at `reference` (m). A preview stays where it is: on a small target the stack does not hold
-    /// another.
+    /// Puts `state` at rest at `reference` (m). Where it is of this modifier it stays where it is: moved, it would take its largest
+    /// kind's bytes along, those of a preview, which is thousands of instructions in one tick and more than a small target's stack.
     #[inline(never)]
     pub(crate) fn restart(&self, state: &mut ModifierState, reference: f32) {
         match (self, &mut *state) {
+            (Self::Off, ModifierState::Off) => {}
+            (Self::Clip(_), ModifierState::Clip(state)) => *state = clip::State::at(reference),
+            (Self::Causal(_), ModifierState::Causal(state)) => *state = causal::State::at(reference),
             (Self::Preview(_), ModifierState::Preview(state)) => state.restart(reference),
             _ => *state = self.start(reference),
         }

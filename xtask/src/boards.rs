@@ -25,7 +25,7 @@ pub(crate) struct Board {
     pub(crate) chip: String,
     /// Where its flash begins.
     pub(crate) flash: u32,
-    /// It is the one that is flashed, replayed and built twice where none is named.
+    /// It is the one that is flashed and replayed where none is named.
     #[serde(default)]
     default: bool,
 }

@@ -105,7 +105,7 @@ const CHORES: &[Chore] = &[
     Chore { name: "sbom", does: "writes the list of all that is built in, as CycloneDX JSON [FILE]", run: sbom::run },
     Chore {
         name: "reproduce",
-        does: "builds host tool and image from two folders and compares the bytes [tool|firmware]",
+        does: "builds host tool and every board's image from two folders and compares the bytes [tool|firmware|BOARD]",
         run: reproduce::run,
     },
     Chore {

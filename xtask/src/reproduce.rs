@@ -1,42 +1,69 @@
 //! The same sources give the same bytes: builds twice, from two folders into two others, and compares.
 
+use crate::boards::{self, Board};
+use crate::firmware;
 use crate::output::say;
 use crate::shell::{Problem, command, read, run as execute, top};
-use crate::{boards, firmware};
 use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What can be built twice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum Product {
     /// The host tool.
     Tool,
-    /// The firmware image.
-    Firmware,
+    /// The firmware image of a board.
+    Image(Board),
 }
 
-/// The chore: builds the host tool and the image, or one of them, twice from scratch and compares what came out.
-pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
-    let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    let products = match words.as_slice() {
-        [] => vec![Product::Tool, Product::Firmware],
-        ["tool"] => vec![Product::Tool],
-        ["firmware"] => vec![Product::Firmware],
-        _ => return Err(Problem::Usage("reproduce takes `tool`, `firmware` or nothing".into())),
-    };
-    let elsewhere = copied()?;
-    for product in products {
-        let built = [build(product, &top(), "first")?, build(product, &elsewhere, "second-of-another-length")?];
-        for hash in &built {
-            say(&format!("{product:?}: sha256 {hash}"));
-        }
-        if built[0] != built[1] {
-            return Err(Problem::Failed(format!("the two builds of {product:?} differ")));
+impl Product {
+    /// Its name for people.
+    fn name(&self) -> &str {
+        match self {
+            Self::Tool => "host tool",
+            Self::Image(board) => &board.title,
         }
     }
-    Ok(())
+}
+
+/// The chore: builds the host tool and the image of every board, or those named, twice from scratch and compares what came out.
+pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
+    let products = products(words, boards::all()?)?;
+    let elsewhere = copied()?;
+    let mut differ = Vec::new();
+    for product in &products {
+        let built = [build(product, &top(), "first")?, build(product, &elsewhere, "second-of-another-length")?];
+        for hash in &built {
+            say(&format!("{}: sha256 {hash}", product.name()));
+        }
+        if built[0] != built[1] {
+            differ.push(product.name());
+        }
+    }
+    if differ.is_empty() {
+        Ok(())
+    } else {
+        Err(Problem::Failed(format!("the two builds differ: {}", differ.join(", "))))
+    }
+}
+
+/// What `words` name: the tool, the firmware of all `boards`, or that of one; everything where they name nothing.
+fn products(words: &[String], boards: Vec<Board>) -> Result<Vec<Product>, Problem> {
+    let names: Vec<String> = boards.iter().map(|board| board.name.clone()).collect();
+    let images = boards.into_iter().map(Product::Image);
+    let one = |name: &str| images.clone().find(|image| matches!(image, Product::Image(board) if board.name == name));
+    match words {
+        [] => Ok(std::iter::once(Product::Tool).chain(images).collect()),
+        [word] if word == "tool" => Ok(vec![Product::Tool]),
+        [word] if word == "firmware" => Ok(images.collect()),
+        [word] if let Some(image) = one(word) => Ok(vec![image]),
+        _ => Err(Problem::Usage(format!(
+            "reproduce takes `tool`, `firmware`, the name of a board ({}) or nothing",
+            names.join(", ")
+        ))),
+    }
 }
 
 /// A copy of the sources in another place, as they are now.
@@ -59,16 +86,15 @@ fn copied() -> Result<PathBuf, Problem> {
 
 /// Builds the sources in `from` into a folder of their own, every path in the result cut down to a name that no folder
 /// changes.
-fn build(product: Product, from: &Path, name: &str) -> Result<String, Problem> {
+fn build(product: &Product, from: &Path, name: &str) -> Result<String, Problem> {
     let folder = top().join("target/reproduce").join(name);
     let (mut cargo, flags, made) = match product {
         Product::Tool => {
             let cargo = command(&["cargo", "build", "--release", "--locked", "--package", "shakedown"]);
             (cargo, remap(from, &folder), folder.join("release/shakedown"))
         }
-        Product::Firmware => {
+        Product::Image(board) => {
             let flags = format!("{} {}", firmware::LINKER, remap(from, &folder));
-            let board = boards::default()?;
             (board.command()?, flags, board.built(&folder))
         }
     };
@@ -103,4 +129,26 @@ pub(crate) fn sha256(path: &Path) -> Result<String, Problem> {
         let _ = write!(text, "{byte:02x}");
         text
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nothing named is everything, and a board that is not there is refused with those that are.
+    #[test]
+    fn every_board_is_built_twice_unless_one_is_named() {
+        let boards = || boards::all().unwrap();
+        let asked = |words: &[&str]| {
+            let words: Vec<String> = words.iter().map(ToString::to_string).collect();
+            products(&words, boards()).map(|products| products.iter().map(|p| p.name().to_owned()).collect::<Vec<_>>())
+        };
+        let titles: Vec<String> = boards().into_iter().map(|board| board.title).collect();
+        assert_eq!(asked(&["firmware"]).unwrap(), titles);
+        assert_eq!(asked(&[]).unwrap(), [vec!["host tool".to_owned()], titles.clone()].concat());
+        let last = boards().pop().unwrap();
+        assert_eq!(asked(&[&last.name]).unwrap(), std::slice::from_ref(&last.title));
+        let Err(Problem::Usage(why)) = asked(&["stm32f4"]) else { panic!("it was taken") };
+        assert!(why.contains(&last.name), "{why}");
+    }
 }

@@ -43,6 +43,8 @@ pub struct Seen {
     pub progress: Progress,
     /// What goes wrong.
     pub mischief: Option<Mischief>,
+    /// What the valve gets in place of the output, and from which tick on: the wire to its amplifier is shorted.
+    pub shorted: Option<(usize, u16)>,
     /// What the scans of on-chip converters read; none for what is at the converters, without noise.
     pub scanner: Option<Scanner>,
     /// Ticks still to run after the end, so that the last telemetry arrives.
@@ -78,6 +80,7 @@ impl Seen {
             times: Vec::new(),
             progress: Progress::Going(0),
             mischief: None,
+            shorted: None,
             scanner: None,
             after: 100,
             limit,
@@ -104,7 +107,9 @@ impl World for Seen {
         if let (Some(output), Some(last)) = (tick.output, self.codes.last_mut()) {
             last.output = output;
             last.relay = tick.relay;
-            self.bench.advance(output, tick.relay);
+            let now = self.codes.len();
+            let shorted = self.shorted.filter(|&(from, _)| now > from);
+            self.bench.advance(shorted.map_or(output, |(_, code)| code), tick.relay);
         }
         if tick.relay && !self.relay && self.bench.played.is_none() {
             self.bench.played = Some(0);

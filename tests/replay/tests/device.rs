@@ -81,8 +81,8 @@ impl World for Wired {
     }
 }
 
-/// Codes of LVDT and accelerometer in place of the bench's, where they are not 0.
-static SHOWN: [AtomicU16; 2] = [AtomicU16::new(0), AtomicU16::new(0)];
+/// Codes of LVDT, accelerometer and existing command in place of the bench's, where they are not 0.
+static SHOWN: [AtomicU16; 3] = [const { AtomicU16::new(0) }; 3];
 
 /// One device at a time: the host's patience is by the clock on the wall, so the board must keep up with it.
 static ALONE: Mutex<()> = Mutex::new(());
@@ -405,6 +405,26 @@ fn a_proof_test_that_fails_is_said_and_a_run_asks_for_one() {
     assert!(!out.exists(), "a run began");
     assert!(world.codes.iter().any(|codes| codes.relay), "the relay was never tried");
     assert!(!world.codes.iter().rev().nth(1).unwrap().relay, "it was left armed");
+}
+
+/// An existing command that is shorted reads zero whatever its controller asks for, which the proof test finds and nothing else.
+#[test]
+fn a_proof_test_finds_a_command_that_is_shorted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (guarding, file) = guarding(folder.path());
+    with_bench(Bench::new(guarding, Vec::new()), |port, _| {
+        let port = port.to_str().unwrap();
+        shakedown(&["device", "--port", port, "set", file.to_str().unwrap()], "");
+        // +2 V at 3276 codes a volt; this device's stop and switches do nothing.
+        for (code, failed) in [(0, "step 1, 3, 5, 7;"), (32_768 + 6552, "step 1, 3, 5;")] {
+            SHOWN[2].store(code, Ordering::Relaxed);
+            let mut child = begun_in(folder.path(), &["device", "--port", port, "commission", "--daily"]);
+            child.stdin.take().unwrap().write_all(b"\n\n\n\n\n\n\n\nyes\nyes\n").unwrap();
+            let said = child.wait_with_output().unwrap();
+            assert!(String::from_utf8_lossy(&said.stderr).contains(failed), "{said:?}");
+        }
+        SHOWN[2].store(0, Ordering::Relaxed);
+    });
 }
 
 /// Name of an option byte, and whether it is as the board asks.

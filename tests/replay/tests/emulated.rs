@@ -17,4 +17,5 @@ mod rehearsal;
 mod relay;
 mod resolution;
 mod second_opinion;
+mod shorts;
 mod silicon;

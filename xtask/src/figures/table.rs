@@ -190,7 +190,12 @@ pub(super) const FIGURES: &[Figure] = &[
         "under 4 minutes",
         "time CARGO_TARGET_DIR=$(mktemp -d) cargo build --release --locked",
     ),
-    figure(BUILD, "two builds of host tool and image, from two folders", "the same bytes", "cargo xtask reproduce"),
+    figure(
+        BUILD,
+        "two builds of host tool and every board's image, from two folders",
+        "the same bytes",
+        "cargo xtask reproduce",
+    ),
     figure(
         BUILD,
         "requests and console messages of a report in Chromium",

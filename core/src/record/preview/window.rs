@@ -2,13 +2,15 @@
 
 /// A ring of steps. Beside it, for each run, the places of its highest and its lowest step within it: the runs of 4 first,
 /// two places in a byte, then those of 16 likewise, then those of 64, each place a byte. A run counts what has been pushed
-/// of it so far.
+/// of it so far. Steps from before it was brought to rest are none, whatever their slots hold: to empty it takes one store,
+/// not a pass over it.
 #[derive(Debug, Clone)]
 pub(super) struct Window<const N: usize, const PLACES: usize> {
     /// Displacement moved in one tick, m.
     steps: [f32; N],
     places: [u8; PLACES],
-    /// Steps pushed so far; wraps, which a power of two does not notice.
+    /// Steps pushed since it rested, below [`Self::WRAP`]; past that it goes back to [`Self::FULL`], which a power of two
+    /// does not notice.
     count: u32,
 }
 
@@ -52,22 +54,25 @@ impl<const N: usize, const PLACES: usize> Window<N, PLACES> {
         top
     };
 
+    /// Indices from here on, those below zero, are from before it rested.
+    const WRAP: u32 = 1 << 31;
+    /// More steps than any window holds, a multiple of them all.
+    const FULL: u32 = 1 << 16;
+
     /// A reference that has always rested.
     pub(super) const fn at_rest() -> Self {
         Self { steps: [0.0; N], places: [0; PLACES], count: 0 }
     }
 
-    /// Forgets all that moved, where it stands: a window is large to build and move.
+    /// Forgets all that moved, in a time that does not depend on its length.
     pub(super) fn rest(&mut self) {
-        self.steps.fill(0.0);
-        self.places.fill(0);
         self.count = 0;
     }
 
     /// Takes the newest step and shows it to the runs that it belongs to.
     pub(super) fn push(&mut self, step: f32) {
         let index = self.count;
-        self.count = index.wrapping_add(1);
+        self.count = if index == Self::WRAP - 1 { Self::FULL } else { index + 1 };
         if let Some(slot) = self.steps.get_mut((index & Self::MASK) as usize) {
             *slot = step;
         }
@@ -119,7 +124,8 @@ impl<const N: usize, const PLACES: usize> Window<N, PLACES> {
         let mut left = last;
         while left > 0 {
             let (index, ticks) = (cursor.index, cursor.ticks);
-            let (high, low) = if POWER == 0 { (0, 0) } else { self.extremes(index, POWER) };
+            // Runs are aligned, and so is the first step: one that began before it holds rest alone.
+            let (high, low) = if POWER == 0 || index >= Self::WRAP { (0, 0) } else { self.extremes(index, POWER) };
             let ahead =
                 |place: u32| Ahead { step: self.step(index.wrapping_add(place)), ticks: (ticks + place) as f32 };
             let highest = ahead(high);
@@ -142,6 +148,9 @@ impl<const N: usize, const PLACES: usize> Window<N, PLACES> {
     }
 
     fn step(&self, index: u32) -> f32 {
+        if index >= Self::WRAP {
+            return 0.0;
+        }
         self.steps.get((index & Self::MASK) as usize).copied().unwrap_or(0.0)
     }
 
@@ -247,17 +256,49 @@ mod tests {
             prop_assert_eq!(reached, seen.len());
         }
 
-        /// A window brought to rest is one that never moved.
+        /// A window brought to rest is one that never moved, whatever its slots still hold.
         #[test]
-        fn rest_forgets(steps in prop::collection::vec(-1.0..1.0f32, 1..500)) {
-            let mut window = Small::at_rest();
-            for &step in &steps {
-                window.push(step);
+        fn rest_forgets(
+            before in prop::collection::vec(-1.0..1.0f32, 1..500),
+            after in prop::collection::vec(-1.0..1.0f32, 0..300),
+        ) {
+            let (mut rested, mut fresh) = (Small::at_rest(), Small::at_rest());
+            for step in before {
+                rested.push(step);
             }
-            window.rest();
-            prop_assert_eq!(window.steps, Small::at_rest().steps);
-            prop_assert_eq!(window.places, Small::at_rest().places);
+            rested.rest();
+            prop_assert_eq!(shown(&rested), shown(&fresh));
+            for step in after {
+                rested.push(step);
+                fresh.push(step);
+                prop_assert_eq!(shown(&rested), shown(&fresh));
+            }
         }
+
+        /// A window that has counted as far as it can shows what one shows that has begun anew.
+        #[test]
+        fn the_count_wraps_unnoticed(steps in prop::collection::vec(-1.0..1.0f32, 2 * N..4 * N), early in 0..2 * N as u32) {
+            let (mut old, mut young) = (Small::at_rest(), Small::at_rest());
+            (old.count, young.count) = (Small::WRAP - early, Small::FULL - early);
+            for &step in &steps {
+                old.push(step);
+                young.push(step);
+                prop_assert_eq!(shown(&old), shown(&young));
+            }
+            prop_assert!(old.count == young.count);
+        }
+    }
+
+    /// All that it can be asked: every step, and the extremes of every run at every reach.
+    fn shown(window: &Small) -> Vec<[(f32, f32); 2]> {
+        let mut seen: Vec<_> = (0..N as u32).map(|delay| [(window.late(delay), 0.0); 2]).collect();
+        for ahead in 0..N as u32 {
+            window.scan::<()>(ahead, |run| {
+                seen.push([(run.highest.step, run.highest.ticks), (run.lowest.step, run.lowest.ticks)]);
+                None
+            });
+        }
+        seen
     }
 
     /// Every reach at every phase of the runs.

@@ -43,7 +43,7 @@ enum Measures {
     Standing,
     /// The same, once the trip is cleared.
     Cleared,
-    /// What a meter at the plug reads with a code so many quarters up the output's range.
+    /// What a meter behind the shifter reads with a code so many quarters up the output's range.
     Output(u32),
 }
 
@@ -59,8 +59,8 @@ const STEPS: &[(&str, &str, Measures)] = &[
     ("6b", "Hold the limit switch at the positive end open, then Enter.", Measures::Standing),
     ("6c", "Release it, then Enter.", Measures::Cleared),
     ("6d", "Hold the one at the negative end open, then Enter.", Measures::Standing),
-    ("7a", "Release it. At the amplifier's plug [V]?", Measures::Output(2)),
-    ("7b", "At the amplifier's plug [V]?", Measures::Output(3)),
+    ("7a", "Release it. At the changeover's contact from the shifter [V]?", Measures::Output(2)),
+    ("7b", "The same contact [V]?", Measures::Output(3)),
     ("8", "Write the setup, save it, reset; the vitals say `stored` [yes/no]?", Measures::Typed),
 ];
 
