@@ -30,7 +30,10 @@ const FITTED: &str = "cargo test --release -p shakedown --test identify -- --noc
 const FIT_BENCH: &str = "cargo bench -p shakedown --bench identify";
 const LAW_COST: &str = "cargo xtask law-cost";
 const FAULTS: &str =
-    "cargo run --release -- faults --seed 2036 --runs 100000 --records ../shared/data/records --out faults";
+    "cargo run --release -- faults --seed 311131 --runs 100000 --records ../shared/data/records --out faults";
+const ALONE: &str =
+    "cargo run --release -- faults --seed 311133 --runs 100000 --guard-alone --records ../shared/data/records";
+const HEALTHY: &str = "cargo run --release -- faults --healthy 10000 --seed 311136 --records ../shared/data/records";
 const REHEARSAL: &str =
     "cargo test --ignore-rust-version -p shakedown-replay --test emulated rehearsal:: -- --nocapture";
 const WEB: &str = "cargo xtask page && cargo test --release -p shakedown-tests --test web -- --include-ignored --nocapture --test-threads 1";
@@ -164,6 +167,8 @@ pub(super) const FIGURES: &[Figure] = &[
     figure(CONTROL, "tracking law, bits of every command on target and host", "all the same", "cargo xtask law-cost"),
     figure(SAFETY, "100,000 faulted runs: excursions beyond stroke less margin; unreported", "none; none", FAULTS),
     figure(SAFETY, "the same: latencies by class of fault", "as docs/hazards.md says", FAULTS),
+    figure(SAFETY, "100,000 faulted runs, the guard alone: promises broken", "none", ALONE),
+    figure(SAFETY, "10,000 healthy tests: trips, with their 95 % bound", "none, at most 0.03 %", HEALTHY),
     figure(
         SAFETY,
         "times that 10^9 bytes of each kind of noise arm a device",
