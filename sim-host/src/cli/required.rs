@@ -30,7 +30,7 @@ pub(crate) struct Demand {
     /// IEEE 693: the level [default: high].
     #[arg(long, value_enum)]
     level: Option<Level>,
-    /// A required spectrum of your own instead of the standard's: lines of frequency [Hz] and acceleration [g].
+    /// A required spectrum of your own instead of the standard's: lines of frequency (Hz) and acceleration (g).
     #[arg(long, value_name = "FILE")]
     pub(crate) rrs: Option<PathBuf>,
     /// Damping of the spectrum of --rrs, 1 [default: the standard's].
