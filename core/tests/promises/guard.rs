@@ -928,7 +928,8 @@ fn the_hazard_table_names_real_tests() {
     let here = here.map(|file| root.join("tests/promises").join(file));
     let explored = root.join("tests/state_machine.rs");
     let parts = root.join("tests/guard_parts.rs");
-    let of_the_image = ["faults.rs", "device.rs"].map(|file| root.join("../tests/replay/tests").join(file));
+    let of_the_image =
+        ["faults.rs", "device.rs", "shorts.rs"].map(|file| root.join("../tests/replay/tests").join(file));
     let live = root.join("../tests/tests/live.rs");
     let sources: String = here
         .iter()
