@@ -99,13 +99,12 @@ impl Beyond {
         self.way += step - learned - null;
         if self.way > 0.0 {
             self.hidden += 2.0 * null;
-            match gain {
-                Gain::Known(_) => {}
-                Gain::Estimated(_) => (self.asked, self.learned) = (self.asked + asked, self.learned + learned),
-                Gain::Unknown => {
-                    (self.asked, self.learned, self.blind) =
-                        (self.asked + asked, self.learned + learned, self.blind + asked);
-                }
+            if !matches!(gain, Gain::Known(_)) {
+                self.asked += asked;
+                self.learned += learned;
+            }
+            if gain == Gain::Unknown {
+                self.blind += asked;
             }
         } else {
             *self = Self::default();

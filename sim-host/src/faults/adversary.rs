@@ -72,7 +72,7 @@ pub enum AdversaryError {
 
 /// How much of what its `class` promises an outcome used up, 1.
 pub fn used(class: &Class, outcome: &Outcome) -> f64 {
-    if outcome.broken.contains(&Broken::Alarm) {
+    if outcome.ended || outcome.broken.contains(&Broken::Alarm) {
         return 0.0;
     }
     let way = outcome.farthest_m / (STROKE - MARGIN);
@@ -87,7 +87,7 @@ pub fn used(class: &Class, outcome: &Outcome) -> f64 {
             _ if outcome.broken.contains(&Broken::Unreported) => 2.0,
             _ => 0.0,
         },
-        Promise::Harmless(most) => way.max(outcome.deviation_m / most.max(1e-6)),
+        Promise::Harmless(most) => way.max(outcome.beyond_null_m / most.max(1e-6)),
         Promise::Inside | Promise::Roomy | Promise::Aided | Promise::Measured => way,
     }
 }

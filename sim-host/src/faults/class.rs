@@ -67,8 +67,8 @@ pub enum Clock {
     Displacement(f64),
     /// The mean accelerometer reading over 50 ms is wrong by more than this, m/s2.
     Acceleration(f64),
-    /// The table has gone a way that its command does not explain: this far within 0.2 s, m, or this far in all beyond what an unknown
-    /// null of the valve may make, m.
+    /// The table has gone a way that its command does not explain: this far within [`WINDOW`], m, or this far in all beyond an even
+    /// [`HIDDEN`], m.
     Valve(f64, f64),
     /// The table is this far, m, from where it would have been without the fault.
     Deviation(f64),
@@ -77,6 +77,12 @@ pub enum Clock {
 /// Room that a reference leaves at either end of the stroke where the model has to tell where the table is, m: what its errors hide
 /// of an LVDT's creep, stopping and margin.
 pub const ROOM: f64 = 0.04;
+
+/// An even speed that is hidden from the guard: what an unknown null of the valve may make, m/s (docs/hazards.md).
+pub const HIDDEN: f64 = 0.008;
+
+/// Over which the way of a table is taken that its command does not explain, s.
+pub const WINDOW: f64 = 0.2;
 
 /// How far an LVDT has to outrun what an unknown null of the valve hides before the valve command contradicts it, m:
 /// `valve.mismatch`.
@@ -127,9 +133,11 @@ impl std::fmt::Display for Clock {
             Self::Acceleration(least) => write!(f, "the accelerometer being {least} m/s2 wrong"),
             Self::Valve(lately, all) => write!(
                 f,
-                "{} mm of travel in 200 ms, or {} mm in all beyond 8 mm/s, that no command explains",
+                "{} mm of travel in {} ms, or {} mm in all beyond {} mm/s, that no command explains",
                 mm(lately),
-                mm(all)
+                mm(WINDOW),
+                mm(all),
+                mm(HIDDEN)
             ),
             Self::Deviation(least) => write!(f, "the table straying {} mm", mm(least)),
         }
@@ -148,8 +156,9 @@ impl std::fmt::Display for Promise {
             Self::Roomy => {
                 write!(
                     f,
-                    "stays inside its stroke; the guard alone where the reference leaves {:.0} mm and the LVDT outruns 8 mm/s by {:.0} mm",
+                    "stays inside its stroke; the guard alone where the reference leaves {:.0} mm and the LVDT outruns {:.0} mm/s by {:.0} mm",
                     1e3 * ROOM,
+                    1e3 * HIDDEN,
                     1e3 * OUTRUN
                 )
             }

@@ -47,7 +47,8 @@ pub struct Healthy {
     pub farthest_m: f64,
     /// Why it tripped, or `not armed`.
     pub tripped: Option<String>,
-    /// Whether the table left the envelope by itself, beyond [`ROUGH`]: a test that is not healthy, and a guard that trips is right.
+    /// Whether the table left the envelope by itself, beyond [`ROUGH`] before any trip: a test that is not healthy, and a guard that
+    /// trips is right.
     pub beyond: bool,
 }
 
@@ -112,10 +113,11 @@ pub fn judge(seed: u64, number: u64, motions: &Motions) -> Result<Healthy, RigEr
 fn judge_case(case: &Case, sine_hz: Option<f64>) -> Result<Healthy, RigError> {
     let seen = rig::run(case)?.seen;
     let ran = seen.iter().any(|tick| tick.state == State::Running);
-    let trip = seen.iter().find_map(|tick| tick.trip).map(|trip| format!("{trip:?}"));
+    let tripped = seen.iter().position(|tick| tick.trip.is_some());
+    let trip = tripped.and_then(|at| seen[at].trip).map(|trip| format!("{trip:?}"));
     let ticks = (3e-3 * case.rate()).max(1.0) as usize;
     let over = |k: usize| (seen[k + ticks].v - seen[k].v).abs() * case.rate() / ticks as f64;
-    let acceleration = (0..seen.len().saturating_sub(ticks)).map(over).fold(0.0, f64::max);
+    let acceleration = |end: usize| (0..end.saturating_sub(ticks)).map(over).fold(0.0, f64::max);
     Ok(Healthy {
         run: case.number,
         mode: case.mode(),
@@ -124,10 +126,11 @@ fn judge_case(case: &Case, sine_hz: Option<f64>) -> Result<Healthy, RigError> {
         converters: case.converters,
         table: case.table,
         sine_hz,
-        acceleration,
+        acceleration: acceleration(seen.len()),
         farthest_m: seen.iter().fold(0.0, |most, tick| most.max(tick.x.abs())),
         tripped: trip.or_else(|| (!ran).then(|| "not armed".into())),
-        beyond: acceleration > ROUGH,
+        // What the stop itself does to the table is no reason for it.
+        beyond: acceleration(tripped.unwrap_or(seen.len())) > ROUGH,
     })
 }
 

@@ -5,9 +5,9 @@ mod measures;
 mod reach;
 
 use super::case::Case;
-use super::class::{Clock, Fault, OUTRUN, Promise, ROOM};
+use super::class::{Clock, Fault, HIDDEN, OUTRUN, Promise, ROOM};
 use super::rig::{self, AFTER, Pair, RigError, Seen};
-use measures::{HIDDEN, Lately, Outrun, Shaken, Unexplained};
+use measures::{Lately, Outrun, Shaken, Unexplained};
 use reach::{farthest, softened};
 use serde::{Deserialize, Serialize};
 use shakedown_core::{Mode, Relay, State};
@@ -45,6 +45,8 @@ pub struct Outcome {
     /// Farthest that it was until it was reported, m, both from where it would have been without the fault and from the reference that
     /// the device reports.
     pub deviation_m: f64,
+    /// The same less what an even [`HIDDEN`] since the fault makes: what a promise on it is held to.
+    pub beyond_null_m: f64,
     /// Whether the test ended before the fault by what the guard said and was so: the table was at a limit switch, as far from its
     /// reference as the envelope lets it be, or shook harder than its accelerometer reads.
     pub ended: bool,
@@ -90,7 +92,7 @@ struct Watcher<'a> {
     farthest: f64,
     deviation: f64,
     /// The same less what an even [`HIDDEN`] since the onset makes.
-    apparent: f64,
+    beyond_null: f64,
     mean_error: f64,
     alarm: bool,
     ended: bool,
@@ -137,7 +139,7 @@ impl<'a> Watcher<'a> {
             relay: None,
             farthest: 0.0,
             deviation: 0.0,
-            apparent: 0.0,
+            beyond_null: 0.0,
             mean_error: 0.0,
             alarm: false,
             ended: false,
@@ -177,7 +179,7 @@ impl<'a> Watcher<'a> {
         }
         if self.reported.is_none() {
             self.deviation = self.deviation.max(off);
-            self.apparent = self.apparent.max(off - hidden);
+            self.beyond_null = self.beyond_null.max(off - hidden);
         }
         if seen.relay == Relay::Open {
             self.relay.get_or_insert(seen.time);
@@ -229,13 +231,14 @@ impl<'a> Watcher<'a> {
         };
         let latency = at.map(|at| (at - from).max(0.0));
         let outside = self.farthest > farthest(self.case);
-        let mut broken = Vec::new();
         let alone = self.case.fault == Fault::None && self.reported.is_some();
-        if self.alarm || alone && !self.ended {
-            broken.push(Broken::Alarm);
-        } else if !self.ended {
-            broken = self.promises(latency, from, outside);
-        }
+        let broken = if self.ended {
+            Vec::new()
+        } else if self.alarm || alone {
+            vec![Broken::Alarm]
+        } else {
+            self.promises(latency, from, outside)
+        };
         Outcome {
             run: self.case.number,
             class: self.case.class.id.into(),
@@ -246,6 +249,7 @@ impl<'a> Watcher<'a> {
             visible: self.started.is_some(),
             farthest_m: self.farthest,
             deviation_m: self.deviation,
+            beyond_null_m: self.beyond_null,
             ended: self.ended,
             outside,
             acceleration_m_s2: self.shaken.acceleration,
@@ -274,7 +278,7 @@ impl<'a> Watcher<'a> {
                 None if self.now - from > within + self.slack() => broken.push(Broken::Unreported),
                 _ => {}
             },
-            Promise::Harmless(most) if self.apparent > most => broken.push(Broken::Unreported),
+            Promise::Harmless(most) if self.beyond_null > most => broken.push(Broken::Unreported),
             _ => {}
         }
         if self.moving {

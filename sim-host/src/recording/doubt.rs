@@ -206,6 +206,9 @@ pub fn doubt(experiment: &Experiment) -> SetUp {
 pub(crate) fn without_clipped(experiment: &Experiment) -> (Experiment, Vec<Finding>) {
     let mut rest = experiment.clone();
     let left_out = clipped::doubt(&mut rest);
+    if left_out.is_empty() {
+        return (rest, Vec::new());
+    }
     let among = |f: &Finding| left_out.iter().any(|l| l.run.as_ref() == Some(&f.run) && l.channel == Some(f.channel));
     let remarks = check(experiment).into_iter().filter(|f| f.fault == Fault::Clipped && among(f)).map(|f| Finding {
         severity: Severity::Remark,

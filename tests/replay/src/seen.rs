@@ -1,7 +1,7 @@
 //! The world around the emulated board: the bench at its converters, a host's [`Drive`] at its line.
 
-use shakedown::device::{Drive, Progress, Talker};
-use shakedown_core::link::Setup;
+use shakedown::device::{Drive, DriveError, Progress, Talker};
+use shakedown_core::link::{Setup, StopCause};
 
 use crate::bench::Bench;
 use crate::world::SCANS;
@@ -68,6 +68,14 @@ pub struct Seen {
 }
 
 impl Seen {
+    /// Why the device stopped its test, if it did.
+    pub fn cause(&self) -> Option<StopCause> {
+        match self.progress {
+            Progress::Failed(DriveError::Stopped { cause, .. }) => Some(cause),
+            _ => None,
+        }
+    }
+
     /// A run of `record`, m, under `setup`.
     pub fn new(setup: Setup, record: Vec<f32>) -> Self {
         let limit = record.len() + 30_000;

@@ -73,13 +73,6 @@ fn inputs(mut change: impl FnMut(&mut [u16; 4]) + Send + 'static) -> Mischief {
     })
 }
 
-fn cause(outcome: &Outcome) -> Option<StopCause> {
-    match outcome.seen.progress {
-        Progress::Failed(DriveError::Stopped { cause, .. }) => Some(cause),
-        _ => None,
-    }
-}
-
 /// Records missing between batches are those that the device says it dropped.
 fn accounted_for(outcome: &Outcome) {
     let telemetry = outcome.seen.drive.telemetry();
@@ -92,7 +85,7 @@ fn trips(mischief: Mischief, expected: &[StopCause], within: usize) {
 }
 
 fn tripped(outcome: &Outcome, expected: &[StopCause], within: usize) {
-    assert!(cause(outcome).is_some_and(|cause| expected.contains(&cause)), "{:?}", outcome.seen.progress);
+    assert!(outcome.seen.cause().is_some_and(|cause| expected.contains(&cause)), "{:?}", outcome.seen.progress);
     let opened = outcome.opened_after.expect("the relay stayed closed");
     assert!(opened <= within, "the relay opened after {opened} ms");
     assert_eq!(outcome.seen.codes.iter().rev().nth(1).map(|codes| codes.output), Some(MIDDLE));
@@ -127,7 +120,7 @@ fn an_accelerometer_that_is_shorted_trips() {
 #[test]
 fn an_existing_command_that_is_shorted_lets_the_table_stand() {
     let outcome = run_under(setup(Mode::Guard), inputs(|codes| codes[3] = MIDDLE), None);
-    assert_eq!((cause(&outcome), outcome.seen.resets), (None, 0));
+    assert_eq!((outcome.seen.cause(), outcome.seen.resets), (None, 0));
     assert!(outcome.seen.codes[AT - 50..AT].iter().any(|codes| codes.output != MIDDLE), "the table stood before");
     assert!(outcome.seen.codes[AT..AT + 3000].iter().all(|codes| codes.output == MIDDLE));
 }
@@ -213,7 +206,7 @@ fn a_tick_that_takes_longer_than_its_period_trips() {
             // 50 ms of safe ramp.
             tripped(&outcome, &[StopCause::Overrun], 60);
         } else {
-            assert_eq!(cause(&outcome), None, "{:?}", outcome.seen.progress);
+            assert_eq!(outcome.seen.cause(), None, "{:?}", outcome.seen.progress);
         }
     }
 }
@@ -237,7 +230,7 @@ fn an_elaborate_setup_costs_no_tick() {
             }
         });
         let outcome = run_under(setup, write, None);
-        assert_eq!(cause(&outcome), None, "{:?}", outcome.seen.progress);
+        assert_eq!(outcome.seen.cause(), None, "{:?}", outcome.seen.progress);
     }
 }
 
@@ -249,7 +242,7 @@ fn a_link_cut_in_mid_record_fades_the_test_out() {
         }
     });
     let outcome = run(cut, None);
-    assert_eq!(cause(&outcome), Some(StopCause::Underrun));
+    assert_eq!(outcome.seen.cause(), Some(StopCause::Underrun));
     let rows = outcome.seen.drive.telemetry().rows();
     assert!(rows.iter().any(|row| row.state == State::RampDown));
     assert_eq!(rows.last().map(|row| row.state), Some(State::Ready));
@@ -281,7 +274,7 @@ fn a_dead_converter_ends_in_a_reset_and_a_trip() {
     assert_eq!(outcome.seen.resets, 1);
     let opened = outcome.opened_after.expect("the relay stayed closed");
     assert!(opened <= 70, "the relay opened after {opened} ms");
-    assert_eq!(cause(&outcome), Some(StopCause::Restarted));
+    assert_eq!(outcome.seen.cause(), Some(StopCause::Restarted));
     assert!(
         outcome.seen.codes.iter().skip(AT + opened + 10).all(|codes| !codes.relay),
         "only an order closes it again"

@@ -7,7 +7,6 @@
 )]
 
 use crate::common::{image, near_field, seen::Mischief, seen::Seen, setup};
-use shakedown::device::{DriveError, Progress};
 use shakedown_core::link::{Setup, Source, StopCause};
 use shakedown_core::settings::InnerLoop;
 use shakedown_core::{Mode, Trip};
@@ -26,13 +25,9 @@ fn outcome(setup: Setup, mut seen: Seen) -> Outcome {
     seen.limit = AT + WATCHED;
     let seen = shakedown_replay::run(&image(), seen).unwrap().world;
     assert!(seen.codes[AT - 1].relay, "the fault met no run: {:?}", seen.progress);
-    let cause = match seen.progress {
-        Progress::Failed(DriveError::Stopped { cause, .. }) => Some(cause),
-        _ => None,
-    };
     let opened = seen.codes[AT..seen.codes.len() - 1].iter().position(|codes| !codes.relay);
     let places = [AT, seen.codes.len() - 1].map(|at| setup.wiring.displacement.to_si(seen.codes[at].inputs[1]));
-    (cause, opened, places)
+    (seen.cause(), opened, places)
 }
 
 /// The wire from the output to the valve's amplifier is shorted.

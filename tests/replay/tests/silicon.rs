@@ -10,7 +10,7 @@
 use crate::common::{
     bench::Bench, g474_image, image, near_field, outboard, seen::Mischief, seen::Seen, setup, setup_outboard,
 };
-use shakedown::device::{DriveError, Progress, Talker};
+use shakedown::device::{Progress, Talker};
 use shakedown_core::Mode;
 use shakedown_core::link::{Clock, HostRequest, Report, StopCause};
 use shakedown_replay::{Oscillator, Ran, Tick, World};
@@ -34,13 +34,6 @@ fn run(seen: Seen) -> Ran<Seen> {
     shakedown_replay::run(&image(), seen).unwrap()
 }
 
-fn cause(seen: &Seen) -> Option<StopCause> {
-    match seen.progress {
-        Progress::Failed(DriveError::Stopped { cause, .. }) => Some(cause),
-        _ => None,
-    }
-}
-
 /// Time from the fault to the relay's opening, ms.
 fn opened_after(seen: &Seen) -> f64 {
     assert!(seen.codes[AT - 1].relay, "the fault met no run: {:?}", seen.progress);
@@ -61,7 +54,7 @@ fn supply(millivolts: u32) -> Seen {
 #[test]
 fn a_supply_that_sags_trips() {
     let seen = supply(2800);
-    assert_eq!(cause(&seen), Some(StopCause::SupplyLow));
+    assert_eq!(seen.cause(), Some(StopCause::SupplyLow));
     assert!(opened_after(&seen) <= 60.0, "{} ms", opened_after(&seen));
 }
 
@@ -131,7 +124,7 @@ fn the_watchdog_keeps_its_time_over_the_spread_of_its_clock() {
         let mut dead = seen(12);
         (dead.watchdog_clock, dead.dead_from) = (frequency, Some(AT));
         let dead = run(dead).world;
-        assert_eq!((dead.resets, cause(&dead)), (1, Some(StopCause::Restarted)), "{frequency} Hz");
+        assert_eq!((dead.resets, dead.cause()), (1, Some(StopCause::Restarted)), "{frequency} Hz");
         assert!(opened_after(&dead) <= within, "{} ms at {frequency} Hz", opened_after(&dead));
     }
     let mut well = seen(3);

@@ -2,20 +2,16 @@
 //! says what is so.
 
 use crate::faults::case::Case;
+use crate::faults::class::{HIDDEN, WINDOW};
 use crate::faults::rig::Seen;
 use shakedown_core::Trip;
 use std::collections::VecDeque;
 
 /// How long an acceleration beyond the envelope may last, s: the guard lets it persist for 20 ms, sees it through a lag of 6 ms, and
 /// judges it at every third tick.
-pub(in crate::faults) const SHAKEN: f64 = 0.029;
-/// An even speed that is hidden from the guard: what an unknown null of the valve may make, m/s (docs/hazards.md).
-pub(super) const HIDDEN: f64 = 0.008;
-/// Over which the way of a table is taken that its command does not explain, s.
-const WINDOW: f64 = 0.2;
+const SHAKEN: f64 = 0.029;
 /// How long what a trip says of the table may lie behind it, s: persistence, and a monitor's turn.
 const LATELY: f64 = 0.05;
-
 /// How long an acceleration that was not read goes on to contradict the LVDT, s: the window of `guard.witness`.
 const UNREAD: f64 = 0.6;
 
