@@ -25,6 +25,7 @@ use std::path::PathBuf;
   shakedown faults --seed 1 --runs 100000 --second-sensor          with a second displacement sensor instead of them
   shakedown faults --healthy 10000                                nothing wrong: no trip
   shakedown faults --adversary 2000 --class lvdt-stuck             the worst case of a class
+  shakedown faults --found faults/adversary-lvdt-stuck.json --report run.html   that case, drawn
   shakedown faults --seed 1 --run 4711 --report run.html           one run again, drawn; the other arguments as they were
 
 Ends with status 1 where a run broke what docs/hazards.md promises.")]
@@ -64,6 +65,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "K", conflicts_with_all = ["runs", "run", "healthy"])]
     #[arg(value_parser = clap::value_parser!(u64).range(1..))]
     adversary: Option<u64>,
+    /// Shows the worst case that a search found and kept in this file (`adversary-CLASS.json`), or with --run another of those it kept.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["runs", "healthy", "adversary", "class", "seed", "out"])]
+    #[arg(conflicts_with_all = ["guard_alone", "second_sensor"])]
+    found: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
 }
@@ -100,8 +105,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(runs) = args.adversary {
         return adversary::adversary(args, runs, &motions);
     }
+    if let Some(file) = &args.found {
+        return show_run(args, &adversary::case(file, args.run, &motions)?, &motions);
+    }
     if let Some(number) = args.run {
-        return again(args, number, &motions);
+        let only = args.class.as_deref().and_then(Class::named);
+        return show_run(args, &Case::deal(args.seed, number, only, &motions).beside(args.beside()), &motions);
     }
     let plan = Plan {
         seed: args.seed,
@@ -156,20 +165,18 @@ fn show(args: &Args, summary: &Summary, motions: &Motions) -> Result<(), Failure
 }
 
 /// One run, judged and drawn.
-fn again(args: &Args, number: u64, motions: &Motions) -> Result<(), Failure> {
-    let only = args.class.as_deref().and_then(Class::named);
-    let case = Case::deal(args.seed, number, only, motions).beside(args.beside());
-    let pair = rig::run(&case).map_err(|e| Failure::Work(e.to_string()))?;
-    let outcome = watcher::judge_pair(&case, &pair);
+fn show_run(args: &Args, case: &Case, motions: &Motions) -> Result<(), Failure> {
+    let pair = rig::run(case).map_err(|e| Failure::Work(e.to_string()))?;
+    let outcome = watcher::judge_pair(case, &pair);
     let name = motions.all.get(case.motion).map_or("", |played| played.name.as_str());
-    let table = page::facts(&case, &outcome, name);
+    let table = page::facts(case, &outcome, name);
     if !args.outputs.quiet() {
         print_table(&table);
     }
     let json = json!({"schema": "shakedown.faulted-run/1", "seed": args.seed, "outcome": outcome, "record": name,
                       "fault": case.fault, "table": case.table});
     args.outputs.write_json(json, &motions.files)?;
-    args.outputs.write_report(&mut page::run_page(&case, &pair, table), &motions.files)
+    args.outputs.write_report(&mut page::run_page(case, &pair, table), &motions.files)
 }
 
 fn failure(error: CampaignError) -> Failure {

@@ -4,14 +4,14 @@
 //! A case is what the dice make of a row of numbers in [0, 1): the first `NUMBERS` of them are the search's, the rest the run's
 //! own. Every number has a mean and a standard deviation, moved after each generation towards those of the worst tenth. What makes
 //! a case bad is how much of its promise it uses up, 1 being all of it: the way to the end of the stroke less the margin, the time
-//! to the report, the way that the table may stray.
+//! to the report, the way that the table may stray, how hard the specimen may be shaken.
 
 use super::case::{Beside, Case};
 use super::class::{Class, Promise};
 use super::dice::Dice;
 use super::motions::Motions;
 use super::rig::RigError;
-use super::watcher::{Broken, MARGIN, Outcome, STROKE, judge};
+use super::watcher::{Broken, MARGIN, Outcome, ROUGH, STROKE, judge, softened};
 use crate::files::json::{self, JsonError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,9 @@ const WORST: usize = 20;
 /// How far a mean and a deviation move in a generation, and the least deviation that stays.
 const STEP: f64 = 0.7;
 const LEAST: f64 = 0.02;
+/// Cases that broke a promise that are kept, and what they used of it at least.
+const KEPT: usize = 8;
+const BEYOND: f64 = 1.01;
 
 /// A search, as far as it has come.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +46,8 @@ pub struct Search {
     spread: Vec<(f64, f64)>,
     /// The worst case so far.
     pub worst: Option<Found>,
+    /// The first of those that broke a promise.
+    pub breaks: Vec<Found>,
 }
 
 /// A case that was found.
@@ -70,11 +75,20 @@ pub enum AdversaryError {
     Other(std::path::PathBuf),
 }
 
-/// How much of what its `class` promises an outcome used up, 1.
-pub fn used(class: &Class, outcome: &Outcome) -> f64 {
-    if outcome.ended || outcome.broken.contains(&Broken::Alarm) {
+/// How much of what its `class` promises an outcome used up, 1; the specimen counts where it is `soft`, promised no more than the
+/// envelope.
+pub fn used(class: &Class, outcome: &Outcome, soft: bool) -> f64 {
+    if !outcome.broken.is_empty() {
+        return promised(class, outcome).max(BEYOND);
+    }
+    if outcome.ended {
         return 0.0;
     }
+    promised(class, outcome).max(if soft { outcome.acceleration_m_s2 / ROUGH } else { 0.0 })
+}
+
+/// The same of what the class promises by itself.
+fn promised(class: &Class, outcome: &Outcome) -> f64 {
     let way = outcome.farthest_m / (STROKE - MARGIN);
     match class.promise {
         Promise::Reported(_, within) => match outcome.latency_s {
@@ -97,15 +111,26 @@ impl Search {
     pub fn new(class: &Class, seed: u64, beside: Beside) -> Self {
         // A uniform number has mean 1/2 and this deviation.
         let spread = vec![(0.5, 0.289); NUMBERS];
-        Self { class: class.id.into(), seed, beside, runs: 0, broken: 0, spread, worst: None }
+        Self { class: class.id.into(), seed, beside, runs: 0, broken: 0, spread, worst: None, breaks: Vec::new() }
     }
 
-    /// Deals and judges the case that `numbers` are.
-    fn judge(&self, class: &'static Class, numbers: &[f64], run: u64, motions: &Motions) -> Result<Found, RigError> {
+    /// Deals the case that `numbers` are.
+    pub fn deal(&self, class: &'static Class, numbers: &[f64], run: u64, motions: &Motions) -> Case {
         let dice = Dice::scripted(self.seed, run, numbers.to_vec());
-        let case = Case::deal_with(dice, run, Some(class), motions).beside(self.beside);
+        Case::deal_with(dice, run, Some(class), motions).beside(self.beside)
+    }
+
+    /// Deals it and judges it.
+    fn judge(&self, class: &'static Class, numbers: &[f64], run: u64, motions: &Motions) -> Result<Found, RigError> {
+        let case = self.deal(class, numbers, run, motions);
         let outcome = judge(&case)?;
-        Ok(Found { used: used(class, &outcome), numbers: numbers.to_vec(), outcome })
+        Ok(Found { used: used(class, &outcome, softened(&case)), numbers: numbers.to_vec(), outcome })
+    }
+
+    /// A case that it kept: the one of this number, or the worst.
+    pub fn kept(&self, run: Option<u64>) -> Option<&Found> {
+        let mut all = self.worst.iter().chain(&self.breaks);
+        all.find(|found| run.is_none_or(|run| found.outcome.run == run))
     }
 
     /// One generation.
@@ -116,7 +141,9 @@ impl Search {
         let mut found = found?;
         found.sort_by(|a, b| b.used.total_cmp(&a.used).then(a.outcome.run.cmp(&b.outcome.run)));
         self.runs += GENERATION;
-        self.broken += found.iter().filter(|one| !one.outcome.broken.is_empty()).count() as u64;
+        let broken = || found.iter().filter(|one| !one.outcome.broken.is_empty());
+        self.broken += broken().count() as u64;
+        self.breaks.extend(broken().take(KEPT.saturating_sub(self.breaks.len())).cloned());
         let worst = found.get(..WORST).unwrap_or(&found);
         for (k, (mean, deviation)) in self.spread.iter_mut().enumerate() {
             let of = |f: &Found| f.numbers.get(k).copied().unwrap_or(0.5);

@@ -8,7 +8,8 @@ use super::case::Case;
 use super::class::{Clock, Fault, HIDDEN, OUTRUN, Promise, ROOM};
 use super::rig::{self, AFTER, Pair, RigError, Seen};
 use measures::{Lately, Outrun, Shaken, Unexplained};
-use reach::{farthest, softened};
+use reach::farthest;
+pub(super) use reach::softened;
 use serde::{Deserialize, Serialize};
 use shakedown_core::{Mode, Relay, State};
 

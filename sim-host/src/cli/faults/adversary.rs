@@ -3,9 +3,11 @@
 use super::super::{Failure, present, progress};
 use super::Args;
 use crate::faults::adversary::{Search, search};
-use crate::faults::{Beside, CLASSES, Class, Motions};
+use crate::faults::{Beside, CLASSES, Case, Class, Motions};
+use crate::files::json;
 use crate::report::{Item, Page, Section, Table};
 use serde_json::json;
+use std::path::Path;
 
 /// Searches and shows what was found.
 pub(super) fn adversary(args: &Args, runs: u64, motions: &Motions) -> Result<(), Failure> {
@@ -40,9 +42,26 @@ pub(super) fn adversary(args: &Args, runs: u64, motions: &Motions) -> Result<(),
     let mut page = Page { title: "Adversarial search".into(), lead, sections, provenance, ..Page::default() };
     args.outputs.write_report(&mut page, &motions.files)?;
     if broken > 0 {
-        return Err(Failure::Work(format!("{broken} of {total} runs broke a promise")));
+        let first = searches.iter().find_map(|search| Some((search, search.breaks.first()?)));
+        let which = first.map(|(search, first)| {
+            let (class, run, broken) = (&search.class, first.outcome.run, &first.outcome.broken);
+            format!("; the first: {class}, run {run}, {broken:?}")
+        });
+        return Err(Failure::Work(format!("{broken} of {total} runs broke a promise{}", which.unwrap_or_default())));
     }
     Ok(())
+}
+
+/// A case that a search kept in its file: the one of this number, or the worst.
+pub(super) fn case(file: &Path, run: Option<u64>, motions: &Motions) -> Result<Case, Failure> {
+    let search: Search = json::read(file).map_err(|e| Failure::Input(e.to_string()))?;
+    let not = |what: String| Failure::Input(format!("{}: {what}", file.display()));
+    let class = Class::named(&search.class).ok_or_else(|| not(format!("there is no class {}", search.class)))?;
+    let found = search.kept(run).ok_or_else(|| {
+        let kept: Vec<String> = search.worst.iter().chain(&search.breaks).map(|f| f.outcome.run.to_string()).collect();
+        not(format!("that run was not kept; kept are {}", kept.join(", ")))
+    })?;
+    Ok(search.deal(class, &found.numbers, found.outcome.run, motions))
 }
 
 fn section(found: &[(&'static Class, Search)], beside: Beside) -> Section {

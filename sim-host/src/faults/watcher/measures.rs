@@ -15,11 +15,12 @@ const LATELY: f64 = 0.05;
 /// How long an acceleration that was not read goes on to contradict the LVDT, s: the window of `guard.witness`.
 const UNREAD: f64 = 0.6;
 
-/// How hard the specimen is shaken.
+/// How hard the specimen is shaken, before the trip and after it: what is left to ring on when it comes is the table's own.
 #[derive(Debug, Default)]
 pub(super) struct Shaken {
     /// Velocity so long ago as accelerations are averaged, m/s.
     velocities: VecDeque<f64>,
+    tripped: bool,
     /// Largest mean over [`SHAKEN`], m/s2.
     pub(super) acceleration: f64,
 }
@@ -27,6 +28,9 @@ pub(super) struct Shaken {
 impl Shaken {
     /// One tick of so many a second (1/s).
     pub(super) fn see(&mut self, seen: &Seen, rate: f64) {
+        if seen.trip.is_some() && !std::mem::replace(&mut self.tripped, true) {
+            self.velocities.clear();
+        }
         self.velocities.push_back(seen.v);
         if self.velocities.len() as f64 > SHAKEN * rate
             && let Some(before) = self.velocities.pop_front()

@@ -22,7 +22,7 @@ pub(super) fn farthest(case: &Case) -> f64 {
 
 /// Whether a command softens what the specimen feels: none does where the loop behind the device follows a broken wire, the valve
 /// nothing, or a payload knocks.
-pub(super) fn softened(case: &Case) -> bool {
+pub(in crate::faults) fn softened(case: &Case) -> bool {
     let knocks = matches!(case.fault, Fault::Table(Break::Payload { .. }));
     !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !knocks
 }
