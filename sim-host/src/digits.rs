@@ -8,6 +8,22 @@ pub(crate) fn with_spread(value: f64, std: Option<f64>) -> String {
     }
 }
 
+/// Error, over a value, from which the fit says nothing of it: two time constants that are about the same are known by their sum alone.
+const NOTHING: f64 = 20.0;
+
+/// True where a value's error is so large that the value is not determined.
+pub(crate) fn says_nothing(value: f64, std: f64) -> bool {
+    std > NOTHING * value.abs()
+}
+
+/// A fitted value to the digits that its error leaves, or to three where that says nothing of it.
+pub(crate) fn fitted(value: f64, std: Option<f64>) -> String {
+    match std {
+        Some(std) if says_nothing(value, std) => three(value),
+        std => to(value, std.unwrap_or(f64::NAN)),
+    }
+}
+
 /// A figure whose error nobody states, such as a chi2, to three digits: `1.02`, `704000`.
 pub(crate) fn three(value: f64) -> String {
     to(value, 0.1 * value)

@@ -74,6 +74,17 @@ pub(super) fn failure(error: DiagnoseError) -> Failure {
     }
 }
 
+/// A fitted value with its standard deviation and unit; one that has the far larger deviation is not determined.
+fn value(q: &crate::identify::quantity::Quantity) -> String {
+    let unit = if q.unit == "1" { String::new() } else { format!(" {}", q.unit) };
+    match q.std {
+        Some(std) if digits::says_nothing(q.value, std) => {
+            format!("{}{unit}, not determined by these runs", digits::three(q.value))
+        }
+        std => format!("{}{unit}", digits::with_spread(q.value, std)),
+    }
+}
+
 /// The answer in a few lines.
 fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     let mut text = String::new();
@@ -81,8 +92,7 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     for effect in &diagnosis.effects {
         let _ = writeln!(text, "\n  {}  (probability {:.2})\n  {}", effect.id, effect.probability, effect.equation);
         for (key, q) in &effect.parameters {
-            let unit = if q.unit == "1" { String::new() } else { format!(" {}", q.unit) };
-            let _ = writeln!(text, "    {key} = {}{unit}", digits::with_spread(q.value, q.std));
+            let _ = writeln!(text, "    {key} = {}", value(q));
         }
     }
     if let Some(term) = &diagnosis.term {

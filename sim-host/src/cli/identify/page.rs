@@ -120,7 +120,14 @@ pub(super) fn parameters(found: &Identified) -> Table {
         let size = q.std.unwrap_or(f64::NAN);
         let number = |x: Option<f64>| x.map_or("not determined".into(), |x| digits::to(x, size));
         let unit = if q.unit == "1" { "" } else { q.unit };
-        vec![name.clone(), digits::to(q.value, size), number(q.std), number(q.low), number(q.high), unit.to_owned()]
+        vec![
+            name.clone(),
+            digits::fitted(q.value, q.std),
+            number(q.std),
+            number(q.low),
+            number(q.high),
+            unit.to_owned(),
+        ]
     });
     table(&["parameter", "value", "std", "90 % from", "90 % to", "unit"], rows.collect(), "Fitted parameters")
 }

@@ -50,8 +50,14 @@ impl Term {
             Follows::Time => "time",
         };
         let form = match self.form {
-            Form::Linear if matches!(self.memory, Memory::Lag | Memory::Play) => {
-                format!("in proportion to how far {state} is from itself")
+            Form::Linear if self.memory == Memory::Lag => {
+                return format!(
+                    "in proportion to {state} less its value behind a first-order lag{}",
+                    self.times.words()
+                );
+            }
+            Form::Linear if self.memory == Memory::Play => {
+                return format!("in proportion to {state} less its value behind a play{}", self.times.words());
             }
             Form::Linear => format!("in proportion to {state}"),
             Form::Magnitude => format!("with the magnitude of {state}"),
@@ -69,12 +75,18 @@ impl Term {
             Memory::Play => "behind a play",
             Memory::Relay => "switched by a relay with hysteresis",
         };
-        let times = match self.times {
-            Times::One => "",
-            Times::Against => ", against the motion",
-            Times::Velocity => ", times velocity",
-            Times::Passing => ", times what passes there",
-        };
-        format!("{form}{times}, {memory}")
+        format!("{form}{}, {memory}", self.times.words())
+    }
+}
+
+impl Times {
+    /// What it multiplies, in words.
+    fn words(self) -> &'static str {
+        match self {
+            Self::One => "",
+            Self::Against => ", against the motion",
+            Self::Velocity => ", times velocity",
+            Self::Passing => ", times what passes there",
+        }
     }
 }
