@@ -33,6 +33,7 @@ mod noise;
 mod noise_left;
 mod options;
 mod outdone;
+mod overstated;
 pub(crate) mod planned;
 mod ranking;
 mod region;
@@ -60,6 +61,7 @@ use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, ex
 use judged::Decision;
 pub use options::{Options, Progress};
 pub use result::{Diagnosis, Verdict};
+use search::Depth;
 use split::{Split, Weighing, reopened, split};
 use std::path::Path;
 use term::Modelled;
@@ -133,7 +135,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     let mut whole = prepare(shortened.as_ref().unwrap_or(&set_up.experiment))?;
     expect_near_stated(&mut whole.model);
     if is_bad_data(&findings) {
-        return unfit(whole, &findings, begun);
+        return unfit(whole, &findings, set_up.findings, begun);
     }
     let searched = excerpt(&set_up.experiment, SEARCHED).as_ref().map(prepare).transpose()?;
     let mut seen = searched.map_or_else(|| whole.clone(), |seen| Prepared { model: whole.model.clone(), ..seen });
@@ -158,7 +160,10 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     }
     diagnosis.set_up = set_up.findings;
     diagnosis.set_up.extend(far_from_stated(experiment, &conclusion.after.fit));
-    diagnosis.set_up.extend(conclusion.decision.noise.clone());
+    for noise in &conclusion.decision.noise {
+        diagnosis.set_up.retain(|f| f.what != noise.what || f.channel != noise.channel);
+        diagnosis.set_up.push(noise.clone());
+    }
     noise_left::report(experiment, &whole, &conclusion, &mut diagnosis.set_up)?;
     Ok(Examined { diagnosis, prepared: whole, conclusion })
 }
@@ -215,8 +220,7 @@ fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Conclu
 /// Forward through the data once, with the sampling period corrected where a clock of another rate is part of what is accepted:
 /// then everything is selected anew, before anything was judged.
 fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
-    let split_up = split(whole.clone(), Some(seen.clone()));
-    let selected = select(&split_up.weighing, options)?;
+    let (split_up, selected) = with_noise_as_left(&mut whole, &mut seen, options)?;
     let dt = whole.fit.first().map_or(1.0, |run| run.dt);
     let Some(finding) = clock::found(&selected.decision.after.fit, dt) else {
         let mut concluded = judge(split_up, selected, options)?;
@@ -228,6 +232,32 @@ fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) 
         clock::settle(prepared, Some(&finding));
     }
     Ok(Concluded { clock: Some(finding), ..pass(split(whole, Some(seen)), options)? })
+}
+
+/// Cuts the data up and selects; once more where what is named leaves less than the noise of a channel and one effect more leaves
+/// still less of it: that noise is no larger than this, and what hides beneath it is weighed by it.
+fn with_noise_as_left(
+    whole: &mut Prepared,
+    seen: &mut Prepared,
+    options: &Options,
+) -> Result<(Split, Selected), SimulateError> {
+    let cut = |whole: &Prepared, seen: &Prepared| split(whole.clone(), Some(seen.clone()));
+    let first = cut(whole, seen);
+    let selected = select(&first.weighing, options)?;
+    let Some(left) = overstated::by_names(&selected.decision) else { return Ok((first, selected)) };
+    options.say("looking beneath a noise that was stated too large", 0.1);
+    let mut lowered = [seen.clone(), whole.clone()];
+    lowered.iter_mut().for_each(|prepared| overstated::lower(prepared, &left));
+    let beneath = cut(&lowered[1], &lowered[0]).weighing;
+    let search = search::search(&beneath, Depth::OneMore, options)?;
+    let Some(least) = overstated::by_any(&beneath, &search)? else {
+        return Ok((first, selected));
+    };
+    lowered.iter_mut().for_each(|prepared| overstated::lower(prepared, &least));
+    [*seen, *whole] = lowered;
+    let second = cut(whole, seen);
+    let selected = select(&second.weighing, options)?;
+    Ok((second, selected))
 }
 
 /// Forward through the data once: fitted on training, selected on validation, judged on the test.
@@ -244,7 +274,7 @@ struct Selected {
 
 /// Fits hypotheses to the training and weighs them on the validation.
 fn select(weighing: &Weighing, options: &Options) -> Result<Selected, SimulateError> {
-    let search = search::search(weighing, options)?;
+    let search = search::search(weighing, Depth::Explained, options)?;
     options.say("weighing what was found", 0.9);
     let decision = decide::decide(weighing, &search)?;
     options.say("looking for effects that act in a part of time or state", 0.92);
@@ -271,7 +301,12 @@ fn judge(split: Split, selected: Selected, options: &Options) -> Result<Conclude
 }
 
 /// What is said of recordings that cannot be believed: the stated model's standing and nothing more.
-fn unfit(prepared: Prepared, findings: &[Finding], begun: std::time::Instant) -> Result<Examined, DiagnoseError> {
+fn unfit(
+    prepared: Prepared,
+    findings: &[Finding],
+    set_up: Vec<SetUpFinding>,
+    begun: std::time::Instant,
+) -> Result<Examined, DiagnoseError> {
     let Split { weighing, whole, test } = split(prepared, None);
     let baseline = Fit::begin(weighing.model().clone(), weighing.fitted())?;
     let yardsticks = weighing.yardsticks();
@@ -284,5 +319,6 @@ fn unfit(prepared: Prepared, findings: &[Finding], begun: std::time::Instant) ->
     diagnosis.verdict = Verdict::BadData;
     diagnosis.effects.clear();
     diagnosis.candidates.clear();
+    diagnosis.set_up = set_up;
     Ok(Examined { diagnosis, prepared: whole, conclusion })
 }

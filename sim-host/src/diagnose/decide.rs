@@ -104,7 +104,10 @@ pub(super) fn weigh(
     ranking.sort(&mut candidates);
     let follows = follows(weighing, &after)?;
     let quiet = follows.noise(&after);
-    let (mut unlisted, mut unlisted_probability) = beyond(accounted(weighing, &before, &after)?, &after, quiet);
+    let excess = accounted(&before, &after, |model| {
+        weighing.score(&Fit::resume(model, after.fit.locals.clone(), weighing.fitted())?)
+    })?;
+    let (mut unlisted, mut unlisted_probability) = beyond(excess, &after, quiet);
     let irregular = unlisted && follows.is_modest(&after) && !follows.is_certain();
     if irregular {
         (unlisted, unlisted_probability) = (false, IRREGULAR);
@@ -127,7 +130,7 @@ pub(super) fn weigh(
     if unlisted {
         after = before.clone();
     }
-    let more_missing = unnamed || follows.is_certain() && more_is_missing(&before, &after, quiet);
+    let more_missing = unnamed || follows.is_certain() && more_is_missing(&before, &after, excess, quiet);
     let mut decision =
         Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise };
     scatter(&mut decision);

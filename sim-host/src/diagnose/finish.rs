@@ -3,7 +3,7 @@
 
 use super::judged::Judged;
 use super::ranking::Ranking;
-use super::search::CHANCE;
+use super::search::{self, CHANCE};
 use super::split::Weighing;
 use super::standing::{Alone, SURE, sound, stands, strained};
 use crate::identify::fit::{Effort, Fit};
@@ -22,12 +22,9 @@ pub(super) fn polished(after: Judged, weighing: &Weighing) -> Result<Judged, Sim
 
 /// The accepted model with the details of its effects' forms fitted too, where both kinds of runs bear them out.
 pub(super) fn refined(after: Judged, weighing: &Weighing) -> Result<Judged, SimulateError> {
-    let model = after.fit.model.refined();
-    if model.values().filter(|v| v.free).count() == after.fit.model.values().filter(|v| v.free).count() {
+    let Some(fit) = search::refined(&after.fit, weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })? else {
         return Ok(after);
-    }
-    let mut fit = Fit::resume(model, after.fit.locals.clone(), weighing.fitted())?;
-    fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })?;
+    };
     let refined = Judged::of(fit, weighing)?;
     let better =
         after.fit.squares - refined.fit.squares > CHANCE && after.hold.squares() - refined.hold.squares() > SURE;

@@ -37,12 +37,13 @@ impl Decision {
     }
 }
 
-/// True where named effects leave more than a negligible excess of chi2 and the simplicity of their equations; `noise` of what is
-/// left is the noise of channels that follow nothing.
-pub(super) fn more_is_missing(before: &Judged, after: &Judged, noise: f64) -> bool {
+/// True where named effects leave more than a negligible excess of chi2 and the simplicity of their equations, which is a share of the
+/// excess that they account for, `accounted`; `noise` of what is left is the noise of channels that follow nothing. What is left beyond
+/// any noise is held against what the stated model leaves once it is fitted: of that the names must explain most.
+pub(super) fn more_is_missing(before: &Judged, after: &Judged, accounted: f64, noise: f64) -> bool {
     let left = (after.hold.chi2 - 1.0 - noise).max(0.0);
-    let excess = (before.hold.chi2 - 1.0 - noise).max(1e-9);
-    !after.added.is_empty() && left > CALIBRATION.negligible && left > CALIBRATION.simple * excess
+    let of = if left > CALIBRATION.modest - 1.0 { before.hold.chi2 - 1.0 } else { accounted };
+    !after.added.is_empty() && left > CALIBRATION.negligible && left > CALIBRATION.simple * (of - noise).max(1e-9)
 }
 
 /// Which channels of what a model leaves follow the motion.

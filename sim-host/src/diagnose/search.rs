@@ -27,6 +27,15 @@ pub(crate) struct Search {
     pub yardsticks: Yardsticks,
 }
 
+/// When a search stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// Where no more is left than noise.
+    Explained,
+    /// One effect beyond that.
+    OneMore,
+}
+
 /// Most effects added to the stated model.
 const MOST: usize = 3;
 /// Models of each size that are grown further.
@@ -51,7 +60,7 @@ const DETAILED: f64 = 0.8;
 const FORESEEN: f64 = 0.03;
 
 /// Searches for what the stated model lacks.
-pub(crate) fn search(weighing: &Weighing, options: &Options) -> Result<Search, SimulateError> {
+pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Result<Search, SimulateError> {
     let (prepared, runs) = (weighing.training.prepared(), weighing.fitted());
     options.say("fitting the stated model", 0.02);
     let baseline = fit_stated(prepared)?;
@@ -72,6 +81,7 @@ pub(crate) fn search(weighing: &Weighing, options: &Options) -> Result<Search, S
     if search.baseline.chi2() > BENT {
         parents.push(Fit::begin(prepared.model.clone(), runs)?);
     }
+    let mut beyond = usize::from(depth == Depth::OneMore);
     for size in 0..MOST {
         options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
         let singles = search.grown.first().cloned().unwrap_or_default();
@@ -88,15 +98,18 @@ pub(crate) fn search(weighing: &Weighing, options: &Options) -> Result<Search, S
         let gain = parent.squares - best.squares;
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
         let settled = left < SETTLED && best.chi2() < 1.0 + CALIBRATION.hidden;
-        if gain < CHANCE || (!bent(best) && (explains(best) || settled) && held_back.reaches(best)?) {
+        let done = !bent(best) && (explains(best) || settled) && held_back.reaches(best)?;
+        if gain < CHANCE || (done && beyond == 0) {
             break;
         }
+        beyond -= usize::from(done);
         parents = grown.iter().take(BEAM).cloned().collect();
         if explains(best) {
             // The runs fitted are explained, by values far from what was stated or unlike the hold-out runs: the values may have
             // taken in what is missing. Held near, they cannot.
             let near = parents.iter().map(|fit| fit_near(prepared, fit)).collect::<Result<Vec<_>, _>>()?;
-            parents = near.into_iter().flatten().collect();
+            let near: Vec<Fit> = near.into_iter().flatten().collect();
+            parents = if done { [parents, near].concat() } else { near };
         }
     }
     Ok(search)
@@ -116,14 +129,25 @@ fn detail(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), SimulateError> {
 
 /// A model with the details of its effects' forms fitted too; none where it has none or they are not worth it.
 pub(super) fn detailed(fit: &Fit, runs: &[Run], effort: Effort) -> Result<Option<Fit>, SimulateError> {
-    let model = fit.model.refined();
+    let finer = refined(fit, runs, effort)?;
+    Ok(finer.filter(|finer| finer.squares < DETAILED * fit.squares - CHANCE))
+}
+
+/// The same, worth it or not, from whichever start leads further.
+pub(super) fn refined(fit: &Fit, runs: &[Run], effort: Effort) -> Result<Option<Fit>, SimulateError> {
     let free = |model: &Model| model.values().filter(|v| v.free).count();
-    if free(&model) == free(&fit.model) {
-        return Ok(None);
+    let mut best: Option<Fit> = None;
+    for model in fit.model.refined() {
+        if free(&model) == free(&fit.model) {
+            return Ok(None);
+        }
+        let mut finer = Fit::resume(model, fit.locals.clone(), runs)?;
+        finer.improve(runs, effort)?;
+        if best.as_ref().is_none_or(|best| finer.squares < best.squares) {
+            best = Some(finer);
+        }
     }
-    let mut finer = Fit::resume(model, fit.locals.clone(), runs)?;
-    finer.improve(runs, effort)?;
-    Ok(Some(finer).filter(|finer| finer.squares < DETAILED * fit.squares - CHANCE))
+    Ok(best)
 }
 
 /// Takes effects out of the best models of the last size, one at a time: a companion may have led the other to where it

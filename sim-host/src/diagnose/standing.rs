@@ -3,9 +3,9 @@
 use super::calibration::CALIBRATION;
 use super::judged::{Judged, parameters};
 use super::search::{CHANCE, Search};
-use super::split::Weighing;
 use crate::identify::fit::Fit;
-use crate::identify::judge::gains;
+use crate::identify::judge::{Score, gains};
+use crate::identify::model::Model;
 use crate::plant::simulate::SimulateError;
 
 /// Gain of squares on the hold-out runs that chance does not give a model fitted elsewhere.
@@ -110,13 +110,16 @@ pub(super) fn strained(judged: &Judged) -> bool {
 /// Excess of chi2 that the effects of a model account for: what the stated model leaves once it is fitted, or, where that fit goes
 /// further from what was stated than the model with the effects does, what this model would leave without them. A fit that bends
 /// the stated values hides most of a delay; how much of it a simple equation may leave is a share of all that it does.
-pub(super) fn accounted(weighing: &Weighing, before: &Judged, after: &Judged) -> Result<f64, SimulateError> {
+pub(super) fn accounted(
+    before: &Judged,
+    after: &Judged,
+    score: impl Fn(Model) -> Result<Score, SimulateError>,
+) -> Result<f64, SimulateError> {
     let excess = before.hold.chi2 - 1.0;
     if after.added.is_empty() || after.departure.disbelief() >= before.departure.disbelief() {
         return Ok(excess);
     }
-    let bare = Fit::resume(after.model_without(&after.added), after.fit.locals.clone(), weighing.fitted())?;
-    let without = weighing.score(&bare)?.chi2 - 1.0;
+    let without = score(after.model_without(&after.added))?.chi2 - 1.0;
     Ok(if without.is_finite() { excess.max(without) } else { excess })
 }
 

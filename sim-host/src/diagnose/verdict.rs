@@ -5,12 +5,12 @@ use super::calibration::CALIBRATION;
 use super::judged::{Decision, Judged, explains_a_channel};
 use super::leftover::{Followed, more_is_missing};
 use super::split::Test;
-use super::standing::{beyond, outside};
+use super::standing::{accounted, beyond, outside};
 use super::term::Modelled;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::Local;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::{Score, score};
+use crate::identify::judge::{Score, score, score_beside};
 use crate::identify::prepare::Prepared;
 use crate::identify::quantity::quantities;
 use crate::plant::effects::remainder as curves;
@@ -175,7 +175,8 @@ pub(super) fn verdict(
         let quiet = follows.noise(&after);
         // What shows on the runs held out alone: more than the names explain, or anything at all.
         if !after.added.is_empty() {
-            more_missing |= more_is_missing(&before, &after, quiet);
+            let excess = accounted(&before, &after, |model| score(&model, &judging))?;
+            more_missing |= more_is_missing(&before, &after, excess, quiet);
         } else if beyond(before.hold.chi2 - 1.0, &after, quiet).0 {
             unlisted = true;
             decision.take_back(CALIBRATION.failed);
@@ -218,7 +219,7 @@ fn last(judged: &Judged, (whole, seen): (&Prepared, &[Run]), judging: &[Run]) ->
     let locals = whole.fit.iter().zip(seen).zip(&judged.fit.locals).map(local).collect();
     let mut fit = Fit::resume(model, locals, &whole.fit)?;
     fit.improve(&whole.fit, LAST)?;
-    Ok(Judged { hold: score(&fit.model, judging)?, fit, ..judged.clone() })
+    Ok(Judged { hold: score_beside(&fit, &whole.fit, judging)?, fit, ..judged.clone() })
 }
 
 /// Whether a model leaves more of the runs that judge than noise does.
@@ -236,15 +237,21 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], beside_more: bool) 
     channels.sort_unstable();
     channels.dedup();
     let nrmse = |score: &Score, channel| score.nrmse.iter().find(|(c, _)| *c == channel).map(|&(_, value)| value);
-    for channel in channels {
-        let (Some(stated), Some(found)) = (nrmse(&before.hold, channel), nrmse(&named.hold, channel)) else { continue };
-        let ratio = (found / stated).powi(2);
+    let ratio = |channel: Channel| {
+        let ratio = (nrmse(&named.hold, channel)? / nrmse(&before.hold, channel)?).powi(2);
+        ratio.is_finite().then_some((channel, ratio))
+    };
+    let ratios: Vec<(Channel, f64)> = channels.iter().filter_map(|&channel| ratio(channel)).collect();
+    // Each channel has its say: what predicts one far better may be a little wrong about another.
+    let worse_in_all = ratios.iter().map(|(_, ratio)| ratio.max(f64::MIN_POSITIVE).ln()).sum::<f64>() > 0.0;
+    for (channel, ratio) in ratios {
         let samples: usize = judging.iter().filter_map(|r| r.channel(channel)).map(|m| m.values.len()).sum();
         let chance = CHANCE * (2.0 * named.hold.colour / samples.max(1) as f64).sqrt();
-        if ratio > 1.0 + chance && channel_explained.is_none() {
+        if ratio > 1.0 + chance && worse_in_all && channel_explained.is_none() {
             return Some(Refusal::Worse { channel: channel.name(), ratio });
         }
         // Share of the channel's power that is noise: what it leaves of the rest is what a model can be asked for.
+        let found = nrmse(&named.hold, channel).unwrap_or(0.0);
         let misfit = named.hold.channels.iter().find(|(c, ..)| *c == channel).map_or(1.0, |&(_, chi2, _)| chi2);
         let noise = found * found / misfit.max(f64::MIN_POSITIVE);
         let lack = (found * found - noise) / (1.0 - noise);

@@ -1,7 +1,7 @@
 //! How well a model predicts runs it was not fitted to: only where they start is estimated again.
 
 use super::data::{Channel, Measured, Run};
-use super::evaluate::{BLOCK, Predicted, predict};
+use super::evaluate::{BLOCK, Local, Predicted, predict};
 use super::fit::{Effort, Fit};
 use super::model::Model;
 use crate::plant::simulate::SimulateError;
@@ -58,6 +58,15 @@ pub fn score(model: &Model, runs: &[Run]) -> Result<Score, SimulateError> {
 /// The same on other samples of the runs that a model was fitted to: where each run starts is known from the fit.
 pub(crate) fn score_from(fit: &Fit, runs: &[Run]) -> Result<Score, SimulateError> {
     scored(Fit::resume(fixed(&fit.model), fit.locals.clone(), runs)?, runs)
+}
+
+/// The same on runs of which some are other samples of those that a model was fitted to.
+pub(crate) fn score_beside(fit: &Fit, fitted: &[Run], runs: &[Run]) -> Result<Score, SimulateError> {
+    let model = fixed(&fit.model);
+    let known = |run: &Run| fitted.iter().position(|other| other.name == run.name && other.from == run.from);
+    let local = |run: &Run| known(run).and_then(|k| fit.locals.get(k).cloned());
+    let locals = runs.iter().map(|run| local(run).unwrap_or_else(|| Local::start(&model, run))).collect();
+    scored(Fit::resume(model, locals, runs)?, runs)
 }
 
 /// A model of which nothing is free but where its runs start.

@@ -6,6 +6,8 @@ use crate::plant::model::Kind;
 
 /// By what share of its stated value a positive parameter may well change that means something else beside an effect.
 const REDEFINED: f64 = 0.02;
+/// Share of a range's logarithm that is near its end.
+const NEAR_NONE: f64 = 0.2;
 
 /// One parameter's value and how a fit treats it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -140,9 +142,16 @@ impl Model {
         model
     }
 
-    /// This model with every detail of its effects' forms free; from the middle of its range where it is at the end that
-    /// means that there is none, which has no slope.
-    pub fn refined(&self) -> Self {
+    /// This model with every detail of its effects' forms free, once for each start. A detail at the end of its range that means that
+    /// there is none has no slope there: it starts from the middle of its range, and from near that end.
+    pub fn refined(&self) -> Vec<Self> {
+        let from = |share| self.refined_from(share);
+        let [middle, near] = [0.5, NEAR_NONE].map(from);
+        if middle.same_values(&near) { vec![middle] } else { vec![middle, near] }
+    }
+
+    /// The same from this share of the range's logarithm away from none.
+    fn refined_from(&self, share: f64) -> Self {
         let mut model = self.clone();
         for placed in &mut model.effects {
             let details =
@@ -150,16 +159,20 @@ impl Model {
             for (value, parameter) in details {
                 value.free = true;
                 let none = match parameter.simple {
-                    Ends::High => value.value >= value.high,
-                    Ends::Low => value.value <= value.low,
-                    Ends::Both | Ends::Neither => false,
+                    Ends::High if value.value >= value.high => Some([value.high, value.low]),
+                    Ends::Low if value.value <= value.low => Some([value.low, value.high]),
+                    _ => None,
                 };
-                if parameter.positive && none {
-                    value.value = (value.low * value.high).sqrt();
+                if let Some([none, other]) = none.filter(|_| parameter.positive) {
+                    value.value = none * (other / none).powf(share);
                 }
             }
         }
         model
+    }
+
+    fn same_values(&self, other: &Self) -> bool {
+        self.values().zip(other.values()).all(|(a, b)| a.value == b.value)
     }
 
     /// One of its own values by its key.

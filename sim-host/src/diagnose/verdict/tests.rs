@@ -116,6 +116,48 @@ fn tail(run: &Run, first: usize) -> Run {
     Run { from: run.from + first as f64 * run.dt, moving_start: true, ..tail }
 }
 
+/// Of a run of which some stretches were fitted the others are predicted from where the fit says that it starts: its first sample may
+/// be among those of neither.
+#[test]
+fn stretches_of_a_run_that_was_fitted_start_where_it_does() {
+    let truth = with_viscous(90.0);
+    let run = Run { moving_start: true, ..recorded(&truth, 1) };
+    let of = |kept: std::ops::Range<usize>| {
+        let mut run = run.clone();
+        for measured in &mut run.measured {
+            let out = measured.values.iter_mut().enumerate().filter(|(k, _)| !kept.contains(k));
+            out.for_each(|(_, value)| *value = f64::NAN);
+        }
+        run
+    };
+    let (fitted, judging) = ([of(0..1500)], [of(1500..3000)]);
+    let mut known = truth;
+    known.values_mut().for_each(|value| value.free = false);
+    let mut fit = Fit::begin(known, &fitted).unwrap();
+    fit.improve(&fitted, Effort::FULL).unwrap();
+    let beside = score_beside(&fit, &fitted, &judging).unwrap().chi2;
+    assert!(beside < 1.2, "{beside}");
+    let anew = score(&fit.model, &judging).unwrap().chi2;
+    assert!(anew > 2.0 * beside, "{anew}");
+}
+
+/// What predicts one channel far better may be a little worse of another; what is worse in all is not.
+#[test]
+fn each_channel_has_its_say_in_what_is_worse() {
+    let truth = with_viscous(90.0);
+    let Conclusion { before, after, judging, .. } = concluded(&truth, &truth, with_viscous(50.0));
+    let refused = |displacement: f64, acceleration: f64| {
+        let mut named = after.clone();
+        for (channel, nrmse) in &mut named.hold.nrmse {
+            let stated = before.hold.nrmse.iter().find(|(c, _)| c == channel).unwrap().1;
+            *nrmse = stated * if *channel == Channel::Displacement { displacement } else { acceleration };
+        }
+        matches!(refusal(&before, &named, &judging, false), Some(Refusal::Worse { .. }))
+    };
+    assert!(!refused(0.1, 1.2));
+    assert!(refused(0.95, 1.2));
+}
+
 /// What was searched on an excerpt is fitted to the whole from where the whole begins: an excerpt's start is another place.
 #[test]
 fn an_excerpt_begins_elsewhere_than_its_run() {

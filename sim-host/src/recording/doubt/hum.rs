@@ -3,6 +3,7 @@
 //! Hum of the accelerometer is an effect of the library and left to it. Elsewhere a line of the mains that the reference does
 //! not hold is the wiring's: its sine is fitted and taken off.
 
+use super::replay::{Linear, answer, gains};
 use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
 use crate::recording::check::mains_line;
@@ -11,7 +12,11 @@ use crate::recording::run::Run;
 use crate::recording::signal::Sine;
 use std::f64::consts::TAU;
 
-/// Takes the line off every channel that has one.
+/// What is more than one half is the larger part.
+const LARGER_PART: f64 = 0.5;
+
+/// Takes the line off every channel that has one. What a controller that saw it made of it is known, and goes on to be added to the
+/// command.
 pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     let mut findings = Vec::new();
     for run in &mut experiment.runs {
@@ -27,12 +32,32 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
                 let cleaned = sine.taken_off(samples, run.dt);
                 run.channels.set(channel, cleaned);
             }
+            if channel == Channel::Displacement {
+                keep_answer(run, &sine);
+            }
             let amplitude = sine.sine.hypot(sine.cosine);
             let finding = SetUpFinding::new(Doubt::Hum, amplitude, unit).against(0.0);
             findings.push(finding.of_run(&run.name).of_channel(channel));
         }
     }
     findings
+}
+
+/// Adds to a run's disturbance what its law makes of a line that was taken off the displacement, where the recorded command holds it.
+fn keep_answer(run: &mut Run, sine: &Sine) {
+    let nothing = vec![0.0; run.len()];
+    let Some(answer) = answer(run, &sine.taken_off(&nothing, run.dt)) else { return };
+    let Some((linear, gains)) = Linear::of(run, 0, 0, false).zip(gains(&run.law)) else { return };
+    let unexplained = linear.without_trends().residual(&gains);
+    let [mut held, mut all] = [0.0; 2];
+    for (r, a) in unexplained.iter().zip(&answer) {
+        held += r * a;
+        all += a * a;
+    }
+    if held > LARGER_PART * all {
+        let known = run.channel(Channel::Disturbance).map_or(nothing, <[f64]>::to_vec);
+        run.channels.set(Channel::Disturbance, known.iter().zip(&answer).map(|(d, a)| d + a).collect());
+    }
 }
 
 /// The sine that fits best near a frequency, Hz.

@@ -95,6 +95,18 @@ impl Linear {
     }
 }
 
+/// What a law adds to its command where the displacement that it sees is less than the recorded one by this.
+pub(super) fn answer(run: &Run, less: &[f64]) -> Option<Vec<f64>> {
+    let ticks = Ticks::of(run);
+    let [first, second] = match &run.law {
+        Law::ProportionalIntegral { .. } => ticks.seen(less, |error, dt| [error.to_vec(), integral(error, dt)]),
+        Law::Cascade { .. } => ticks.seen(less, |error, dt| [error.to_vec(), backward(error, dt)]),
+        Law::Open | Law::Core { .. } => return None,
+    };
+    let [a, b] = gains(&run.law)?;
+    Some(first.iter().zip(&second).map(|(p, q)| a * p + b * q).collect())
+}
+
 /// Place in a run of `n` samples, from -1 to 1.
 pub(super) fn time(k: usize, n: usize) -> f64 {
     2.0 * k as f64 / (n.max(2) - 1) as f64 - 1.0

@@ -147,6 +147,35 @@ fn hum_of_the_displacement_is_taken_off() {
     assert!(left.sqrt() < 2e-6, "{}", left.sqrt());
 }
 
+/// A controller that acts on the hum, through a derivative at that, sent the recorded command: what it made of the hum is known beside the
+/// cleaned displacement. One that never saw it is left alone.
+#[test]
+fn what_a_controller_made_of_hum_is_kept() {
+    let cascade = Law::Cascade { kp: 58.0, kv: 225.0 };
+    let hum = |k: usize| 3e-5 * (std::f64::consts::TAU * 50.0 * k as f64 * DT + 0.7).sin();
+    let of = |seen: f64| {
+        let mut run = experiment(&pi(4.0, 1.0), Shaping::default(), 5);
+        let [reference, clean] =
+            [Channel::Reference, Channel::Displacement].map(|c| run.runs[0].channel(c).unwrap().to_vec());
+        let saw: Vec<f64> = clean.iter().enumerate().map(|(k, x)| x + seen * hum(k)).collect();
+        let law = |k: usize| 58.0 * 225.0 * (reference[k] - saw[k]) - 225.0 * (saw[k] - saw[k.saturating_sub(1)]) / DT;
+        let channels = &mut run.runs[0].channels;
+        channels.set(Channel::Command, (0..N).map(law).collect());
+        channels.set(Channel::Displacement, clean.iter().enumerate().map(|(k, x)| x + hum(k)).collect());
+        run.runs[0].law = cascade.clone();
+        doubt(&run)
+    };
+    let heard = of(1.0);
+    assert!(kinds(&heard).contains(&Doubt::Hum), "{:?}", heard.findings);
+    let added = heard.experiment.runs[0].channel(Channel::Disturbance).unwrap();
+    let most = added.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+    assert!((1.5..3.0).contains(&most), "{most}");
+    let of_law = |f: &Finding| matches!(f.fault, Fault::WrongController | Fault::MissingInput);
+    assert!(!check(&heard.experiment).iter().any(of_law));
+    let unheard = of(0.0);
+    assert!(unheard.experiment.runs[0].channel(Channel::Disturbance).is_none());
+}
+
 /// A gap that no interpolation can stand for cuts a run in two; a short one does not.
 #[test]
 fn a_long_gap_cuts_the_run() {

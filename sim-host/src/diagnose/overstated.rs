@@ -1,0 +1,59 @@
+//! The noise of a channel by what the best of all models leaves of it: a figure that was stated too large hides whatever leaves less.
+
+use super::judged::{Decision, Judged};
+use super::search::Search;
+use super::split::Weighing;
+use crate::identify::data::Channel;
+use crate::identify::prepare::Prepared;
+use crate::plant::simulate::SimulateError;
+
+/// Share of a noise's power that a model must leave at most for the noise to be smaller: less is within what chance and the colour of
+/// a noise do to it.
+const LESS: f64 = 0.87;
+/// Models of each size that are asked.
+const ASKED: usize = 2;
+
+/// Power that a model leaves of the channels that judge, in that of their noise.
+type Powers = Vec<(Channel, f64)>;
+
+/// What the accepted model leaves, where it names something and leaves less than noise of a channel.
+pub(super) fn by_names(decision: &Decision) -> Option<Powers> {
+    let named = !decision.unlisted && !decision.after.added.is_empty();
+    let powers = powers(&decision.after);
+    (named && is_less(&powers)).then_some(powers)
+}
+
+/// The least that any of the best models of a search leaves, where that is less than noise of a channel.
+pub(super) fn by_any(weighing: &Weighing, search: &Search) -> Result<Option<Powers>, SimulateError> {
+    let mut least: Powers = Vec::new();
+    for fit in search.grown.iter().flat_map(|size| size.iter().take(ASKED)) {
+        for (channel, power) in powers(&Judged::of(fit.clone(), weighing)?) {
+            match least.iter_mut().find(|(of, _)| *of == channel) {
+                Some((_, known)) => *known = known.min(power),
+                None => least.push((channel, power)),
+            }
+        }
+    }
+    Ok(is_less(&least).then_some(least))
+}
+
+/// Sets the noise of the channels of which less is left to what is.
+pub(super) fn lower(prepared: &mut Prepared, powers: &Powers) {
+    for measured in prepared.fit.iter_mut().chain(&mut prepared.holdout).flat_map(|run| &mut run.measured) {
+        let power = powers.iter().find(|(channel, _)| *channel == measured.channel);
+        if let Some((_, power)) = power.filter(|(_, power)| *power < LESS) {
+            measured.noise *= power.sqrt();
+        }
+    }
+}
+
+fn powers(judged: &Judged) -> Powers {
+    judged.hold.channels.iter().map(|&(channel, chi2, _)| (channel, chi2)).collect()
+}
+
+fn is_less(powers: &Powers) -> bool {
+    powers.iter().any(|(_, power)| *power < LESS)
+}
+
+#[cfg(test)]
+mod tests;
