@@ -12,9 +12,9 @@
     reason = "a bench prints its figures and stops where it cannot"
 )]
 
-use shakedown::blocks::plant::{Baseline, Drive, Law, Placed, Start, Wanted, simulate};
+use shakedown::blocks::plant::{Baseline, Drive, EffectParameters, Law, Start, Wanted, simulate};
 use shakedown::diagnose::{Options, diagnose};
-use shakedown::faults::dice::Dice;
+use shakedown::faults::dice::FaultRng;
 use shakedown::recording::Experiment;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -38,7 +38,7 @@ fn reference(number: usize) -> Vec<f64> {
     (0..(SECONDS / DT) as usize).map(at).collect()
 }
 
-fn recording(number: usize, effects: &[Placed<f64>]) -> String {
+fn recording(number: usize, effects: &[EffectParameters<f64>]) -> String {
     let input = reference(number);
     let drive = Drive {
         dt: DT,
@@ -53,7 +53,7 @@ fn recording(number: usize, effects: &[Placed<f64>]) -> String {
     let table = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };
     let start = Start { displacement: input[0], velocity: 0.0, states: Vec::new() };
     let trace = simulate(&table, effects, &drive, &start).expect("the table runs");
-    let mut dice = Dice::new(1, number as u64);
+    let mut dice = FaultRng::new(1, number as u64);
     let mut text = String::from("time,reference,displacement,acceleration,command\n");
     for (k, reference) in input.iter().enumerate() {
         let x = trace.displacement[k] + NOISE[0] * dice.normal();
@@ -63,7 +63,7 @@ fn recording(number: usize, effects: &[Placed<f64>]) -> String {
     text
 }
 
-fn experiment(folder: &Path, effects: &[Placed<f64>]) -> Experiment {
+fn experiment(folder: &Path, effects: &[EffectParameters<f64>]) -> Experiment {
     let mut text = String::from(
         "name = \"bench\"\n[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 131.0\na1 = 55.0\nvelocity_limit = 0.242\n\
          fit = [\"b0\", \"a1\"]\n[channels]\ntime = { column = \"time\", unit = \"s\" }\n\
@@ -93,7 +93,7 @@ fn processor() -> Option<f64> {
 }
 
 fn main() {
-    let one = |id, parameters: &[f64]| Placed { id, parameters: parameters.to_vec() };
+    let one = |id, parameters: &[f64]| EffectParameters { id, parameters: parameters.to_vec() };
     let cases = [
         ("nothing missing", vec![]),
         ("a deadband", vec![one("valve_deadband", &[1.5e-3, 0.01])]),

@@ -14,7 +14,7 @@ use criterion::Criterion;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use shakedown::blocks::identify::{
-    Channel, Effort, Fit, Local, Measured, Model, Placed, Run, Value, Yardsticks, predict,
+    Channel, Effort, Fit, Local, Measured, Model, ModelEffect, Run, SignalScales, Value, predict,
 };
 use shakedown::blocks::plant::{Kind, Law, entry};
 use std::error::Error;
@@ -41,7 +41,7 @@ fn model(values: [f64; 6]) -> Model {
     });
     let model = Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), library: Vec::new() };
     let placed = |id: &str, value: f64| {
-        let mut placed = Placed::start(entry(id).expect("listed"), 0, &Yardsticks::TYPICAL).expect("a start");
+        let mut placed = ModelEffect::start(entry(id).expect("listed"), 0, &SignalScales::TYPICAL).expect("a start");
         placed.values[0].value = value;
         placed
     };

@@ -5,7 +5,7 @@
 //! alone, by what a fit to one half of it predicts of the other. Beside the figure stands what limits it.
 #![allow(clippy::print_stdout, reason = "an example prints what it measured")]
 
-use shakedown::blocks::plant::{Baseline, Drive, Law, Placed, Shaping, Start, Wanted, simulate};
+use shakedown::blocks::plant::{Baseline, Drive, EffectParameters, Law, Shaping, Start, Wanted, simulate};
 use shakedown::identify::{Identified, Quantity, identify};
 use shakedown::recording::{Channel, Experiment};
 use std::error::Error;
@@ -91,7 +91,8 @@ fn open_loop(found: &Identified, experiment: &Experiment, friction: f64) -> Resu
     let shown = run.channel(Channel::Displacement).ok_or("no displacement")?;
     let own: Vec<f64> = found.fit.model.own.iter().map(|value| value.value).collect();
     let baseline = Baseline::new(found.fit.model.kind, &own).ok_or("not as many parameters as its equations take")?;
-    let mut effects: Vec<_> = found.fit.model.placements().map(|(id, parameters)| Placed { id, parameters }).collect();
+    let mut effects: Vec<_> =
+        found.fit.model.placements().map(|(id, parameters)| EffectParameters { id, parameters }).collect();
     if let Some(force) = effects.iter_mut().find(|e| e.id == "coulomb_friction").and_then(|e| e.parameters.first_mut())
     {
         *force *= friction;

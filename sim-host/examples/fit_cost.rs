@@ -10,7 +10,7 @@
     reason = "an example prints and stops where it cannot"
 )]
 
-use shakedown::blocks::identify::{Effort, Fit, Local, Model, Placed, Run, predict, prepare, score};
+use shakedown::blocks::identify::{Effort, Fit, Local, Model, ModelEffect, Run, predict, prepare, score};
 use shakedown::blocks::plant::entry;
 use shakedown::recording::Experiment;
 use std::path::Path;
@@ -44,7 +44,7 @@ fn main() {
     );
     for set in sets {
         let grown = |model: Model, id: &str| {
-            model.with(Placed::start(entry(id).expect("an effect"), 0, &prepared.yardsticks).expect("a start"))
+            model.with(ModelEffect::start(entry(id).expect("an effect"), 0, &prepared.signal_scales).expect("a start"))
         };
         let model = set.split('+').filter(|id| !id.is_empty()).fold(prepared.model.clone(), grown);
         let locals: Vec<Local> = runs.iter().map(|run| Local::start(&model, run)).collect();

@@ -5,7 +5,7 @@
 use shakedown::blocks::closed_loop::learning::stale::{check_motion, stale};
 use shakedown::blocks::closed_loop::learning::{Learned, Learning, Limits, Update, learn, played};
 use shakedown::blocks::motion::{ASKED, Fit};
-use shakedown::blocks::plant::Placed;
+use shakedown::blocks::plant::EffectParameters;
 use shakedown::fit::{Recipe, read};
 use shakedown::plant::paper::Paper;
 use shakedown::plant::sensors::SensorModel;
@@ -41,7 +41,7 @@ fn records() -> Result<bool, Box<dyn Error>> {
         let plain = learn(&setup, &wanted, &LIMITS, &Learning { update: Update::Plain, ..Learning::default() })?;
         let errors = |l: &Learned| l.rounds.iter().map(|r| r.score.e_a.ratio).collect::<Vec<f64>>();
         let (a, b) = (errors(&ours), errors(&plain));
-        let most = |get: fn(&shakedown::blocks::closed_loop::learning::Round) -> f64| {
+        let most = |get: fn(&shakedown::blocks::closed_loop::learning::Iteration) -> f64| {
             ours.rounds.iter().map(get).fold(0.0, f64::max)
         };
         let (x, v, g) =
@@ -79,7 +79,7 @@ impl Dice {
 
 /// A table with a payload; on another day its gain and its null bias are a little others.
 fn table(payload: [f64; 3], friction: f64, gain: f64, null: f64) -> Twin {
-    let placed = |id, parameters: &[f64]| Placed { id, parameters: parameters.to_vec() };
+    let placed = |id, parameters: &[f64]| EffectParameters { id, parameters: parameters.to_vec() };
     let paper = Paper::default();
     let [ratio, frequency, damping] = payload;
     Twin {

@@ -5,7 +5,7 @@
 //! in FOLDER, as `shakedown device run` keeps it. The memory of the process is read after every simulated hour and must not grow after the first.
 #![allow(clippy::print_stdout, reason = "what an example has to say")]
 
-use shakedown::device::{Kept, Recorder, RecorderError, Talker, Telemetry};
+use shakedown::device::{Kept, LinkClient, Recorder, RecorderError, Telemetry};
 use shakedown::faults::Motions;
 use shakedown::plant::Plant as _;
 use shakedown::plant::paper::{FixedStep, Paper};
@@ -53,7 +53,7 @@ struct Day {
     command: f64,
     tick: u64,
     batch: Batch,
-    talker: Talker,
+    talker: LinkClient,
     telemetry: Telemetry,
     recorder: Recorder,
     tests: u64,
@@ -79,7 +79,7 @@ impl Day {
             command: 0.0,
             tick: 0,
             batch: Batch { first: 0, every: EVERY, state: State::Off, dropped: 0, records: heapless::Vec::new() },
-            talker: Talker::new(),
+            talker: LinkClient::new(),
             telemetry: Telemetry::default(),
             recorder: Recorder::begin(folder, &setup, Kept::All)?,
             tests: 0,

@@ -23,7 +23,7 @@ pub mod identify {
     pub use crate::identify::frequency::{Point, Response, ResponseError};
     pub use crate::identify::interval::{NINETY, profiles};
     pub use crate::identify::judge::{Score, score};
-    pub use crate::identify::model::{Model, Placed, Value, Yardsticks};
+    pub use crate::identify::model::{Model, ModelEffect, SignalScales, Value};
     pub use crate::identify::prepare::{Prepared, prepare};
     pub use crate::identify::starts::fitted;
 }
@@ -40,7 +40,7 @@ pub mod motion {
 pub mod plant {
     pub use crate::plant::effects::{ENTRIES, Entry, build, entry, identifiers};
     pub use crate::plant::model::{Baseline, Kind};
-    pub use crate::plant::simulate::{Drive, Law, Notch, Placed, Shaping, Start, Wanted, simulate};
+    pub use crate::plant::simulate::{Drive, EffectParameters, Law, Notch, Shaping, Start, Wanted, simulate};
 }
 
 /// Parts of [`crate::recording`].

@@ -14,7 +14,7 @@ mod session;
 mod telemetry;
 
 pub use drive::{Drive, DriveError, Progress};
-pub use line::{Heard, Talker};
+pub use line::{LinkClient, LinkCounters};
 #[cfg(unix)]
 pub use port::Port;
 pub use proof_test::{PROOF_TEST, ProofTest, proof_test_kept};

@@ -16,7 +16,7 @@
 //! the training and grows it by effects of the library; `decide` weighs every survivor on the validation, names what
 //! is accepted, says what it is mistaken for and what no effect explains; `verdict` fits what was selected to all that may be
 //! fitted, consumes the test and judges. `locate` looks at the residual without the library; `change` says what it means
-//! for who runs the table. Out comes a [`Diagnosis`].
+//! for who runs the table. `passes` goes through these in order. Out comes a [`Diagnosis`].
 
 mod calibration;
 pub(crate) mod change;
@@ -32,11 +32,12 @@ mod next_test;
 mod noise;
 mod noise_left;
 mod options;
-mod outdone;
 mod overstated;
+mod passes;
 pub(crate) mod planned;
 mod ranking;
 mod region;
+mod reject_for_curve;
 mod rejected;
 pub(crate) mod remainder;
 mod residual;
@@ -58,13 +59,11 @@ use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
-use judged::Decision;
 pub use options::{Options, Progress};
+use passes::{Concluded, conclude};
 pub use result::{Diagnosis, Verdict};
-use search::Depth;
-use split::{Split, Weighing, reopened, split};
+use split::{Split, split};
 use std::path::Path;
-use term::Modelled;
 use verdict::Conclusion;
 
 /// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
@@ -74,8 +73,6 @@ const CERTAIN: f64 = 3.0;
 /// Samples that a search fits at most, and the last fit: of longer recordings the stretches with the most motion.
 const SEARCHED: usize = 120_000;
 const FITTED: usize = 400_000;
-/// Share of what was left below which a second look at the data is the better one.
-const FAR_LESS: f64 = 0.3;
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
@@ -188,118 +185,6 @@ fn far_from_stated(experiment: &Experiment, fit: &Fit) -> Vec<SetUpFinding> {
     experiment.model.baseline.parameters().into_iter().filter_map(far).collect()
 }
 
-/// What came out, and of which cut of the data.
-struct Concluded {
-    whole: Prepared,
-    conclusion: Conclusion,
-    modelled: Option<Modelled>,
-    held_out_shared: bool,
-    /// The sampling period, where it was found to be another.
-    clock: Option<SetUpFinding>,
-}
-
-/// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
-fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
-    let all: usize = whole.fit.iter().chain(&whole.holdout).map(Run::len).sum();
-    let first = with_right_clock(whole, seen, options)?;
-    if !first.conclusion.unforeseen() || all > 2 * SEARCHED {
-        return Ok(first);
-    }
-    options.say("the runs fitted do not show it: opening half of those held out", 0.9);
-    let Conclusion { after, judging, .. } = &first.conclusion;
-    let opened = reopened(&first.whole, judging, &after.hold.predicted);
-    let second = pass(opened, options)?;
-    let names = !second.conclusion.unlisted && !second.conclusion.consistent();
-    let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
-    if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {
-        return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
-    }
-    Ok(first)
-}
-
-/// Forward through the data once, with the sampling period corrected where a clock of another rate is part of what is accepted:
-/// then everything is selected anew, before anything was judged.
-fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
-    let (split_up, selected) = with_noise_as_left(&mut whole, &mut seen, options)?;
-    let dt = whole.fit.first().map_or(1.0, |run| run.dt);
-    let Some(finding) = clock::found(&selected.decision.after.fit, dt) else {
-        let mut concluded = judge(split_up, selected, options)?;
-        clock::settle(&mut concluded.whole, None);
-        return Ok(concluded);
-    };
-    options.say("correcting the sampling period", 0.1);
-    for prepared in [&mut whole, &mut seen] {
-        clock::settle(prepared, Some(&finding));
-    }
-    Ok(Concluded { clock: Some(finding), ..pass(split(whole, Some(seen)), options)? })
-}
-
-/// Cuts the data up and selects; once more where what is named leaves less than the noise of a channel and one effect more leaves
-/// still less of it: that noise is no larger than this, and what hides beneath it is weighed by it.
-fn with_noise_as_left(
-    whole: &mut Prepared,
-    seen: &mut Prepared,
-    options: &Options,
-) -> Result<(Split, Selected), SimulateError> {
-    let cut = |whole: &Prepared, seen: &Prepared| split(whole.clone(), Some(seen.clone()));
-    let first = cut(whole, seen);
-    let selected = select(&first.weighing, options)?;
-    let Some(left) = overstated::by_names(&selected.decision) else { return Ok((first, selected)) };
-    options.say("looking beneath a noise that was stated too large", 0.1);
-    let mut lowered = [seen.clone(), whole.clone()];
-    lowered.iter_mut().for_each(|prepared| overstated::lower(prepared, &left));
-    let beneath = cut(&lowered[1], &lowered[0]).weighing;
-    let search = search::search(&beneath, Depth::OneMore, options)?;
-    let Some(least) = overstated::by_any(&beneath, &search)? else {
-        return Ok((first, selected));
-    };
-    lowered.iter_mut().for_each(|prepared| overstated::lower(prepared, &least));
-    [*seen, *whole] = lowered;
-    let second = cut(whole, seen);
-    let selected = select(&second.weighing, options)?;
-    Ok((second, selected))
-}
-
-/// Forward through the data once: fitted on training, selected on validation, judged on the test.
-fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
-    let selected = select(&split.weighing, options)?;
-    judge(split, selected, options)
-}
-
-/// What was selected, and the curve that outdoes it.
-struct Selected {
-    decision: Decision,
-    modelled: Option<Modelled>,
-}
-
-/// Fits hypotheses to the training and weighs them on the validation.
-fn select(weighing: &Weighing, options: &Options) -> Result<Selected, SimulateError> {
-    let search = search::search(weighing, Depth::Explained, options)?;
-    options.say("weighing what was found", 0.9);
-    let decision = decide::decide(weighing, &search)?;
-    options.say("looking for effects that act in a part of time or state", 0.92);
-    let mut decision = region::region(weighing, &search, decision)?;
-    let modelled = outdone::outdone(weighing, &mut decision)?;
-    Ok(Selected { decision, modelled })
-}
-
-/// Models what is unlisted and judges all on the test.
-fn judge(split: Split, selected: Selected, options: &Options) -> Result<Concluded, SimulateError> {
-    let Split { weighing, whole, test } = split;
-    let Selected { mut decision, mut modelled } = selected;
-    if modelled.is_none() && decision.unlisted {
-        options.say("modelling what the library does not hold", 0.93);
-        let beside = decision.partial.as_ref().unwrap_or(&decision.before);
-        modelled = term::unlisted(&weighing, &decision.before, beside)?;
-    }
-    let explain = |m: &&Modelled| decision.explain_a_part(&m.judged.added);
-    if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed).filter(explain) {
-        decision.name_beside_more(&modelled.judged.added);
-    }
-    let conclusion = verdict::verdict(&whole, weighing.fitted(), decision, modelled.as_ref(), test)?;
-    Ok(Concluded { whole, conclusion, modelled, held_out_shared: false, clock: None })
-}
-
 /// What is said of recordings that cannot be believed: the stated model's standing and nothing more.
 fn unfit(
     prepared: Prepared,
@@ -309,8 +194,8 @@ fn unfit(
 ) -> Result<Examined, DiagnoseError> {
     let Split { weighing, whole, test } = split(prepared, None);
     let baseline = Fit::begin(weighing.model().clone(), weighing.fitted())?;
-    let yardsticks = weighing.yardsticks();
-    let stated = search::Search { baseline, grown: Vec::new(), yardsticks };
+    let signal_scales = weighing.signal_scales();
+    let stated = search::Search { baseline, grown: Vec::new(), signal_scales };
     let decision = decide::decide(&weighing, &stated)?;
     let conclusion = verdict::as_stated(&whole, decision, test)?;
     let location = locate::Location::default();

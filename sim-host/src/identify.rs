@@ -36,11 +36,11 @@ pub(crate) mod outcome;
 pub(crate) mod prepare;
 pub(crate) mod quantity;
 mod shift;
+pub(crate) mod signal_scales;
 pub(crate) mod spectra;
 pub(crate) mod starts;
 pub(crate) mod stated;
 pub(crate) mod transfer;
-pub(crate) mod yardsticks;
 
 pub use answer::value as answer;
 pub use change::{Change, CompareError, compare};

@@ -5,7 +5,7 @@
 #[path = "support/table.rs"]
 mod table;
 
-use shakedown::blocks::plant::Placed;
+use shakedown::blocks::plant::EffectParameters;
 use shakedown::identify::{Change, compare};
 use shakedown::recording::Experiment;
 use std::fmt::Write as _;
@@ -25,7 +25,7 @@ struct Table {
 const BEFORE: Table = Table { b0: 138.0, null: 2e-4, friction: 0.25, frequency: 3.0 };
 
 fn experiment(folder: &TempDir, name: &str, table: Table, seed: u64) -> Experiment {
-    let placed = |id, parameters: &[f64]| Placed { id, parameters: parameters.to_vec() };
+    let placed = |id, parameters: &[f64]| EffectParameters { id, parameters: parameters.to_vec() };
     let effects = [
         placed("null_bias", &[table.null, 0.0]),
         placed("coulomb_friction", &[table.friction, 2e-5]),

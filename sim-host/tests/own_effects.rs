@@ -10,7 +10,7 @@
 #[path = "support/table.rs"]
 mod table;
 
-use shakedown::blocks::plant::{Placed, entry};
+use shakedown::blocks::plant::{EffectParameters, entry};
 use shakedown::blocks::recording::load_effects;
 use shakedown::diagnose::{Options, diagnose};
 use shakedown::identify::identify;
@@ -40,7 +40,7 @@ fn experiment(folder: &TempDir, id: &str, truth: &[(&str, f64)], model: &str) ->
     let known = entry(id).unwrap();
     let value = |key: &str| truth.iter().find(|(name, _)| *name == key).unwrap().1;
     let parameters = known.parameters.iter().map(|p| value(p.key)).collect();
-    let effects = [Placed { id: known.id, parameters }];
+    let effects = [EffectParameters { id: known.id, parameters }];
     let mut text = format!("effect_files = ['{}']\n", example(&format!("{id}.toml")).display());
     text += "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n";
     text += model;

@@ -9,8 +9,8 @@
 
 use shakedown::faults::campaign::{join, run, run_shard};
 use shakedown::faults::class::{Channel, Fault};
-use shakedown::faults::spoil::Spoil;
-use shakedown::faults::watcher::{Broken, judge};
+use shakedown::faults::spoil::SignalFault;
+use shakedown::faults::watcher::{Violation, judge};
 use shakedown::faults::{Beside, CampaignError, Case, Class, Motions, Plan, Summary};
 use shakedown_core::Settings;
 use shakedown_core::settings::{
@@ -62,7 +62,7 @@ fn deaf(settings: &Settings) -> Settings {
 }
 
 /// What a class breaks over some runs under a deaf guard.
-fn broken_when_deaf(class: &str) -> Vec<Broken> {
+fn broken_when_deaf(class: &str) -> Vec<Violation> {
     let class = Class::named(class).unwrap();
     let runs = (0..12).map(|number| {
         let mut case = Case::deal(SEED, number, Some(class), &MOTIONS).guard_alone();
@@ -74,13 +74,13 @@ fn broken_when_deaf(class: &str) -> Vec<Broken> {
 
 #[test]
 fn a_deaf_guard_would_be_seen() {
-    assert!(broken_when_deaf("lvdt-open").contains(&Broken::Late));
+    assert!(broken_when_deaf("lvdt-open").contains(&Violation::Late));
     let stuck = broken_when_deaf("lvdt-stuck");
-    assert!(stuck.contains(&Broken::Excursion) && stuck.contains(&Broken::Unreported), "{stuck:?}");
-    assert!(broken_when_deaf("lvdt-reversed").contains(&Broken::Excursion));
-    assert!(broken_when_deaf("command-runaway").contains(&Broken::Excursion));
+    assert!(stuck.contains(&Violation::Excursion) && stuck.contains(&Violation::Unreported), "{stuck:?}");
+    assert!(broken_when_deaf("lvdt-reversed").contains(&Violation::Excursion));
+    assert!(broken_when_deaf("command-runaway").contains(&Violation::Excursion));
     let over = broken_when_deaf("valve-hard-over");
-    assert!(over.contains(&Broken::Late) || over.contains(&Broken::Unreported), "{over:?}");
+    assert!(over.contains(&Violation::Late) || over.contains(&Violation::Unreported), "{over:?}");
 }
 
 /// A creep, m/s, that an unknown null of the valve explains as well: it is not promised that the guard alone sees it.
@@ -93,7 +93,7 @@ fn a_creeping_lvdt_is_what_the_limit_switches_are_for() {
     let creeping = |number| {
         let case = Case::deal(SEED, number, Some(class), &MOTIONS);
         let sign = if number % 2 == 0 { 1.0 } else { -1.0 };
-        let fault = Fault::Signal(Channel::Displacement, Spoil::Drifting(sign * CREEP));
+        let fault = Fault::Signal(Channel::Displacement, SignalFault::Drifting(sign * CREEP));
         // From soon after the start on, so that it lasts.
         let onset = (1.5 * case.rate()) as usize;
         Case { fault, onset, ..case }
@@ -101,7 +101,7 @@ fn a_creeping_lvdt_is_what_the_limit_switches_are_for() {
     let outside = |beside| {
         let outcomes = (0..60).map(|number| judge(&creeping(number).beside(beside)).unwrap());
         let outcomes: Vec<_> = outcomes.collect();
-        assert!(outcomes.iter().all(|outcome| !outcome.broken.contains(&Broken::Excursion)));
+        assert!(outcomes.iter().all(|outcome| !outcome.broken.contains(&Violation::Excursion)));
         outcomes.iter().filter(|outcome| outcome.outside).count()
     };
     assert!(outside(Beside::Nothing) > 0);

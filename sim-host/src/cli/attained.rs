@@ -8,7 +8,7 @@ use super::written::provenance::{self, Fact};
 use super::{Failure, present, progress};
 use crate::motion::fit::Limits;
 use crate::motion::qualify::attain::{Attained, Unreachable, Way, attain_from};
-use crate::motion::qualify::{Judged, QualifyError, Standard};
+use crate::motion::qualify::{QualifyError, ScoredModel, Standard};
 use crate::motion::{Motion, STANDARD_GRAVITY};
 use crate::report::{Item, Page, Section, Table as Rows};
 use serde_json::json;
@@ -50,7 +50,7 @@ impl Sought<'_> {
         Failure::Work(format!("{}: {why}", self.command))
     }
 
-    fn attained(&self, motion: &Motion, way: Way, judged: Judged, lost: &[&str]) -> Result<(), Failure> {
+    fn attained(&self, motion: &Motion, way: Way, judged: ScoredModel, lost: &[&str]) -> Result<(), Failure> {
         let Demanded { standard, required, lowest } = self.demanded.clone();
         let mut drive = Vec::new();
         if let Some((path, plan)) = &self.out {
@@ -98,7 +98,7 @@ impl Sought<'_> {
     }
 
     /// Where the drive comes from and what it keeps.
-    fn facts(&self, way: Way, judged: &Judged) -> Vec<Fact> {
+    fn facts(&self, way: Way, judged: &ScoredModel) -> Vec<Fact> {
         let mut facts = self.facts.clone();
         facts.push(("method".to_owned(), way.name().to_owned()));
         facts.extend(provenance::limits(&self.limits));

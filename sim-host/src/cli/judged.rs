@@ -2,7 +2,7 @@
 
 use super::histories::strong_motion;
 use crate::motion::STANDARD_GRAVITY as G;
-use crate::motion::qualify::{Judged, Ordinate, Required, Rule, Standard};
+use crate::motion::qualify::{Ordinate, Required, Rule, ScoredModel, Standard};
 use crate::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
@@ -12,7 +12,7 @@ pub(crate) struct Answer {
     pub(crate) name: String,
     pub(crate) standard: Standard,
     pub(crate) required: Required,
-    pub(crate) judged: Judged,
+    pub(crate) judged: ScoredModel,
     /// m/s2, every `dt` s.
     pub(crate) acceleration: Vec<f64>,
     pub(crate) dt: f64,

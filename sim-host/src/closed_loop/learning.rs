@@ -77,7 +77,7 @@ impl Default for Learning {
 
 /// One run.
 #[derive(Debug, Clone)]
-pub struct Round {
+pub struct Iteration {
     /// The true motion's peaks, whole band.
     pub reached: Peaks,
     /// The drive, m, one value a tick.
@@ -112,7 +112,7 @@ pub struct Refusal {
 #[derive(Debug, Clone)]
 pub struct Learned {
     /// The runs that were made.
-    pub rounds: Vec<Round>,
+    pub rounds: Vec<Iteration>,
     /// Why there was not another, where a drive was refused.
     pub refused: Option<Refusal>,
 }
@@ -171,7 +171,7 @@ pub fn learn_from(
             delay = score.e_a.delay;
         }
         let peaks = Peaks::of(&Spectrum::of(&seen).low_passed(how.band, wanted.dt), wanted.dt);
-        learned.rounds.push(Round {
+        learned.rounds.push(Iteration {
             drive: drive.clone(),
             score,
             predicted: forecast,
@@ -313,7 +313,7 @@ mod tests {
         let setup = Setup::paper(Named::Current);
         let wanted = wanted();
         let free = learn(&setup, &wanted, &WIDE, &Learning::default()).unwrap();
-        let found = |r: &Round| r.predicted.map_or(0.0, |p| p.velocity);
+        let found = |r: &Iteration| r.predicted.map_or(0.0, |p| p.velocity);
         let most = free.rounds.iter().map(found).fold(0.0, f64::max);
         // Told no more than the limit, a later drive is expected to pass it.
         let tight = Limits { velocity: 0.999 * most, ..WIDE };

@@ -6,7 +6,7 @@ use crate::plant::effects::{Countered, regional};
 use crate::plant::model::Baseline;
 use crate::plant::paper::{FixedStep, Paper};
 use crate::plant::sensors::Sensors;
-use crate::plant::simulate::{Placed, SimulateError};
+use crate::plant::simulate::{EffectParameters, SimulateError};
 use crate::plant::stepped::Stepped;
 use crate::recording::{self, Model, RecordingError};
 use std::path::Path;
@@ -17,7 +17,7 @@ pub struct Twin {
     /// Eq. 7 and the limiter.
     pub plant: Paper,
     /// What else the table has, in the order of the file.
-    pub effects: Vec<Placed<f64>>,
+    pub effects: Vec<EffectParameters<f64>>,
 }
 
 /// Why a model file is no table to run tests on.
@@ -127,8 +127,8 @@ impl Twin {
 }
 
 /// A stated effect with its parameters in the library's order; a run's own (phases) are zero.
-fn placed(stated: &recording::StatedEffect) -> Result<Placed<f64>, TwinError> {
-    use crate::plant::effects::{Role, Yardstick};
+fn placed(stated: &recording::StatedEffect) -> Result<EffectParameters<f64>, TwinError> {
+    use crate::plant::effects::{Role, SignalScale};
     let unknown = || SimulateError::UnknownEffect { id: stated.id.clone(), count: stated.parameters.len() };
     let entry = regional::stated(&stated.id, stated.parameters.keys().map(String::as_str)).ok_or_else(unknown)?;
     let value = |parameter: &crate::plant::effects::Parameter| match stated.parameters.get(parameter.key) {
@@ -136,14 +136,14 @@ fn placed(stated: &recording::StatedEffect) -> Result<Placed<f64>, TwinError> {
         None if parameter.role == Role::PerRun => Ok(0.0),
         // A detail of a form that is not stated is its plainest.
         None if parameter.role == Role::Refined
-            && (parameter.yardstick == Yardstick::One || parameter.starts.first() == Some(&0.0)) =>
+            && (parameter.signal_scale == SignalScale::One || parameter.starts.first() == Some(&0.0)) =>
         {
             Ok(parameter.starts.first().copied().unwrap_or(0.0))
         }
         None => Err(TwinError::Missing { effect: stated.id.clone(), key: parameter.key }),
     };
     let parameters = entry.parameters.iter().map(value).collect::<Result<_, _>>()?;
-    Ok(Placed { id: entry.id, parameters })
+    Ok(EffectParameters { id: entry.id, parameters })
 }
 
 #[cfg(test)]

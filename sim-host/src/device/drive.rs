@@ -10,7 +10,7 @@ use shakedown_core::link::{
     DeviceHealth, HostRequest, MAX_POINTS, Points, RefusedBecause, Report, Setup, StopCause, answer,
 };
 
-use super::{Row, Talker, Telemetry};
+use super::{LinkClient, Row, Telemetry};
 
 mod operator;
 mod progress;
@@ -101,7 +101,7 @@ impl Drive {
     }
 
     /// Takes every report heard, and puts on the line what is due at `now`, ms.
-    pub fn advance(&mut self, line: &mut Talker, now: u64) -> Progress {
+    pub fn advance(&mut self, line: &mut LinkClient, now: u64) -> Progress {
         self.now = now;
         while let Some(report) = line.report() {
             self.take(report);
@@ -148,7 +148,7 @@ impl Drive {
         }
     }
 
-    fn speak(&mut self, line: &mut Talker, now: u64) {
+    fn speak(&mut self, line: &mut LinkClient, now: u64) {
         let patience = if self.step == Step::Stream { STREAM_PATIENCE } else { PATIENCE };
         if self.asked.is_some_and(|asked| now < asked + patience) {
             return;

@@ -6,7 +6,7 @@ use shakedown_core::link::{Assembler, HostRequest, LinkError, MAX_FRAME, Report,
 
 /// Counts of what came over the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Heard {
+pub struct LinkCounters {
     /// Whole frames.
     pub frames: u64,
     /// Frames lost to a wrong check sum or length.
@@ -17,14 +17,14 @@ pub struct Heard {
 
 /// One end of a line: turns requests into bytes and bytes into reports.
 #[derive(Debug, Default)]
-pub struct Talker {
+pub struct LinkClient {
     assembler: Assembler,
     reports: VecDeque<Report>,
     outgoing: VecDeque<u8>,
-    heard: Heard,
+    heard: LinkCounters,
 }
 
-impl Talker {
+impl LinkClient {
     /// A line on which nothing was said. The first byte out is a zero, which ends whatever the device heard before.
     pub fn new() -> Self {
         Self { outgoing: VecDeque::from([0]), ..Self::default() }
@@ -64,7 +64,7 @@ impl Talker {
     }
 
     /// What was heard so far.
-    pub const fn heard(&self) -> Heard {
+    pub const fn heard(&self) -> LinkCounters {
         self.heard
     }
 }

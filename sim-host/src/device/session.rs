@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use shakedown_core::link::{DeviceHealth, HostRequest, RefusedBecause, Report, Setup, VERSION};
 
-use super::{Drive, DriveError, Progress, Talker, Telemetry};
+use super::{Drive, DriveError, LinkClient, Progress, Telemetry};
 
 /// Time after which a question is repeated, and how often: longer than a busy host takes to see the answer, for an order
 /// given twice is refused the second time.
@@ -50,7 +50,7 @@ pub enum SessionError {
 #[derive(Debug)]
 pub struct Session<L> {
     line: L,
-    talker: Talker,
+    talker: LinkClient,
     telemetry: Telemetry,
     start: Instant,
 }
@@ -58,7 +58,7 @@ pub struct Session<L> {
 impl<L: Line> Session<L> {
     /// Over `line`, on which nothing was said yet.
     pub fn new(line: L) -> Self {
-        Self { line, talker: Talker::new(), telemetry: Telemetry::default(), start: Instant::now() }
+        Self { line, talker: LinkClient::new(), telemetry: Telemetry::default(), start: Instant::now() }
     }
 
     /// Asks until `wanted` finds its answer. Telemetry that comes meanwhile is kept.

@@ -32,7 +32,7 @@ pub struct Change {
     pub reach: Option<Reach>,
     /// By what factor all that the controller sends can be raised before the loop no longer settles; none where the runs were
     /// driven by a recorded command.
-    pub gains: Option<Gains>,
+    pub gains: Option<GainMargins>,
 }
 
 /// RMS of reference less displacement in one run, m.
@@ -61,7 +61,7 @@ pub struct Reach {
 
 /// Gain margins as factors; none where the loop settles at every factor tried, which is up to ten.
 #[derive(Debug, Clone, Serialize)]
-pub struct Gains {
+pub struct GainMargins {
     /// Of the stated model.
     pub stated: Option<f64>,
     /// Of the model with what was found.
@@ -78,9 +78,9 @@ pub(super) fn change(prepared: &Prepared, conclusion: &Conclusion) -> Result<Opt
         return Ok(None);
     }
     let gains = if pattern.law.simulates_reference() {
-        let travel = prepared.yardsticks.displacement;
+        let travel = prepared.signal_scales.displacement;
         let [stated, found] = [margin(&stated.model, pattern, travel)?, margin(&found.model, pattern, travel)?];
-        Some(Gains { stated, found, stand: found.is_none_or(|factor| factor >= CUSTOMARY) })
+        Some(GainMargins { stated, found, stand: found.is_none_or(|factor| factor >= CUSTOMARY) })
     } else {
         None
     };
@@ -114,7 +114,7 @@ fn reach(prepared: &Prepared, stated: &Fit, found: &Fit) -> Result<Option<Reach>
     let command = each?.into_iter().fold(0.0, f64::max);
     let Some(pattern) = prepared.fit.first().filter(|_| command > 0.0) else { return Ok(None) };
     let sides = |model: &Model| -> Result<[f64; 2], SimulateError> {
-        let of = |u| speed(model, pattern, u, prepared.yardsticks.displacement);
+        let of = |u| speed(model, pattern, u, prepared.signal_scales.displacement);
         Ok([of(command)?, of(-command)?])
     };
     Ok(Some(Reach { command, stated: sides(&stated.model)?, found: sides(&found.model)? }))

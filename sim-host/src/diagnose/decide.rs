@@ -3,13 +3,13 @@
 
 use super::calibration::CALIBRATION;
 use super::finish::{best_of, needed, polished, refined, without};
-use super::judged::{Decision, Judged};
+use super::judged::{Decision, ScoredModel};
 use super::leftover::{follows, larger_noise, more_is_missing};
 use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
-use super::standing::{Alone, accounted, beyond, stands, strained};
+use super::standing::{Alone, accounted, at_bound, beyond, is_justified};
 use crate::identify::fit::Fit;
 use crate::plant::effects::{Stage, entry};
 use crate::plant::simulate::SimulateError;
@@ -26,7 +26,7 @@ const IRREGULAR: f64 = 0.05;
 
 /// Judges everything the search found.
 pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, SimulateError> {
-    let judged = |fit: &Fit| Judged::of(fit.clone(), weighing);
+    let judged = |fit: &Fit| ScoredModel::of(fit.clone(), weighing);
     let before = judged(&search.baseline)?;
     let mut sizes = Vec::new();
     for grown in &search.grown {
@@ -52,13 +52,13 @@ pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, S
 }
 
 /// What is left of a model after an effect was taken out was found beside that effect: another of its size may do better.
-fn best_of_its_size(before: &Judged, less: Judged, sizes: &[Vec<Judged>]) -> Judged {
+fn best_of_its_size(before: &ScoredModel, less: ScoredModel, sizes: &[Vec<ScoredModel>]) -> ScoredModel {
     let size = less.added.len();
     best_of(before, less, sizes.iter().flatten().filter(|other| other.added.len() == size).cloned().collect()).0
 }
 
 /// The largest model that stands, each against the one before it.
-fn choose(before: &Judged, sizes: &[Vec<Judged>], alone: &Alone) -> Judged {
+fn choose(before: &ScoredModel, sizes: &[Vec<ScoredModel>], alone: &Alone) -> ScoredModel {
     let mut after = before.clone();
     // What already leaves less than the noise has nothing to explain, however surely a line stands within it.
     let believed = before.departure.disbelief() < CHANCE;
@@ -68,7 +68,7 @@ fn choose(before: &Judged, sizes: &[Vec<Judged>], alone: &Alone) -> Judged {
     let mut skipped = false;
     for size in sizes {
         let Some(best) = size.first() else { break };
-        if stands(before, &after, best, alone.tell_apart(&after.added, &best.added)) {
+        if is_justified(before, &after, best, alone.tell_apart(&after.added, &best.added)) {
             after = best.clone();
             skipped = false;
         } else if skipped {
@@ -83,12 +83,12 @@ fn choose(before: &Judged, sizes: &[Vec<Judged>], alone: &Alone) -> Judged {
 /// Weighs the accepted model against all others and against what no library holds.
 pub(super) fn weigh(
     weighing: &Weighing,
-    before: Judged,
-    mut after: Judged,
-    sizes: Vec<Vec<Judged>>,
+    before: ScoredModel,
+    mut after: ScoredModel,
+    sizes: Vec<Vec<ScoredModel>>,
 ) -> Result<Decision, SimulateError> {
     let others = sizes.into_iter().flatten().filter(|c| c.added != after.added && !c.fit.model.is_redundant());
-    let mut candidates: Vec<Judged> = std::iter::once(before.clone()).chain(others).collect();
+    let mut candidates: Vec<ScoredModel> = std::iter::once(before.clone()).chain(others).collect();
     // A set that was fitted twice counts once, at its best.
     candidates.sort_by(|a, b| a.total().total_cmp(&b.total()));
     let mut seen: Vec<Vec<&'static str>> = Vec::new();
@@ -114,13 +114,13 @@ pub(super) fn weigh(
     }
     let larger = irregular || (!unlisted && quiet > CALIBRATION.negligible);
     let noise = if larger { larger_noise(weighing, &after, &follows) } else { Vec::new() };
-    let mut ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
+    let mut ties = posterior(&ranking, &after, &mut candidates, unlisted_probability);
     let mut unnamed = false;
     if !unlisted && let Some(surer) = surer(weighing, &after, &candidates)? {
         candidates.retain(|c| c.added != surer.added);
         candidates.push(surer.clone());
         after = surer;
-        ties = believe(&ranking, &after, &mut candidates, unlisted_probability);
+        ties = posterior(&ranking, &after, &mut candidates, unlisted_probability);
         unnamed = true;
     }
     if let Some(same) = candidates.iter().find(|c| c.added == after.added) {
@@ -136,7 +136,7 @@ pub(super) fn weigh(
     scatter(&mut decision);
     if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.before, partial, &decision.candidates)) {
         decision.name_beside_more(&leader.added);
-        decision.after = Judged { probability: CALIBRATION.beside_more, ..leader };
+        decision.after = ScoredModel { probability: CALIBRATION.beside_more, ..leader };
     }
     Ok(decision)
 }
@@ -170,14 +170,18 @@ fn stories(ties: &[Vec<&'static str>], accepted: &[&'static str]) -> usize {
 }
 
 /// How far an effect, or another law of the same thing, is believed.
-fn belief(id: &str, candidates: &[Judged]) -> f64 {
-    let with = |judged: &&Judged| judged.added.iter().any(|other| *other == id || kin(id, other));
+fn belief(id: &str, candidates: &[ScoredModel]) -> f64 {
+    let with = |judged: &&ScoredModel| judged.added.iter().any(|other| *other == id || kin(id, other));
     candidates.iter().filter(with).map(|c| c.probability).sum()
 }
 
 /// The accepted model less the names of which others of its size stand in the place, where others stand: what is missing there is
 /// then said to be missing, not named.
-fn surer(weighing: &Weighing, after: &Judged, candidates: &[Judged]) -> Result<Option<Judged>, SimulateError> {
+fn surer(
+    weighing: &Weighing,
+    after: &ScoredModel,
+    candidates: &[ScoredModel],
+) -> Result<Option<ScoredModel>, SimulateError> {
     let doubtful: Vec<&'static str> =
         after.added.iter().copied().filter(|id| belief(id, candidates) < CALIBRATION.likely).collect();
     if doubtful.is_empty() || doubtful.len() == after.added.len() {
@@ -197,20 +201,25 @@ fn kin(id: &str, other: &str) -> bool {
 
 /// Whether names explain most of the mismatch and no other set of their size comes near: what they leave is then something beside
 /// them, not what they are mistaken for.
-fn leads(before: &Judged, names: &Judged, candidates: &[Judged]) -> bool {
-    let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
+fn leads(before: &ScoredModel, names: &ScoredModel, candidates: &[ScoredModel]) -> bool {
+    let left = |judged: &ScoredModel| (judged.hold.chi2 - 1.0).max(0.0);
     let rivals = candidates.iter().filter(|c| c.added.len() == names.added.len() && c.added != names.added);
     let next = rivals.map(left).fold(f64::INFINITY, f64::min);
-    !strained(names) && left(names) < (1.0 - CALIBRATION.most) * left(before) && next > CALIBRATION.lead * left(names)
+    !at_bound(names) && left(names) < (1.0 - CALIBRATION.most) * left(before) && next > CALIBRATION.lead * left(names)
 }
 
 /// Spreads belief over the candidates of the accepted size and finds what is not told apart.
-fn believe(ranking: &Ranking, after: &Judged, candidates: &mut [Judged], unlisted: f64) -> Vec<Vec<&'static str>> {
+fn posterior(
+    ranking: &Ranking,
+    after: &ScoredModel,
+    candidates: &mut [ScoredModel],
+    unlisted: f64,
+) -> Vec<Vec<&'static str>> {
     let best = ranking.cost(after);
-    let odds = |judged: &Judged| -0.5 * (ranking.cost(judged) - best);
+    let odds = |judged: &ScoredModel| -0.5 * (ranking.cost(judged) - best);
     // A price on parameters chooses between what the data leave open; it does not close it.
-    let open = |judged: &Judged| -0.5 * (ranking.bare_cost(judged) - ranking.bare_cost(after));
-    let same_size = |judged: &Judged| judged.added.len() == after.added.len();
+    let open = |judged: &ScoredModel| -0.5 * (ranking.bare_cost(judged) - ranking.bare_cost(after));
+    let same_size = |judged: &ScoredModel| judged.added.len() == after.added.len();
     let sum: f64 = candidates.iter().filter(|c| same_size(c)).map(|c| odds(c).min(50.0).exp()).sum();
     let mut ties = Vec::new();
     for judged in candidates.iter_mut() {

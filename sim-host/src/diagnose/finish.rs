@@ -1,31 +1,31 @@
 //! Brings what was accepted to its end: fitted thoroughly, with the details of its forms, held against what it is mistaken for,
 //! less what it does without.
 
-use super::judged::Judged;
+use super::judged::ScoredModel;
 use super::ranking::Ranking;
 use super::search::{self, CHANCE};
 use super::split::Weighing;
-use super::standing::{Alone, SURE, sound, stands, strained};
+use super::standing::{Alone, SURE, at_bound, is_justified, sound};
 use crate::identify::fit::{Effort, Fit};
 use crate::plant::simulate::SimulateError;
 
 /// The accepted model fitted to the end: corners leave a search in hollows that a fresh start of the fit climbs out of.
-pub(super) fn polished(after: Judged, weighing: &Weighing) -> Result<Judged, SimulateError> {
+pub(super) fn polished(after: ScoredModel, weighing: &Weighing) -> Result<ScoredModel, SimulateError> {
     if after.added.is_empty() {
         return Ok(after);
     }
     let mut fit = Fit::resume(after.fit.model.clone(), after.fit.locals.clone(), weighing.fitted())?;
     fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })?;
-    let polished = Judged::of(fit, weighing)?;
+    let polished = ScoredModel::of(fit, weighing)?;
     refined(if polished.total() < after.total() { polished } else { after }, weighing)
 }
 
 /// The accepted model with the details of its effects' forms fitted too, where both kinds of runs bear them out.
-pub(super) fn refined(after: Judged, weighing: &Weighing) -> Result<Judged, SimulateError> {
+pub(super) fn refined(after: ScoredModel, weighing: &Weighing) -> Result<ScoredModel, SimulateError> {
     let Some(fit) = search::refined(&after.fit, weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })? else {
         return Ok(after);
     };
-    let refined = Judged::of(fit, weighing)?;
+    let refined = ScoredModel::of(fit, weighing)?;
     let better =
         after.fit.squares - refined.fit.squares > CHANCE && after.hold.squares() - refined.hold.squares() > SURE;
     Ok(if better { refined } else { after })
@@ -33,14 +33,18 @@ pub(super) fn refined(after: Judged, weighing: &Weighing) -> Result<Judged, Simu
 
 /// The accepted model, or a rival that does better with no more parameters' worth; and the rest. One whose values make sense
 /// comes before those whose do not.
-pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) -> (Judged, Vec<Judged>) {
-    let mut all: Vec<Judged> = std::iter::once(accepted).chain(rivals).collect();
+pub(super) fn best_of(
+    before: &ScoredModel,
+    accepted: ScoredModel,
+    rivals: Vec<ScoredModel>,
+) -> (ScoredModel, Vec<ScoredModel>) {
+    let mut all: Vec<ScoredModel> = std::iter::once(accepted).chain(rivals).collect();
     let ranking = Ranking::new(before, &all);
     ranking.sort(&mut all);
     // Nor do two effects make sense of which one is a case of the other: they stand for something beside the one.
-    let redundant = |judged: &Judged| judged.fit.model.is_redundant();
-    let strange = all.first().is_some_and(|first| strained(first) || redundant(first));
-    let makes_sense = |judged: &Judged| sound(before, judged) && !redundant(judged);
+    let redundant = |judged: &ScoredModel| judged.fit.model.is_redundant();
+    let strange = all.first().is_some_and(|first| at_bound(first) || redundant(first));
+    let makes_sense = |judged: &ScoredModel| sound(before, judged) && !redundant(judged);
     let first = all.iter().position(|judged| !strange || makes_sense(judged)).unwrap_or(0);
     let best = all.remove(first);
     (best, all)
@@ -49,23 +53,24 @@ pub(super) fn best_of(before: &Judged, accepted: Judged, rivals: Vec<Judged>) ->
 /// The accepted model less what it does without: a companion may have led an effect to where it belongs and stands no more
 /// against that effect alone.
 pub(super) fn needed(
-    before: &Judged,
-    after: Judged,
+    before: &ScoredModel,
+    after: ScoredModel,
     weighing: &Weighing,
     alone: &Alone,
-) -> Result<Judged, SimulateError> {
+) -> Result<ScoredModel, SimulateError> {
     if after.added.len() < 2 {
         return Ok(after);
     }
     let smaller = after.added.iter().map(|id| without(&after, &[id], weighing)).collect::<Result<Vec<_>, _>>()?;
-    let enough =
-        smaller.into_iter().filter(|less| !stands(before, less, &after, alone.tell_apart(&less.added, &after.added)));
+    let enough = smaller
+        .into_iter()
+        .filter(|less| !is_justified(before, less, &after, alone.tell_apart(&less.added, &after.added)));
     Ok(enough.min_by(|a, b| a.total().total_cmp(&b.total())).unwrap_or(after))
 }
 
 /// A model fitted again without some of its effects.
-pub(super) fn without(judged: &Judged, ids: &[&str], weighing: &Weighing) -> Result<Judged, SimulateError> {
+pub(super) fn without(judged: &ScoredModel, ids: &[&str], weighing: &Weighing) -> Result<ScoredModel, SimulateError> {
     let mut fit = Fit::resume(judged.model_without(ids), judged.fit.locals.clone(), weighing.fitted())?;
     fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-5 })?;
-    Judged::of(fit, weighing)
+    ScoredModel::of(fit, weighing)
 }

@@ -12,7 +12,7 @@ use crate::recording::SetUpFinding;
 
 /// A model and how it predicts what it was not fitted to.
 #[derive(Debug, Clone)]
-pub struct Judged {
+pub struct ScoredModel {
     /// The fitted model.
     pub fit: Fit,
     /// Its standing on what judges it: the stretches that weigh, and after the verdict the runs held out.
@@ -25,7 +25,7 @@ pub struct Judged {
     pub(super) departure: Departure,
 }
 
-impl Judged {
+impl ScoredModel {
     /// Scores a fitted model on the stretches that weigh.
     pub(super) fn of(fit: Fit, weighing: &Weighing) -> Result<Self, SimulateError> {
         let added = fit.model.ids_beside(&weighing.model().ids());
@@ -54,18 +54,18 @@ impl Judged {
 #[derive(Debug, Clone)]
 pub struct Decision {
     /// The stated model.
-    pub before: Judged,
+    pub before: ScoredModel,
     /// The model that is handed on: the accepted one, the stated one where nothing was added, the one that predicts best where
     /// the mismatch is unlisted.
-    pub after: Judged,
+    pub after: ScoredModel,
     /// Every model judged, best first.
-    pub candidates: Vec<Judged>,
+    pub candidates: Vec<ScoredModel>,
     /// Sets of effects that the data cannot tell apart.
     pub ties: Vec<Vec<&'static str>>,
     /// True where no combination of the library explains the mismatch.
     pub unlisted: bool,
     /// The best the library can do, where that is not enough.
-    pub partial: Option<Judged>,
+    pub partial: Option<ScoredModel>,
     /// Probability that the mismatch is outside the library.
     pub unlisted_probability: f64,
     /// True where effects are named and leave more than noise and the simplicity of their equations.
@@ -89,7 +89,7 @@ impl Decision {
 }
 
 /// The channel of which a model explains nearly all that another lacks far beyond the noise, and what it leaves of that.
-pub(super) fn explains_a_channel(without: &Judged, with: &Judged) -> Option<(Channel, f64)> {
+pub(super) fn explains_a_channel(without: &ScoredModel, with: &ScoredModel) -> Option<(Channel, f64)> {
     let share = |&(channel, before, _): &(Channel, f64, usize)| {
         let &(_, after, _) = with.hold.channels.iter().find(|(of, ..)| *of == channel)?;
         let left = (after - 1.0).max(0.0) / (before - 1.0);
@@ -99,6 +99,6 @@ pub(super) fn explains_a_channel(without: &Judged, with: &Judged) -> Option<(Cha
 }
 
 /// Parameters that were fitted.
-pub(super) fn parameters(judged: &Judged) -> f64 {
+pub(super) fn parameters(judged: &ScoredModel) -> f64 {
     judged.fit.model.values().filter(|v| v.free).count() as f64
 }

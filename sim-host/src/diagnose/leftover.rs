@@ -1,7 +1,7 @@
 //! What a model leaves: whether it follows the motion, and the noise that it is where it does not.
 
 use super::calibration::CALIBRATION;
-use super::judged::{Decision, Judged};
+use super::judged::{Decision, ScoredModel};
 use super::split::Weighing;
 use super::structure::{Structure, structures};
 use crate::identify::data::{Channel, Run};
@@ -11,19 +11,19 @@ use crate::recording::SetUpFinding;
 
 impl Decision {
     /// These effects as they were weighed, with nothing beside them.
-    pub(super) fn weighed(&self, names: &[&'static str]) -> impl Iterator<Item = &Judged> {
+    pub(super) fn weighed(&self, names: &[&'static str]) -> impl Iterator<Item = &ScoredModel> {
         self.candidates.iter().chain(&self.partial).filter(move |judged| judged.added == names)
     }
 
     /// True where these effects alone, without what was found beside them, predict more than the stated model.
     pub(super) fn explain_a_part(&self, names: &[&'static str]) -> bool {
-        let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
+        let left = |judged: &ScoredModel| (judged.hold.chi2 - 1.0).max(0.0);
         self.weighed(names).any(|judged| left(judged) < left(&self.before))
     }
 
     /// Names effects that explain a part and cannot be left to a curve; more is missing beside them.
     pub(super) fn name_beside_more(&mut self, names: &[&'static str]) {
-        let same = |c: &Judged| c.added == names;
+        let same = |c: &ScoredModel| c.added == names;
         let others: f64 = self.candidates.iter().filter(|c| !same(c)).map(|c| c.probability).sum();
         let rest = (1.0 - CALIBRATION.beside_more) / (others + self.unlisted_probability).max(1e-9);
         for candidate in &mut self.candidates {
@@ -40,7 +40,7 @@ impl Decision {
 /// True where named effects leave more than a negligible excess of chi2 and the simplicity of their equations, which is a share of the
 /// excess that they account for, `accounted`; `noise` of what is left is the noise of channels that follow nothing. What is left beyond
 /// any noise is held against what the stated model leaves once it is fitted: of that the names must explain most.
-pub(super) fn more_is_missing(before: &Judged, after: &Judged, accounted: f64, noise: f64) -> bool {
+pub(super) fn more_is_missing(before: &ScoredModel, after: &ScoredModel, accounted: f64, noise: f64) -> bool {
     let left = (after.hold.chi2 - 1.0 - noise).max(0.0);
     let of = if left > CALIBRATION.modest - 1.0 { before.hold.chi2 - 1.0 } else { accounted };
     !after.added.is_empty() && left > CALIBRATION.negligible && left > CALIBRATION.simple * (of - noise).max(1e-9)
@@ -62,7 +62,7 @@ impl Followed {
     }
 
     /// True where what is left is no larger than noise may be: what follows the motion or not is then physics or noise.
-    pub(super) fn is_modest(&self, judged: &Judged) -> bool {
+    pub(super) fn is_modest(&self, judged: &ScoredModel) -> bool {
         let overall = judged.hold.chi2.max(judged.fit.chi2());
         let within = |(channel, chi2, _): &(Channel, f64, usize)| *chi2 < self.most(*channel);
         overall < CALIBRATION.modest || (overall < CALIBRATION.unstated && judged.hold.channels.iter().all(within))
@@ -84,7 +84,7 @@ impl Followed {
     }
 
     /// Excess of chi2 that lies in channels of which nothing follows the motion, where it is modest: their noise was stated too small.
-    pub(super) fn noise(&self, judged: &Judged) -> f64 {
+    pub(super) fn noise(&self, judged: &ScoredModel) -> f64 {
         let excess = |(channel, chi2, rows): (Channel, f64, usize)| {
             let known = self.structures.iter().any(|(of, structure)| *of == channel && !structure.is_certain());
             if known && chi2 < self.most(channel) { (chi2 - 1.0).max(0.0) * rows as f64 } else { 0.0 }
@@ -94,7 +94,7 @@ impl Followed {
 }
 
 /// What of a model's residuals follows the motion, on all runs at hand.
-pub(super) fn follows(weighing: &Weighing, judged: &Judged) -> Result<Followed, SimulateError> {
+pub(super) fn follows(weighing: &Weighing, judged: &ScoredModel) -> Result<Followed, SimulateError> {
     let mut runs = weighing.fitted().to_vec();
     let fitted = runs.iter().zip(&judged.fit.locals).map(|(run, local)| predict(&judged.fit.model, run, local));
     let mut predicted = fitted.collect::<Result<Vec<_>, _>>()?;
@@ -105,7 +105,7 @@ pub(super) fn follows(weighing: &Weighing, judged: &Judged) -> Result<Followed, 
 
 /// The noise that stands for what a model leaves in the channels of which nothing follows the motion; a negligible excess of chi2 is
 /// none.
-pub(super) fn larger_noise(weighing: &Weighing, judged: &Judged, follows: &Followed) -> Vec<SetUpFinding> {
+pub(super) fn larger_noise(weighing: &Weighing, judged: &ScoredModel, follows: &Followed) -> Vec<SetUpFinding> {
     let runs = weighing.weighed();
     let mut findings: Vec<SetUpFinding> = Vec::new();
     let channels = runs.first().map(super::residual::judged_channels).unwrap_or_default();

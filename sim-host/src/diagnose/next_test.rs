@@ -52,19 +52,19 @@ impl Proposal {
 }
 
 /// The accepted model and those that a test is to tell from it, the closest first.
-struct Rivals<'a> {
+struct Alternatives<'a> {
     accepted: &'a Fit,
     others: Vec<&'a Fit>,
 }
 
-impl Rivals<'_> {
+impl Alternatives<'_> {
     fn closest(&self) -> Option<&Fit> {
         self.others.first().copied()
     }
 }
 
 /// A test with the least distance it is predicted to make between the accepted model and another, in standard deviations.
-struct Foreseen {
+struct PredictedTest {
     shape: Shape,
     gains: Gains,
     distance: f64,
@@ -98,7 +98,7 @@ pub(super) fn next_test(
 }
 
 /// The best test, where it is worth its run.
-fn proposed(rivals: &Rivals, pattern: &Run, reach: &Reach, all: &[Foreseen]) -> Proposal {
+fn proposed(rivals: &Alternatives, pattern: &Run, reach: &Reach, all: &[PredictedTest]) -> Proposal {
     let Some(best) = all.first() else { return Proposal::Nothing };
     if settles(best.distance) < WORTH_RUNNING {
         return Proposal::Untold(format!(
@@ -127,22 +127,22 @@ fn proposed(rivals: &Rivals, pattern: &Run, reach: &Reach, all: &[Foreseen]) -> 
 }
 
 /// The accepted model and the one that comes closest to it with as many effects; curves, where the library holds neither.
-fn rivals<'a>(conclusion: &'a Conclusion, modelled: Option<&'a Modelled>) -> Option<Rivals<'a>> {
+fn rivals<'a>(conclusion: &'a Conclusion, modelled: Option<&'a Modelled>) -> Option<Alternatives<'a>> {
     if conclusion.consistent() {
         return None;
     }
     if conclusion.unlisted {
         let modelled = modelled?;
-        return Some(Rivals { accepted: &modelled.judged.fit, others: vec![modelled.rival.as_ref()?] });
+        return Some(Alternatives { accepted: &modelled.judged.fit, others: vec![modelled.rival.as_ref()?] });
     }
     // Both as fitted to the training, so that their squares compare.
     let accepted = &conclusion.decision.after;
-    let other = |c: &&super::judged::Judged| c.added.len() == accepted.added.len() && c.added != accepted.added;
+    let other = |c: &&super::judged::ScoredModel| c.added.len() == accepted.added.len() && c.added != accepted.added;
     let all: Vec<_> = conclusion.decision.candidates.iter().filter(other).collect();
-    let open = |c: &&&super::judged::Judged| c.probability > EXCLUDED * accepted.probability;
+    let open = |c: &&&super::judged::ScoredModel| c.probability > EXCLUDED * accepted.probability;
     let others: Vec<&Fit> =
         all.iter().take(1).chain(all.iter().skip(1).filter(open)).take(OTHERS).map(|c| &c.fit).collect();
-    (!others.is_empty()).then_some(Rivals { accepted: &accepted.fit, others })
+    (!others.is_empty()).then_some(Alternatives { accepted: &accepted.fit, others })
 }
 
 /// The chance that a test settles the question: that the log odds of the true model over another, which are distributed about
@@ -157,7 +157,7 @@ fn settles(distance: f64) -> f64 {
 }
 
 /// What the library says of a pair that cannot be simulated from a reference.
-fn by_the_book(rivals: &Rivals) -> Option<NextTest> {
+fn by_the_book(rivals: &Alternatives) -> Option<NextTest> {
     let id = differ(&rivals.accepted.model, &rivals.closest()?.model).into_iter().next()?;
     let why = format!("{}; its size was not predicted, for these runs are driven by what was measured", aim(rivals));
     Some(NextTest {
@@ -172,17 +172,17 @@ fn by_the_book(rivals: &Rivals) -> Option<NextTest> {
 
 /// Distances that tests are predicted to make between the accepted model, as the truth, and the closest of the others.
 fn foresee_all(
-    rivals: &Rivals,
+    rivals: &Alternatives,
     pattern: &Run,
     reach: &Reach,
     shapes: &[Shape],
     gains: Gains,
-) -> Result<Vec<Foreseen>, SimulateError> {
-    let foreseen = |&shape: &Shape| -> Result<Foreseen, SimulateError> {
+) -> Result<Vec<PredictedTest>, SimulateError> {
+    let foreseen = |&shape: &Shape| -> Result<PredictedTest, SimulateError> {
         let run = played(&rivals.accepted.model, catalogue::run(pattern, shape, gains, reach))?;
         let parted = rivals.others.iter().map(|other| Ok(other.parted_by(&run)?.sqrt()));
         let parted = parted.collect::<Result<Vec<f64>, SimulateError>>()?;
-        Ok(Foreseen { shape, gains, distance: parted.into_iter().fold(f64::INFINITY, f64::min) })
+        Ok(PredictedTest { shape, gains, distance: parted.into_iter().fold(f64::INFINITY, f64::min) })
     };
     let mut all = shapes.par_iter().map(foreseen).collect::<Result<Vec<_>, _>>()?;
     all.retain(|f| f.distance.is_finite());
@@ -191,8 +191,13 @@ fn foresee_all(
 }
 
 /// The same for the best tests with each other model as the truth and the accepted one following it.
-fn turned(rivals: &Rivals, pattern: &Run, reach: &Reach, tests: &[Foreseen]) -> Result<Vec<f64>, SimulateError> {
-    let turn = |test: &Foreseen| -> Result<f64, SimulateError> {
+fn turned(
+    rivals: &Alternatives,
+    pattern: &Run,
+    reach: &Reach,
+    tests: &[PredictedTest],
+) -> Result<Vec<f64>, SimulateError> {
+    let turn = |test: &PredictedTest| -> Result<f64, SimulateError> {
         let parted = rivals.others.iter().map(|other| {
             let run = played(&other.model, catalogue::run(pattern, test.shape, test.gains, reach))?;
             let distance = rivals.accepted.parted_by(&run)?.sqrt();
@@ -220,7 +225,7 @@ fn differ(model: &Model, other: &Model) -> Vec<&'static str> {
 }
 
 /// The accepted model and its closest rival, by what each has that the other has not.
-fn sides(rivals: &Rivals) -> String {
+fn sides(rivals: &Alternatives) -> String {
     let side = |model: &Model, other: &Model| {
         let ids = differ(model, other);
         if ids.is_empty() { "the rest of the model".to_owned() } else { ids.join(" with ") }
@@ -230,13 +235,13 @@ fn sides(rivals: &Rivals) -> String {
     format!("{} from {}", side(accepted, rival), side(rival, accepted))
 }
 
-fn aim(rivals: &Rivals) -> String {
+fn aim(rivals: &Alternatives) -> String {
     let curve = remainder::entries().any(|e| rivals.accepted.model.ids().contains(&e.id));
     let what = if curve { "to tell what the unlisted part follows, " } else { "to part " };
     format!("{what}{}", sides(rivals))
 }
 
-fn why(rivals: &Rivals, distance: f64) -> String {
+fn why(rivals: &Alternatives, distance: f64) -> String {
     let squares = rivals.closest().map_or(f64::NAN, |fit| fit.squares);
     let at_hand = (squares - rivals.accepted.squares).max(0.0).sqrt();
     format!(

@@ -1,6 +1,6 @@
 //! The noise of a channel by what the best of all models leaves of it: a figure that was stated too large hides whatever leaves less.
 
-use super::judged::{Decision, Judged};
+use super::judged::{Decision, ScoredModel};
 use super::search::Search;
 use super::split::Weighing;
 use crate::identify::data::Channel;
@@ -27,7 +27,7 @@ pub(super) fn by_names(decision: &Decision) -> Option<Powers> {
 pub(super) fn by_any(weighing: &Weighing, search: &Search) -> Result<Option<Powers>, SimulateError> {
     let mut least: Powers = Vec::new();
     for fit in search.grown.iter().flat_map(|size| size.iter().take(ASKED)) {
-        for (channel, power) in powers(&Judged::of(fit.clone(), weighing)?) {
+        for (channel, power) in powers(&ScoredModel::of(fit.clone(), weighing)?) {
             match least.iter_mut().find(|(of, _)| *of == channel) {
                 Some((_, known)) => *known = known.min(power),
                 None => least.push((channel, power)),
@@ -47,7 +47,7 @@ pub(super) fn lower(prepared: &mut Prepared, powers: &Powers) {
     }
 }
 
-fn powers(judged: &Judged) -> Powers {
+fn powers(judged: &ScoredModel) -> Powers {
     judged.hold.channels.iter().map(|&(channel, chi2, _)| (channel, chi2)).collect()
 }
 

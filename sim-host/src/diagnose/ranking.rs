@@ -1,7 +1,7 @@
 //! What speaks for one model against another.
 
 use super::calibration::CALIBRATION;
-use super::judged::{Judged, parameters};
+use super::judged::{ScoredModel, parameters};
 
 /// What speaks for a model: its likelihood on training and on validation where the size of what its equations leave is
 /// unknown, less what its parameters cost.
@@ -26,7 +26,7 @@ pub(super) struct Ranking {
 }
 
 /// One comparison: mean square, residuals behind it, and its share of the say.
-fn looks(judged: &Judged) -> impl Iterator<Item = (f64, f64, f64)> {
+fn looks(judged: &ScoredModel) -> impl Iterator<Item = (f64, f64, f64)> {
     let [training, _] = judged.kinds();
     let say = 1.0 / judged.hold.channels.len().max(1) as f64;
     let channels = judged.hold.channels.iter().map(move |&(_, chi2, rows)| (chi2, rows as f64, say));
@@ -35,7 +35,7 @@ fn looks(judged: &Judged) -> impl Iterator<Item = (f64, f64, f64)> {
 
 impl Ranking {
     /// Among these models of an experiment, of which the stated one, refitted, leaves what it leaves.
-    pub(super) fn new<'a>(before: &Judged, models: impl IntoIterator<Item = &'a Judged>) -> Self {
+    pub(super) fn new<'a>(before: &ScoredModel, models: impl IntoIterator<Item = &'a ScoredModel>) -> Self {
         let forms = looks(before).map(|(chi2, ..)| CALIBRATION.form_least * (chi2 - 1.0).max(0.0)).collect();
         let mut floors: Vec<f64> = looks(before).map(|(chi2, ..)| chi2.min(1.0)).collect();
         let mut colour = before.hold.colour;
@@ -49,23 +49,23 @@ impl Ranking {
     }
 
     /// Twice the logarithm of what speaks against it.
-    pub(super) fn cost(&self, judged: &Judged) -> f64 {
+    pub(super) fn cost(&self, judged: &ScoredModel) -> f64 {
         self.misfit(judged) + CALIBRATION.parameter_price * parameters(judged)
     }
 
     /// Puts models in order, the one that least speaks against first.
-    pub(super) fn sort(&self, models: &mut Vec<Judged>) {
-        let mut costed: Vec<(f64, Judged)> = models.drain(..).map(|judged| (self.cost(&judged), judged)).collect();
+    pub(super) fn sort(&self, models: &mut Vec<ScoredModel>) {
+        let mut costed: Vec<(f64, ScoredModel)> = models.drain(..).map(|judged| (self.cost(&judged), judged)).collect();
         costed.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         models.extend(costed.into_iter().map(|(_, judged)| judged));
     }
 
     /// What speaks against a model with no more of a price than what a parameter gains by chance.
-    pub(super) fn bare_cost(&self, judged: &Judged) -> f64 {
+    pub(super) fn bare_cost(&self, judged: &ScoredModel) -> f64 {
         self.misfit(judged) + 2.0 * parameters(judged)
     }
 
-    fn misfit(&self, judged: &Judged) -> f64 {
+    fn misfit(&self, judged: &ScoredModel) -> f64 {
         let freedom = CALIBRATION.form_freedom;
         let [(_, fitted), _] = judged.kinds();
         judged.departure.least(|squares| {

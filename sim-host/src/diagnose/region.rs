@@ -12,13 +12,13 @@ mod promised;
 
 use super::calibration::CALIBRATION;
 use super::decide::weigh;
-use super::judged::{Decision, Judged};
+use super::judged::{Decision, ScoredModel};
 use super::ranking::Ranking;
 use super::search::{Search, best_of_each_set};
 use super::split::Weighing;
-use super::standing::{outside, stands};
+use super::standing::{is_justified, outside};
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::model::Placed;
+use crate::identify::model::ModelEffect;
 use crate::plant::simulate::SimulateError;
 use finish::{doubles, finished};
 use promised::promising;
@@ -31,7 +31,7 @@ const LOOK: Effort = Effort { steps: 8, tolerance: 1e-4 };
 
 /// A form that one linear step promises something of.
 struct Start {
-    placed: Placed,
+    placed: ModelEffect,
     /// Squares that it takes away.
     gain: f64,
 }
@@ -60,7 +60,7 @@ fn is_open(decision: &Decision) -> bool {
 }
 
 /// Weighs what was found with all others, and accepts the best of it where it stands and costs less.
-fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<Judged>) -> Result<Decision, SimulateError> {
+fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<ScoredModel>) -> Result<Decision, SimulateError> {
     let before = &decision.before;
     let present = &decision.after;
     let ranking = Ranking::new(before, found.iter().chain([present]));
@@ -72,9 +72,9 @@ fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<Judged>) -> R
         new
     });
     let Some(best) = found.first() else { return Ok(decision) };
-    let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
+    let left = |judged: &ScoredModel| (judged.hold.chi2 - 1.0).max(0.0);
     let better = ranking.cost(best) < ranking.cost(present) && left(best) < CALIBRATION.region * left(present);
-    if !better || !stands(before, before, best, false) || outside(before, best).0 {
+    if !better || !is_justified(before, before, best, false) || outside(before, best).0 {
         return Ok(decision);
     }
     let (best, others) = (best.clone(), found.iter().skip(1).cloned());
@@ -84,7 +84,7 @@ fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<Judged>) -> R
 }
 
 /// A form beside the stated model, taken some way.
-fn fitted(weighing: &Weighing, baseline: &Fit, placed: Placed) -> Result<Fit, SimulateError> {
+fn fitted(weighing: &Weighing, baseline: &Fit, placed: ModelEffect) -> Result<Fit, SimulateError> {
     let runs = weighing.fitted();
     let mut fit = Fit::resume(baseline.model.with(placed), baseline.locals.clone(), runs)?;
     fit.improve(runs, LOOK)?;

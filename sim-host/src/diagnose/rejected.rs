@@ -1,7 +1,7 @@
 //! Why each hypothesis that was weighed was not accepted, as a type with its numbers.
 
-use super::judged::{Decision, Judged};
-use super::standing::strained;
+use super::judged::{Decision, ScoredModel};
+use super::standing::at_bound;
 use super::verdict::{Conclusion, Refusal};
 use serde::Serialize;
 
@@ -64,14 +64,14 @@ pub(super) fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
     let decision = &conclusion.decision;
     let accepted = &conclusion.after;
     let others = decision.candidates.iter().filter(|c| c.added != accepted.added);
-    let why = |c: &Judged| match conclusion.refusal {
+    let why = |c: &ScoredModel| match conclusion.refusal {
         Some(check) if c.added == decision.after.added => Reason::FailsOnTest { check },
         _ => why(decision, c),
     };
     others.map(|c| Rejected { ids: c.added.clone(), why: why(c) }).collect()
 }
 
-fn why(decision: &Decision, candidate: &Judged) -> Reason {
+fn why(decision: &Decision, candidate: &ScoredModel) -> Reason {
     let accepted = &decision.after;
     let (chi2, accepted_chi2) = (candidate.hold.chi2, accepted.hold.chi2);
     let extra = candidate.added.len().saturating_sub(accepted.added.len());
@@ -83,7 +83,7 @@ fn why(decision: &Decision, candidate: &Judged) -> Reason {
     if tied && candidate.added.len() == accepted.added.len() {
         return Reason::Confounded { chi2, probability: candidate.probability };
     }
-    if strained(candidate) {
+    if at_bound(candidate) {
         return Reason::AtBound { chi2 };
     }
     if extra > 0 {

@@ -1,11 +1,11 @@
 //! What the library does not hold, modelled: the curve that predicts best, in the coordinate it follows.
 
 use super::finish::without;
-use super::judged::{Judged, explains_a_channel};
+use super::judged::{ScoredModel, explains_a_channel};
 use super::split::Weighing;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::gains;
-use crate::identify::model::{Placed, Prior, Yardsticks};
+use crate::identify::model::{ModelEffect, Prior, SignalScales};
 use crate::plant::effects::{Entry, Role, remainder};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ const SIMPLE: f64 = 0.9;
 
 /// A curve through what the library leaves.
 #[derive(Debug, Clone, Serialize)]
-pub struct Remainder {
+pub struct ResidualCurve {
     /// Its identifier in a model file.
     pub id: &'static str,
     /// Its equation and, where one simple term stands for it, that term.
@@ -48,9 +48,9 @@ pub struct Remainder {
 #[derive(Debug, Clone)]
 pub(super) struct Curved {
     /// What is reported.
-    pub(super) remainder: Remainder,
+    pub(super) remainder: ResidualCurve,
     /// The model.
-    pub(super) judged: Judged,
+    pub(super) judged: ScoredModel,
     /// True where the effects beside the curve cannot be left to it: without them the best curve leaves far more.
     pub(super) names_needed: bool,
     /// The curve that came second, for the test that would tell the two apart.
@@ -58,15 +58,20 @@ pub(super) struct Curved {
 }
 
 /// Fits every curve beside the best model the library has and keeps the one that predicts best; none where no curve helps.
-pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> Result<Option<Curved>, SimulateError> {
+pub(super) fn remainder(
+    weighing: &Weighing,
+    before: &ScoredModel,
+    best: &ScoredModel,
+) -> Result<Option<Curved>, SimulateError> {
     let kind = best.fit.model.kind;
     let curves: Vec<&'static Entry> = remainder::entries().filter(|e| e.kinds.contains(&kind)).collect();
     // An effect that explains a part by chance stands in the curve's way: each is tried without it too.
     let parents = [best, before].into_iter().take(if best.added.is_empty() { 1 } else { 2 });
-    let starts: Vec<(&Judged, &'static Entry)> = parents.flat_map(|p| curves.iter().map(move |&e| (p, e))).collect();
+    let starts: Vec<(&ScoredModel, &'static Entry)> =
+        parents.flat_map(|p| curves.iter().map(move |&e| (p, e))).collect();
     let looked =
-        |&(parent, entry): &(&Judged, &'static Entry)| -> Result<Option<(Fit, Vec<&'static str>)>, SimulateError> {
-            let Some(placed) = placed(entry, &weighing.yardsticks()) else { return Ok(None) };
+        |&(parent, entry): &(&ScoredModel, &'static Entry)| -> Result<Option<(Fit, Vec<&'static str>)>, SimulateError> {
+            let Some(placed) = placed(entry, &weighing.signal_scales()) else { return Ok(None) };
             let mut fit = Fit::resume(parent.fit.model.with(placed), parent.fit.locals.clone(), weighing.fitted())?;
             fit.improve(weighing.fitted(), LOOK)?;
             Ok(Some((fit, parent.added.clone())))
@@ -79,9 +84,9 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
     let alone = alone.map(|i| looks.swap_remove(i));
     looks.truncate(FINALISTS);
     looks.extend(alone);
-    let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<Judged, SimulateError> {
+    let fitted = |(mut fit, added): (Fit, Vec<&'static str>)| -> Result<ScoredModel, SimulateError> {
         fit.improve(weighing.fitted(), FULL)?;
-        Ok(Judged { added, ..Judged::of(fit, weighing)? })
+        Ok(ScoredModel { added, ..ScoredModel::of(fit, weighing)? })
     };
     let mut all = looks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.hold.chi2.total_cmp(&b.hold.chi2));
@@ -101,10 +106,14 @@ pub(super) fn remainder(weighing: &Weighing, before: &Judged, best: &Judged) -> 
 
 /// Whether the effects beside a curve or an equation cannot be left to it: without them it leaves far more, fitted on from where it
 /// stands as well as found anew (`alone`); in all, or nearly all of what one channel lacks.
-pub(super) fn names_needed(weighing: &Weighing, judged: &Judged, alone: &Judged) -> Result<bool, SimulateError> {
-    let left = |judged: &Judged| (judged.hold.chi2 - 1.0).max(0.0);
-    let in_all = |less: &Judged| left(judged) < NEEDED * left(less);
-    let needed = |less: &Judged| in_all(less) || explains_a_channel(less, judged).is_some();
+pub(super) fn names_needed(
+    weighing: &Weighing,
+    judged: &ScoredModel,
+    alone: &ScoredModel,
+) -> Result<bool, SimulateError> {
+    let left = |judged: &ScoredModel| (judged.hold.chi2 - 1.0).max(0.0);
+    let in_all = |less: &ScoredModel| left(judged) < NEEDED * left(less);
+    let needed = |less: &ScoredModel| in_all(less) || explains_a_channel(less, judged).is_some();
     if judged.added.is_empty() || !needed(alone) {
         return Ok(false);
     }
@@ -113,22 +122,22 @@ pub(super) fn names_needed(weighing: &Weighing, judged: &Judged, alone: &Judged)
 }
 
 /// A curve at zero, its knots held loosely to it: what no run reaches stays there.
-fn placed(entry: &'static Entry, yardsticks: &Yardsticks) -> Option<Placed> {
-    let mut placed = Placed::start(entry, 0, yardsticks)?;
+fn placed(entry: &'static Entry, signal_scales: &SignalScales) -> Option<ModelEffect> {
+    let mut placed = ModelEffect::start(entry, 0, signal_scales)?;
     for value in placed.values.iter_mut().filter(|v| v.free) {
         value.prior = Some(Prior { mean: 0.0, std: value.high, lent: false });
     }
     Some(placed)
 }
 
-fn described(before: &Judged, judged: &Judged) -> Option<Remainder> {
+fn described(before: &ScoredModel, judged: &ScoredModel) -> Option<ResidualCurve> {
     let curve = judged.fit.model.effects.iter().find(|p| remainder::entries().any(|e| e.id == p.entry.id))?;
     let (span, heights) = curve.values.split_first()?;
     let places = remainder::places(curve.entry.id, span.value)?;
     let knots: Vec<(f64, f64)> = places.into_iter().zip(heights.iter().map(|v| v.value)).collect();
     let unit = |role| curve.entry.parameters.iter().find(|p| p.role == role).map_or("1", |p| p.unit);
     let term = simple(&knots).map_or_else(|| ", straight between the knots".into(), |term| format!(", about {term}"));
-    Some(Remainder {
+    Some(ResidualCurve {
         id: curve.entry.id,
         equation: format!("{}{term}", curve.entry.equation),
         knots,

@@ -3,10 +3,10 @@
 pub(crate) use super::planned::NextTest;
 
 use super::change::Change;
-use super::judged::Judged;
+use super::judged::ScoredModel;
 use super::locate::Location;
 use super::rejected::{Rejected, rejected};
-use super::remainder::Remainder;
+use super::remainder::ResidualCurve;
 use super::term::report::Term;
 use super::verdict::{Conclusion, Refusal};
 use crate::identify::judge::Score;
@@ -57,7 +57,7 @@ pub struct Diagnosis {
     /// Where effects of the library explain a part only: which, and how much of the excess.
     pub part_explained: Option<Part>,
     /// A curve that stands for what the library does not hold.
-    pub remainder: Option<Remainder>,
+    pub remainder: Option<ResidualCurve>,
     /// The equation found for what the library does not hold.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub term: Option<Term>,
@@ -118,14 +118,14 @@ pub struct Candidate {
 #[derive(Debug, Clone, Serialize)]
 pub struct BeforeAfter {
     /// The stated model.
-    pub before: Standing,
+    pub before: FitQuality,
     /// The accepted one.
-    pub after: Standing,
+    pub after: FitQuality,
 }
 
 /// One model's fit.
 #[derive(Debug, Clone, Serialize)]
-pub struct Standing {
+pub struct FitQuality {
     /// Mean of (residual / noise)^2.
     pub chi2: f64,
     /// The same of each judged channel.
@@ -147,11 +147,11 @@ pub struct Part {
 
 impl BeforeAfter {
     fn of(conclusion: &Conclusion) -> Self {
-        Self { before: Standing::of(&conclusion.before.hold), after: Standing::of(&conclusion.after.hold) }
+        Self { before: FitQuality::of(&conclusion.before.hold), after: FitQuality::of(&conclusion.after.hold) }
     }
 }
 
-impl Standing {
+impl FitQuality {
     fn of(score: &Score) -> Self {
         let nrmse: BTreeMap<_, _> = score.nrmse.iter().map(|&(channel, value)| (channel.name(), value)).collect();
         let r2 = nrmse.iter().map(|(&name, value)| (name, 1.0 - value * value)).collect();
@@ -164,7 +164,7 @@ impl Standing {
 #[derive(Debug, Default)]
 pub(super) struct Open {
     /// The curve that stands for what is unlisted.
-    pub(super) remainder: Option<Remainder>,
+    pub(super) remainder: Option<ResidualCurve>,
     /// The equation found for it.
     pub(super) term: Option<Term>,
     /// The test that would settle what is open.
@@ -191,7 +191,7 @@ pub(super) fn assemble(
     let quantities = quantities(&conclusion.after.fit);
     let own = prepared.model.kind.parameters();
     let model = own.iter().filter_map(|p| Some((p.key.to_owned(), quantities.get(p.key)?.clone()))).collect();
-    let share = |part: &Judged| 1.0 - (part.hold.chi2 - 1.0) / (conclusion.before.hold.chi2 - 1.0).max(1e-9);
+    let share = |part: &ScoredModel| 1.0 - (part.hold.chi2 - 1.0) / (conclusion.before.hold.chi2 - 1.0).max(1e-9);
     Diagnosis {
         schema: "shakedown.diagnosis/1",
         verdict,
@@ -222,7 +222,7 @@ pub(super) fn assemble(
 fn named(
     conclusion: &Conclusion,
     quantities: &BTreeMap<String, Quantity>,
-    remainder: Option<&Remainder>,
+    remainder: Option<&ResidualCurve>,
     term: Option<&Term>,
 ) -> Vec<NamedEffect> {
     let decision = &conclusion.decision;
@@ -233,7 +233,7 @@ fn named(
             return vec![NamedEffect { id: "unlisted", probability, equation, parameters }];
         }
         let equation = remainder.map_or_else(|| "not in the library".to_owned(), |r| r.equation.clone());
-        let of = |r: &Remainder| {
+        let of = |r: &ResidualCurve| {
             let prefix = format!("{}.", r.id);
             let own = |(key, q): (&String, &Quantity)| Some((key.strip_prefix(&prefix)?.to_owned(), q.clone()));
             quantities.iter().filter_map(own).collect()
@@ -245,7 +245,7 @@ fn named(
     placed
         .map(|placed| {
             let id = placed.entry.id;
-            let with = |c: &&Judged| c.added.contains(&id);
+            let with = |c: &&ScoredModel| c.added.contains(&id);
             let keys =
                 placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun && !is_code(p.key)).map(|p| p.key);
             NamedEffect {
@@ -265,10 +265,10 @@ fn candidates(conclusion: &Conclusion) -> Vec<Candidate> {
     // The runs held out were asked of the stated model and the selected one alone.
     let judged = [Some(&conclusion.before), Some(&conclusion.after), conclusion.partial.as_ref()];
     let held_out = |ids: &[&str]| {
-        let same = |judged: &&Judged| judged.added == ids;
+        let same = |judged: &&ScoredModel| judged.added == ids;
         judged.into_iter().flatten().find(same).filter(|_| conclusion.held_out).map(|judged| judged.hold.chi2)
     };
-    let candidate = |c: &Judged| Candidate {
+    let candidate = |c: &ScoredModel| Candidate {
         ids: c.added.clone(),
         probability: c.probability,
         training_chi2: Some(c.fit.chi2()),

@@ -1,12 +1,12 @@
 //! What the accepted model is mistaken for, fitted as thoroughly as it: a double that a short look left half way must not lose
 //! for that.
 
-use super::search::{Search, Seedling, detailed, seedlings};
+use super::search::{CandidateStart, Search, candidate_starts, detailed};
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::secant::Base;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::Entry;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ pub(super) fn rivals(weighing: &Weighing, accepted: &Fit, search: &Search) -> Re
     if added.len() > 1 {
         let ours = accepted.model.effects.iter().filter(|p| added.contains(&p.entry.id));
         for placed in ours {
-            fits.extend(strangers(weighing.fitted(), accepted, placed.entry, &search.yardsticks)?);
+            fits.extend(strangers(weighing.fitted(), accepted, placed.entry, &search.signal_scales)?);
         }
     }
     Ok(fits)
@@ -48,16 +48,16 @@ fn strangers(
     runs: &[Run],
     accepted: &Fit,
     out: &'static Entry,
-    yardsticks: &Yardsticks,
+    signal_scales: &SignalScales,
 ) -> Result<Vec<Fit>, SimulateError> {
     let mut rest = Fit::resume(accepted.model.without(out.id), accepted.locals.clone(), runs)?;
     rest.improve(runs, LOOK)?;
     let Some(base) = Base::of(&rest, runs)? else { return Ok(Vec::new()) };
-    let mut starts = seedlings(std::slice::from_ref(&rest), &[], yardsticks);
+    let mut starts = candidate_starts(std::slice::from_ref(&rest), &[], signal_scales);
     starts.retain(|start| start.placed.entry.id != out.id && !alike(out, start.placed.entry));
-    let look = |start: Seedling| Ok(start.look(&base, runs)?.map(|promised| (promised, start.placed)));
+    let look = |start: CandidateStart| Ok(start.look(&base, runs)?.map(|promised| (promised, start.placed)));
     let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, SimulateError>>()?;
-    let mut looks: Vec<(f64, Placed)> = looks.into_iter().flatten().collect();
+    let mut looks: Vec<(f64, ModelEffect)> = looks.into_iter().flatten().collect();
     looks.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     let mut seen: Vec<&str> = Vec::new();
     looks.retain(|(_, placed)| {
@@ -65,7 +65,7 @@ fn strangers(
         seen.push(placed.entry.id);
         new && seen.len() <= STRANGERS
     });
-    let begun = |(_, placed): (f64, Placed)| -> Result<Fit, SimulateError> {
+    let begun = |(_, placed): (f64, ModelEffect)| -> Result<Fit, SimulateError> {
         let mut fit = Fit::resume(rest.model.with(placed), accepted.locals.clone(), runs)?;
         fit.improve(runs, LOOK)?;
         Ok(fit)
@@ -91,7 +91,7 @@ fn thorough(
     search: &Search,
 ) -> Result<Option<Fit>, SimulateError> {
     let mut starts = Vec::new();
-    for placed in (0..).map_while(|i| Placed::start(double, i, &search.yardsticks)) {
+    for placed in (0..).map_while(|i| ModelEffect::start(double, i, &search.signal_scales)) {
         starts.push(Fit::resume(rest.with(placed), accepted.locals.clone(), runs)?);
     }
     // What a linear step promises from far away is little: every start is taken some way.

@@ -1,7 +1,7 @@
 //! Grows the stated model by effects of the library: one look at every effect from all its starting values, a few steps
 //! for those that promise most, the best to the end; then pairs around the best singles, then triples around the best pairs.
 
-mod seedlings;
+mod candidate_starts;
 
 use super::Options;
 use super::calibration::CALIBRATION;
@@ -9,12 +9,12 @@ use super::departure::Departure;
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
+pub(super) use candidate_starts::{CandidateStart, candidate_starts};
+use candidate_starts::{screen_by_fit, screen_by_secant};
 use rayon::prelude::*;
-pub(super) use seedlings::{Seedling, seedlings};
-use seedlings::{promising, worthwhile};
 
 /// Everything the search found.
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ pub(crate) struct Search {
     /// Every model tried to some depth, best squares first, by number of effects added: singles, pairs, triples.
     pub grown: Vec<Vec<Fit>>,
     /// Sizes of the signals, with the strongest line of the accelerometer's residual found.
-    pub yardsticks: Yardsticks,
+    pub signal_scales: SignalScales,
 }
 
 /// When a search stops.
@@ -64,9 +64,9 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
     let (prepared, runs) = (weighing.training.prepared(), weighing.fitted());
     options.say("fitting the stated model", 0.02);
     let baseline = fit_stated(prepared)?;
-    let yardsticks = Yardsticks { line: super::line::strongest_line(runs, &baseline)?, ..prepared.yardsticks };
+    let signal_scales = SignalScales { line: super::line::strongest_line(runs, &baseline)?, ..prepared.signal_scales };
     let stated = prepared.model.ids();
-    let mut search = Search { baseline, grown: Vec::new(), yardsticks };
+    let mut search = Search { baseline, grown: Vec::new(), signal_scales };
     let mut parents = vec![search.baseline.clone()];
     let held_back = Foresight::of(weighing, &search.baseline)?;
     // A refit bends a model far from the truth to hide what is missing, and may hide it whole: values near those stated are a
@@ -86,9 +86,9 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
         options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
         let singles = search.grown.first().cloned().unwrap_or_default();
         search.grown.push(if size == 0 {
-            grow_each(&parents, runs, &search.yardsticks)?
+            grow_each(&parents, runs, &search.signal_scales)?
         } else {
-            grow(&parents, &singles, runs, &search.yardsticks)?
+            grow(&parents, &singles, runs, &search.signal_scales)?
         });
         detail(&mut search.grown, runs)?;
         eliminate(&mut search.grown, &stated, runs)?;
@@ -180,7 +180,7 @@ fn swap(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> Result
         let Some(best) = larger.first().filter(|best| !explains(best)) else { return Ok(()) };
         let begun = |model: Model| Fit::resume(model, best.locals.clone(), runs);
         let mut fits =
-            doubles(best, singles, larger, stated).into_par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+            single_swaps(best, singles, larger, stated).into_par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
         fits.sort_by(|a, b| a.promised().total_cmp(&b.promised()));
         fits.truncate(HOPEFUL);
         further(&mut fits, HOPEFUL, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
@@ -196,8 +196,8 @@ fn swap(grown: &mut [Vec<Fit>], stated: &[&'static str], runs: &[Run]) -> Result
 }
 
 /// The model with each of its effects in turn put out for one of the best alone, but for sets that are known.
-fn doubles(best: &Fit, singles: &[Fit], known: &[Fit], stated: &[&'static str]) -> Vec<Model> {
-    let new = |p: &&Placed| !best.model.ids().contains(&p.entry.id);
+fn single_swaps(best: &Fit, singles: &[Fit], known: &[Fit], stated: &[&'static str]) -> Vec<Model> {
+    let new = |p: &&ModelEffect| !best.model.ids().contains(&p.entry.id);
     let others = || singles.iter().take(DOUBLES).filter_map(|single| single.model.effects.iter().find(new));
     let swapped = |id| {
         let rest = best.model.without(id);
@@ -236,22 +236,27 @@ impl<'a> Foresight<'a> {
 
 /// Single effects on every fit of the stated model, each grown to its end: a fit that hides what is missing leaves so little that
 /// an honest one would never be seen beside it half way.
-fn grow_each(parents: &[Fit], runs: &[Run], yardsticks: &Yardsticks) -> Result<Vec<Fit>, SimulateError> {
+fn grow_each(parents: &[Fit], runs: &[Run], signal_scales: &SignalScales) -> Result<Vec<Fit>, SimulateError> {
     let mut all = Vec::new();
     for parent in parents {
-        all.extend(grow(std::slice::from_ref(parent), &[], runs, yardsticks)?);
+        all.extend(grow(std::slice::from_ref(parent), &[], runs, signal_scales)?);
     }
     best_of_each_set(&mut all);
     Ok(all)
 }
 
 /// Models with one effect more than their parents, best first; each set of effects once.
-fn grow(parents: &[Fit], singles: &[Fit], runs: &[Run], yardsticks: &Yardsticks) -> Result<Vec<Fit>, SimulateError> {
-    let seedlings = seedlings(parents, singles, yardsticks);
-    let seedlings = worthwhile(seedlings, parents, runs, singles.is_empty())?;
-    let begun = |s: &Seedling| Fit::resume(s.model(), s.parent.locals.clone(), runs);
-    let fits = seedlings.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
-    let mut fits = promising(fits, &seedlings, singles.is_empty());
+fn grow(
+    parents: &[Fit],
+    singles: &[Fit],
+    runs: &[Run],
+    signal_scales: &SignalScales,
+) -> Result<Vec<Fit>, SimulateError> {
+    let candidate_starts = candidate_starts(parents, singles, signal_scales);
+    let candidate_starts = screen_by_secant(candidate_starts, parents, runs, singles.is_empty())?;
+    let begun = |s: &CandidateStart| Fit::resume(s.model(), s.parent.locals.clone(), runs);
+    let fits = candidate_starts.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+    let mut fits = screen_by_fit(fits, &candidate_starts, singles.is_empty());
     fits.par_iter_mut().try_for_each(|fit| fit.improve(runs, Effort { steps: 2, tolerance: 1e-4 }))?;
     best_of_each_set(&mut fits);
     let floor = parents.iter().map(|parent| parent.squares).fold(f64::NEG_INFINITY, f64::max) - CHANCE;

@@ -10,7 +10,7 @@ use crate::identify::data::Run;
 use crate::identify::evaluate::Predicted;
 use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, score, score_from};
-use crate::identify::model::{Model, Yardsticks};
+use crate::identify::model::{Model, SignalScales};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 
@@ -73,8 +73,8 @@ impl Weighing {
     }
 
     /// Sizes of the signals.
-    pub(crate) fn yardsticks(&self) -> Yardsticks {
-        self.training.0.yardsticks
+    pub(crate) fn signal_scales(&self) -> SignalScales {
+        self.training.0.signal_scales
     }
 
     /// The runs with the stretches that fit.
@@ -103,12 +103,12 @@ impl Test {
 
 /// Cuts an experiment up; hypotheses are fitted to and weighed on the excerpt of it where there is one.
 pub(super) fn split(prepared: Prepared, excerpt: Option<Prepared>) -> Split {
-    let Prepared { model, fit, holdout, yardsticks } = prepared;
+    let Prepared { model, fit, holdout, signal_scales } = prepared;
     let weighs = |i: usize| i % EVERY == EVERY - 2;
     let seen = excerpt.as_ref().map_or(&fit, |excerpt| &excerpt.fit);
     let training = seen.iter().map(|run| kept(run, |i| !weighs(i))).collect();
     let validation = seen.iter().map(|run| kept(run, weighs)).collect();
-    let with = |fit: Vec<Run>| Prepared { model: model.clone(), fit, holdout: Vec::new(), yardsticks };
+    let with = |fit: Vec<Run>| Prepared { model: model.clone(), fit, holdout: Vec::new(), signal_scales };
     Split {
         weighing: Weighing { training: Training(with(training)), validation: Validation(validation) },
         whole: with(fit),
@@ -142,9 +142,9 @@ pub(super) fn reopened(whole: &Prepared, held_out: &[Run], predicted: &[Predicte
         opened.whole.fit.push(with(&[Role::Fits, Role::Weighs]));
         opened.test.0.push(with(&[Role::Judges]));
     }
-    let yardsticks = Yardsticks::of(&opened.whole.fit, opened.whole.yardsticks.force);
-    opened.whole.yardsticks = yardsticks;
-    opened.weighing.training.0.yardsticks = yardsticks;
+    let signal_scales = SignalScales::of(&opened.whole.fit, opened.whole.signal_scales.force);
+    opened.whole.signal_scales = signal_scales;
+    opened.weighing.training.0.signal_scales = signal_scales;
     opened
 }
 
@@ -206,8 +206,8 @@ mod tests {
     fn every_sample_has_one_use() {
         let runs: Vec<Run> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
         let (fit, holdout) = (runs[..2].to_vec(), runs[2..].to_vec());
-        let yardsticks = Yardsticks::of(&fit, 1.0);
-        let split = split(Prepared { model: model(TRUTH), fit, holdout, yardsticks }, None);
+        let signal_scales = SignalScales::of(&fit, 1.0);
+        let split = split(Prepared { model: model(TRUTH), fit, holdout, signal_scales }, None);
         for (i, run) in split.whole.fit.iter().enumerate() {
             let mut both = finite(&split.weighing.fitted()[i]);
             let weighed = finite(&split.weighing.weighed()[i]);
@@ -226,7 +226,7 @@ mod tests {
     fn the_judge_keeps_half_and_each_use_sees_what_is_missed() {
         let runs: Vec<Run> = (1..3).map(|seed| recorded(&model(TRUTH), seed)).collect();
         let (fit, holdout) = (runs[..1].to_vec(), runs[1..].to_vec());
-        let yardsticks = Yardsticks::of(&fit, 1.0);
+        let signal_scales = SignalScales::of(&fit, 1.0);
         let length = stretch_length(&runs[1]);
         let shown = |k: usize| if (3..6).contains(&(k / length)) { 1.0 } else { 1e-3 };
         let channels = runs[1]
@@ -234,7 +234,7 @@ mod tests {
             .iter()
             .map(|m| m.values.iter().enumerate().map(|(k, value)| value - shown(k) * m.noise).collect());
         let predicted = [Predicted { channels: channels.collect(), displacement: Vec::new() }];
-        let whole = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), yardsticks };
+        let whole = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
         let opened = reopened(&whole, &holdout, &predicted);
         let uses = [&opened.weighing.fitted()[1], &opened.weighing.weighed()[1], &opened.test.0[0]].map(finite);
         let mut all = uses.concat();

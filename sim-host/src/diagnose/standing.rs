@@ -1,7 +1,7 @@
 //! When a larger model stands against a smaller one, and when what a model leaves lies outside the library.
 
 use super::calibration::CALIBRATION;
-use super::judged::{Judged, parameters};
+use super::judged::{ScoredModel, parameters};
 use super::search::{CHANCE, Search};
 use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, gains};
@@ -39,7 +39,7 @@ impl Alone {
 }
 
 /// Whether a larger model stands against the present one; `distinct` where what it adds is nothing like what is there.
-pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinct: bool) -> bool {
+pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: &ScoredModel, distinct: bool) -> bool {
     let added = parameters(larger) - parameters(present);
     let gained = present.fit.squares - larger.fit.squares;
     let held_gain = present.hold.chi2 - larger.hold.chi2;
@@ -70,33 +70,33 @@ pub(super) fn stands(before: &Judged, present: &Judged, larger: &Judged, distinc
 }
 
 /// True where a larger model explains nearly all that the present one leaves, on both kinds of runs.
-fn completes(present: &Judged, larger: &Judged) -> bool {
+fn completes(present: &ScoredModel, larger: &ScoredModel) -> bool {
     leaves_at_most(1.0 - CALIBRATION.explained, present, larger)
 }
 
 /// True where the present model leaves more than any noise and a larger one a hundredth of that at most, on both kinds of runs: what a
 /// simple form leaves is not another effect's to that extent, however much of the mismatch that explains alone.
-fn settles(present: &Judged, larger: &Judged) -> bool {
+fn settles(present: &ScoredModel, larger: &ScoredModel) -> bool {
     present.hold.chi2 > CALIBRATION.modest && leaves_at_most((1.0 - CALIBRATION.explained).powi(2), present, larger)
 }
 
 /// Whether a larger model leaves less than this share of what the present one leaves beyond the noise, on both kinds of runs.
-fn leaves_at_most(share: f64, present: &Judged, larger: &Judged) -> bool {
+fn leaves_at_most(share: f64, present: &ScoredModel, larger: &ScoredModel) -> bool {
     let done = |before: f64, after: f64| after - 1.0 < share * (before - 1.0);
     done(present.hold.chi2, larger.hold.chi2) && done(present.fit.chi2(), larger.fit.chi2())
 }
 
 /// True where the hold-out runs cannot say: they lack nothing without an effect that explains nearly all that the runs
 /// fitted lack.
-fn silent(present: &Judged, larger: &Judged) -> bool {
-    let lacks = |judged: &Judged| (judged.fit.chi2() - 1.0).max(0.0);
+fn silent(present: &ScoredModel, larger: &ScoredModel) -> bool {
+    let lacks = |judged: &ScoredModel| (judged.fit.chi2() - 1.0).max(0.0);
     present.hold.chi2 < 1.0 + CALIBRATION.negligible
         && lacks(present) > SHOWN
         && lacks(larger) < (1.0 - CALIBRATION.explained) * lacks(present)
 }
 
 /// True where an added effect fits only at an end of what makes sense, one that stands for no simpler form of it.
-pub(super) fn strained(judged: &Judged) -> bool {
+pub(super) fn at_bound(judged: &ScoredModel) -> bool {
     let names = judged.fit.model.effects.iter().flat_map(|p| p.entry.parameters.iter().map(|q| (p.entry.id, q)));
     let own = judged.fit.model.values().count() - names.clone().count();
     let pushed = judged.fit.pushed().into_iter().skip(own);
@@ -111,8 +111,8 @@ pub(super) fn strained(judged: &Judged) -> bool {
 /// further from what was stated than the model with the effects does, what this model would leave without them. A fit that bends
 /// the stated values hides most of a delay; how much of it a simple equation may leave is a share of all that it does.
 pub(super) fn accounted(
-    before: &Judged,
-    after: &Judged,
+    before: &ScoredModel,
+    after: &ScoredModel,
     score: impl Fn(Model) -> Result<Score, SimulateError>,
 ) -> Result<f64, SimulateError> {
     let excess = before.hold.chi2 - 1.0;
@@ -124,23 +124,23 @@ pub(super) fn accounted(
 }
 
 /// Whether what is left lies outside the library, and how probable that is.
-pub(super) fn outside(before: &Judged, after: &Judged) -> (bool, f64) {
+pub(super) fn outside(before: &ScoredModel, after: &ScoredModel) -> (bool, f64) {
     beyond(before.hold.chi2 - 1.0, after, 0.0)
 }
 
 /// The same where the effects account for an `excess` of chi2, and `quiet` of it is the noise of channels that follow nothing.
-pub(super) fn beyond(excess: f64, after: &Judged, quiet: f64) -> (bool, f64) {
+pub(super) fn beyond(excess: f64, after: &ScoredModel, quiet: f64) -> (bool, f64) {
     let left = after.hold.chi2 - 1.0 - quiet;
     let blur = 3.0 * (2.0 / after.hold.samples.max(1) as f64).sqrt();
     let noise = CALIBRATION.negligible + blur;
-    let allowed = if strained(after) { noise } else { noise.max((1.0 - CALIBRATION.explained) * (excess - quiet)) };
+    let allowed = if at_bound(after) { noise } else { noise.max((1.0 - CALIBRATION.explained) * (excess - quiet)) };
     let ratio = (left / allowed).max(1e-3);
     (left > allowed, 1.0 / (1.0 + (-3.0 * ratio.ln()).exp()) * if ratio < 0.3 { 0.5 } else { 1.0 })
 }
 
 /// True where a model explains the mismatch with values that make sense.
-pub(super) fn sound(before: &Judged, judged: &Judged) -> bool {
-    !strained(judged) && !outside(before, judged).0
+pub(super) fn sound(before: &ScoredModel, judged: &ScoredModel) -> bool {
+    !at_bound(judged) && !outside(before, judged).0
 }
 
 #[cfg(test)]

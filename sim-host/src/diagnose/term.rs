@@ -19,8 +19,8 @@ mod sizes;
 mod writing;
 
 use super::departure::Departure;
-use super::judged::Judged;
-use super::remainder::{Curved, Remainder, names_needed, remainder};
+use super::judged::ScoredModel;
+use super::remainder::{Curved, ResidualCurve, names_needed, remainder};
 use super::split::Weighing;
 use super::standing::SURE;
 use crate::identify::fit::{Effort, Fit};
@@ -40,18 +40,18 @@ pub(crate) struct Found {
     stability: f64,
     pieces: Vec<Piece>,
     reach: grammar::Reach,
-    judged: Judged,
+    judged: ScoredModel,
 }
 
 /// A model of what the library does not hold, as judged on the validation: with an equation, or with a curve.
 #[derive(Debug, Clone)]
 pub(crate) struct Modelled {
     /// What is reported of the curve; none where there is an equation alone.
-    pub remainder: Option<Remainder>,
+    pub remainder: Option<ResidualCurve>,
     /// The equation, where it is the model.
     pub term: Option<Found>,
     /// The model.
-    pub judged: Judged,
+    pub judged: ScoredModel,
     /// True where the effects beside it cannot be left to it: without them the best leaves far more.
     pub names_needed: bool,
     /// The model that came second, for the test that would tell the two apart.
@@ -89,8 +89,8 @@ const NEAR: f64 = 0.05;
 /// Models what the library does not hold: by an equation, or by a curve where that predicts better.
 pub(super) fn unlisted(
     weighing: &Weighing,
-    before: &Judged,
-    beside: &Judged,
+    before: &ScoredModel,
+    beside: &ScoredModel,
 ) -> Result<Option<Modelled>, SimulateError> {
     let curve = remainder(weighing, before, beside)?;
     let parents = [beside, before].into_iter().take(if beside.added.is_empty() { 1 } else { 2 });
@@ -114,7 +114,7 @@ fn chi2(found: Option<&Found>) -> f64 {
 }
 
 /// The equation that predicts best beside a model; none where none is worth it.
-fn equation(weighing: &Weighing, parent: &Judged) -> Result<Option<Found>, SimulateError> {
+fn equation(weighing: &Weighing, parent: &ScoredModel) -> Result<Option<Found>, SimulateError> {
     let mut best: Option<Found> = None;
     loop {
         let base = best.as_ref().map_or(parent, |found| &found.judged);
@@ -142,8 +142,8 @@ fn equation(weighing: &Weighing, parent: &Judged) -> Result<Option<Found>, Simul
 /// Fits candidates beside what an equation has already and gives the one that predicts best, where that is worth it.
 fn fitted(
     weighing: &Weighing,
-    parent: &Judged,
-    (base, pieces): (&Judged, &[Piece]),
+    parent: &ScoredModel,
+    (base, pieces): (&ScoredModel, &[Piece]),
     candidates: Vec<Candidate>,
     share: f64,
 ) -> Result<Option<Found>, SimulateError> {
@@ -164,7 +164,7 @@ fn fitted(
         fit.improve(weighing.fitted(), FULL)?;
         let hold = score(&fit.model, weighing.weighed())?;
         let departure = Departure::of(weighing.model(), &fit);
-        Ok((Judged { fit, hold, added: parent.added.clone(), probability: 0.0, departure }, pieces, candidate))
+        Ok((ScoredModel { fit, hold, added: parent.added.clone(), probability: 0.0, departure }, pieces, candidate))
     };
     let mut all = looks.into_par_iter().map(full).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.0.hold.chi2.total_cmp(&b.0.hold.chi2));
@@ -177,7 +177,13 @@ fn fitted(
 }
 
 /// A fitted equation, where it predicts enough more than what it was added to, everywhere, and is what halves of the data choose.
-fn worth(base: &Judged, judged: Judged, pieces: Vec<Piece>, candidate: &Candidate, share: f64) -> Option<Found> {
+fn worth(
+    base: &ScoredModel,
+    judged: ScoredModel,
+    pieces: Vec<Piece>,
+    candidate: &Candidate,
+    share: f64,
+) -> Option<Found> {
     let left = (base.hold.chi2 - 1.0).max(0.0);
     let (better, worse) = gains(&base.hold.blocks, &judged.hold.blocks);
     let sure = better - worse > SURE * judged.hold.colour;

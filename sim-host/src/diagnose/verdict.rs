@@ -2,7 +2,7 @@
 //! judged on data that nothing was chosen by. Names that do not hold there are taken back; nothing is chosen anew.
 
 use super::calibration::CALIBRATION;
-use super::judged::{Decision, Judged, explains_a_channel};
+use super::judged::{Decision, ScoredModel, explains_a_channel};
 use super::leftover::{Followed, more_is_missing};
 use super::split::Test;
 use super::standing::{accounted, beyond, outside};
@@ -82,11 +82,11 @@ impl std::fmt::Display for Refusal {
 #[derive(Debug, Clone)]
 pub struct Conclusion {
     /// The stated model.
-    pub before: Judged,
+    pub before: ScoredModel,
     /// The model that is handed on: the one with the names or the curve, the stated one where nothing was found.
-    pub after: Judged,
+    pub after: ScoredModel,
     /// The best the library can do, where that is not enough for names.
-    pub partial: Option<Judged>,
+    pub partial: Option<ScoredModel>,
     /// True where no combination of the library explains the mismatch.
     pub unlisted: bool,
     /// True where effects are named and more is missing beside them.
@@ -133,7 +133,7 @@ pub(super) fn verdict(
     test: Test,
 ) -> Result<Conclusion, SimulateError> {
     let (judging, held_out) = test.consume(whole);
-    let last = |judged: &Judged| last(judged, (whole, seen), &judging);
+    let last = |judged: &ScoredModel| last(judged, (whole, seen), &judging);
     let before = last(&decision.before)?;
     let mut partial = decision.partial.as_ref().map(last).transpose()?;
     let curve = modelled.map(|modelled| last(&modelled.judged)).transpose()?.filter(|c| c.hold.chi2 < before.hold.chi2);
@@ -141,7 +141,7 @@ pub(super) fn verdict(
     // Names that stand beside a curve are judged with it, and where that fails without it: the curve may be what fails.
     let beside = modelled.filter(|_| decision.more_missing && selected.is_none());
     let with_curve = if beside.is_some() { curve.clone() } else { None };
-    let refused = |named: &Judged| refusal(&before, named, &judging, decision.more_missing);
+    let refused = |named: &ScoredModel| refusal(&before, named, &judging, decision.more_missing);
     let mut named = selected.or(with_curve);
     let mut refusal = named.as_ref().and_then(refused);
     if (named.is_none() || refusal.is_some())
@@ -195,7 +195,7 @@ pub(super) fn verdict(
 /// The stated model's standing, for recordings of which nothing else can be said.
 pub(super) fn as_stated(whole: &Prepared, decision: Decision, test: Test) -> Result<Conclusion, SimulateError> {
     let (judging, held_out) = test.consume(whole);
-    let before = Judged { hold: score(&decision.before.fit.model, &judging)?, ..decision.before.clone() };
+    let before = ScoredModel { hold: score(&decision.before.fit.model, &judging)?, ..decision.before.clone() };
     Ok(Conclusion {
         after: before.clone(),
         before,
@@ -210,7 +210,11 @@ pub(super) fn as_stated(whole: &Prepared, decision: Decision, test: Test) -> Res
 }
 
 /// A model fitted to all that may be fitted, judged.
-fn last(judged: &Judged, (whole, seen): (&Prepared, &[Run]), judging: &[Run]) -> Result<Judged, SimulateError> {
+fn last(
+    judged: &ScoredModel,
+    (whole, seen): (&Prepared, &[Run]),
+    judging: &[Run],
+) -> Result<ScoredModel, SimulateError> {
     let model = judged.fit.model.clone();
     // Where an excerpt begins is not where its run does.
     let local = |((run, seen), local): ((&Run, &Run), &Local)| {
@@ -219,17 +223,17 @@ fn last(judged: &Judged, (whole, seen): (&Prepared, &[Run]), judging: &[Run]) ->
     let locals = whole.fit.iter().zip(seen).zip(&judged.fit.locals).map(local).collect();
     let mut fit = Fit::resume(model, locals, &whole.fit)?;
     fit.improve(&whole.fit, LAST)?;
-    Ok(Judged { hold: score_beside(&fit, &whole.fit, judging)?, fit, ..judged.clone() })
+    Ok(ScoredModel { hold: score_beside(&fit, &whole.fit, judging)?, fit, ..judged.clone() })
 }
 
 /// Whether a model leaves more of the runs that judge than noise does.
-fn rest_beyond_noise(judged: &Judged) -> bool {
+fn rest_beyond_noise(judged: &ScoredModel) -> bool {
     let blur = CHANCE * (2.0 / judged.hold.samples.max(1) as f64).sqrt();
     judged.hold.chi2 - 1.0 > CALIBRATION.negligible + blur
 }
 
 /// Why these names cannot stand; those beside which more is missing need to explain the larger part alone, or nearly all of one channel.
-fn refusal(before: &Judged, named: &Judged, judging: &[Run], beside_more: bool) -> Option<Refusal> {
+fn refusal(before: &ScoredModel, named: &ScoredModel, judging: &[Run], beside_more: bool) -> Option<Refusal> {
     let channel_explained =
         explains_a_channel(before, named).filter(|_| beside_more && named.hold.chi2 < before.hold.chi2);
     let channels = judging.iter().flat_map(|run| run.measured.iter().filter(|m| m.judged).map(|m| m.channel));
@@ -278,7 +282,7 @@ fn refusal(before: &Judged, named: &Judged, judging: &[Run], beside_more: bool) 
 }
 
 /// The first effect none of whose parameters is significantly different from zero.
-fn not_told(named: &Judged) -> Option<Refusal> {
+fn not_told(named: &ScoredModel) -> Option<Refusal> {
     let quantities = quantities(&named.fit);
     let told = |id: &&'static str| {
         let prefix = format!("{id}.");

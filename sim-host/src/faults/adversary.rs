@@ -8,10 +8,10 @@
 
 use super::case::{Beside, Case};
 use super::class::{Class, Promise};
-use super::dice::Dice;
+use super::dice::FaultRng;
 use super::motions::Motions;
 use super::rig::RigError;
-use super::watcher::{Broken, MARGIN, Outcome, ROUGH, STROKE, judge, softened};
+use super::watcher::{MARGIN, Outcome, ROUGH, STROKE, Violation, judge, softened};
 use crate::files::json::{self, JsonError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -93,12 +93,12 @@ fn promised(class: &Class, outcome: &Outcome) -> f64 {
     match class.promise {
         Promise::Reported(_, within) => match outcome.latency_s {
             Some(latency) if outcome.visible => way.max(latency / within),
-            _ if outcome.broken.contains(&Broken::Unreported) => way.max(2.0),
+            _ if outcome.broken.contains(&Violation::Unreported) => way.max(2.0),
             _ => way,
         },
         Promise::Relay(_, within) => match outcome.latency_s {
             Some(latency) if outcome.visible => latency / within,
-            _ if outcome.broken.contains(&Broken::Unreported) => 2.0,
+            _ if outcome.broken.contains(&Violation::Unreported) => 2.0,
             _ => 0.0,
         },
         Promise::Harmless(most) => way.max(outcome.beyond_null_m / most.max(1e-6)),
@@ -116,7 +116,7 @@ impl Search {
 
     /// Deals the case that `numbers` are.
     pub fn deal(&self, class: &'static Class, numbers: &[f64], run: u64, motions: &Motions) -> Case {
-        let dice = Dice::scripted(self.seed, run, numbers.to_vec());
+        let dice = FaultRng::scripted(self.seed, run, numbers.to_vec());
         Case::deal_with(dice, run, Some(class), motions).beside(self.beside)
     }
 
@@ -162,7 +162,7 @@ impl Search {
 
     /// The numbers of a run: a tenth of all runs are dealt as the campaign deals, so that the search does not lock itself in.
     fn numbers(&self, run: u64) -> Vec<f64> {
-        let mut dice = Dice::new(self.seed ^ 0xAD5A, run);
+        let mut dice = FaultRng::new(self.seed ^ 0xAD5A, run);
         let free = dice.chance(0.1);
         let number = |(mean, deviation): &(f64, f64)| {
             let drawn = if free { dice.unit() } else { mean + deviation * dice.normal() };

@@ -4,9 +4,9 @@ pub(super) mod draw;
 mod orders;
 
 use super::class::{CLASSES, Class, Fault};
-use super::dice::Dice;
+use super::dice::FaultRng;
 use super::limit_switches::limit_switches;
-use super::machine::{BLOCK, Break, Table};
+use super::machine::{BLOCK, PlantFault, Table};
 use super::motions::{Motions, RATE};
 use crate::motion::resample::linear;
 use orders::orders;
@@ -76,21 +76,21 @@ pub struct Case {
     /// Where a limit switch opens the emergency-stop circuit, m from the middle, either side; none where there is none.
     pub limit_switches: Option<f64>,
     /// What is random about the fault itself.
-    pub dice: Dice,
+    pub dice: FaultRng,
 }
 
 impl Case {
     /// The run `number` of `seed`; `only` takes every fault from one class.
     pub fn deal(seed: u64, number: u64, only: Option<&'static Class>, motions: &Motions) -> Self {
-        Self::deal_with(Dice::new(seed, number), number, only, motions)
+        Self::deal_with(FaultRng::new(seed, number), number, only, motions)
     }
 
     /// The run that `dice` deal, of this number.
-    pub fn deal_with(mut dice: Dice, number: u64, only: Option<&'static Class>, motions: &Motions) -> Self {
+    pub fn deal_with(mut dice: FaultRng, number: u64, only: Option<&'static Class>, motions: &Motions) -> Self {
         let class = only.unwrap_or_else(|| draw(&mut dice));
         let fault = (class.deal)(&mut dice);
         let second = class.second.map(|deal| deal(&mut dice));
-        let table = draw::table(&mut dice, matches!(fault, Fault::Table(Break::Payload { .. })));
+        let table = draw::table(&mut dice, matches!(fault, Fault::Table(PlantFault::Payload { .. })));
         let mode = draw::mode(&mut dice, fault, second);
         let kp = draw::gain(&mut dice, &table);
         let (motion, record) = draw::slice(&mut dice, motions);
@@ -193,7 +193,7 @@ impl Case {
     }
 }
 
-fn draw(dice: &mut Dice) -> &'static Class {
+fn draw(dice: &mut FaultRng) -> &'static Class {
     if dice.chance(CONTROLS) { &CLASSES[0] } else { &CLASSES[1 + dice.below(CLASSES.len() - 1)] }
 }
 

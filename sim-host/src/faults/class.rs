@@ -3,9 +3,9 @@
 
 mod all;
 
-use super::dice::Dice;
-use super::machine::Break;
-use super::spoil::Spoil;
+use super::dice::FaultRng;
+use super::machine::PlantFault;
+use super::spoil::SignalFault;
 pub use all::CLASSES;
 use serde::Serialize;
 
@@ -30,10 +30,10 @@ pub enum Fault {
     /// Nothing: the control of the experiment.
     None,
     /// A signal arrives as something else.
-    Signal(Channel, Spoil),
+    Signal(Channel, SignalFault),
     /// The one LVDT that the device and a loop behind it read, an existing controller's or a hard-wired one (Fig. 2), shows
     /// something else to both; where it shows no number the loop behind reads a rail.
-    Shared(Spoil),
+    Shared(SignalFault),
     /// No byte of the stream of reference points arrives any more.
     LinkCut,
     /// This share of the stream's bytes has a bit flipped.
@@ -49,9 +49,9 @@ pub enum Fault {
     /// So many ticks in a row do not run; the board notices at the next.
     Missed(u32),
     /// Something of the table breaks.
-    Table(Break),
+    Table(PlantFault),
     /// The same behind an existing controller, whose valve is not the device's to judge.
-    Behind(Break),
+    Behind(PlantFault),
     /// The relay's contact is welded: it stays closed. By itself it comes with an emergency stop.
     Welded,
     /// The hydraulic block takes this long to shut, s.
@@ -119,9 +119,9 @@ pub struct Class {
     /// What is promised.
     pub promise: Promise,
     /// Deals a member.
-    pub deal: fn(&mut Dice) -> Fault,
+    pub deal: fn(&mut FaultRng) -> Fault,
     /// Deals a second fault, where there are two.
-    pub second: Option<fn(&mut Dice) -> Fault>,
+    pub second: Option<fn(&mut FaultRng) -> Fault>,
 }
 
 impl std::fmt::Display for Clock {
@@ -170,12 +170,12 @@ impl std::fmt::Display for Promise {
 
 impl Class {
     /// A class of one fault.
-    const fn new(id: &'static str, what: &'static str, promise: Promise, deal: fn(&mut Dice) -> Fault) -> Self {
+    const fn new(id: &'static str, what: &'static str, promise: Promise, deal: fn(&mut FaultRng) -> Fault) -> Self {
         Self { id, what, promise, deal, second: None }
     }
 
     /// The same with a second fault beside it.
-    const fn with(self, second: fn(&mut Dice) -> Fault) -> Self {
+    const fn with(self, second: fn(&mut FaultRng) -> Fault) -> Self {
         Self { second: Some(second), ..self }
     }
 

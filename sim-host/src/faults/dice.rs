@@ -5,13 +5,13 @@ use rand_chacha::ChaCha8Rng;
 
 /// A stream of random numbers.
 #[derive(Debug, Clone)]
-pub struct Dice {
+pub struct FaultRng {
     generator: ChaCha8Rng,
     /// Numbers that come before the generator's own, last first.
     script: Vec<f64>,
 }
 
-impl Dice {
+impl FaultRng {
     /// The stream `number` of `seed`.
     pub fn new(seed: u64, number: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);

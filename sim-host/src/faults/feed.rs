@@ -2,7 +2,7 @@
 //! kept in a buffer as long as the device's. Points that do not arrive are asked for again; a buffer that runs dry stops
 //! the test.
 
-use super::dice::Dice;
+use super::dice::FaultRng;
 use shakedown_core::link::{Assembler, HostRequest, MAX_FRAME, MAX_POINTS, Points, encode};
 use std::collections::VecDeque;
 
@@ -43,7 +43,7 @@ impl<'a> Feed<'a> {
     }
 
     /// One tick: the next point, or none where the buffer has run dry.
-    pub fn tick(&mut self, line: Line, dice: &mut Dice) -> Option<f32> {
+    pub fn tick(&mut self, line: Line, dice: &mut FaultRng) -> Option<f32> {
         self.send();
         self.arrive(line, dice);
         self.buffer.pop_front()
@@ -63,7 +63,7 @@ impl<'a> Feed<'a> {
         self.wait = PATIENCE;
     }
 
-    fn arrive(&mut self, line: Line, dice: &mut Dice) {
+    fn arrive(&mut self, line: Line, dice: &mut FaultRng) {
         let Some((left, bytes)) = &mut self.under_way else { return };
         *left -= 1;
         if *left > 0 {
@@ -102,7 +102,7 @@ mod tests {
 
     fn heard(line: Line, ticks: usize) -> Vec<Option<f32>> {
         let points: Vec<f64> = (0..5000).map(|k| f64::from(k) * 1e-5).collect();
-        let (mut feed, mut dice) = (Feed::new(&points), Dice::new(3, 1));
+        let (mut feed, mut dice) = (Feed::new(&points), FaultRng::new(3, 1));
         (0..ticks).map(|_| feed.tick(line, &mut dice)).collect()
     }
 

@@ -8,7 +8,7 @@
 
 use super::case::{Beside, Case, LENGTH, REST};
 use super::class::CLASSES;
-use super::dice::Dice;
+use super::dice::FaultRng;
 use super::machine::{Oil, Table};
 use super::motions::Motions;
 use super::rig::{self, RigError};
@@ -54,7 +54,7 @@ pub struct Healthy {
 
 /// The healthy run `number` of `seed`: as the campaign deals its runs without a fault, and half of them sines instead of records.
 pub fn deal(seed: u64, number: u64, motions: &Motions) -> (Case, Option<f64>) {
-    let mut dice = Dice::new(seed, number);
+    let mut dice = FaultRng::new(seed, number);
     let sine = dice.chance(0.5).then(|| (dice.scale(0.1, 30.0), dice.uniform(0.3, 1.0)));
     let case = Case::deal_with(dice, number, Some(&CLASSES[0]), motions).beside(Beside::Nothing);
     let case = Case { onset: case.ticks(), ..case };

@@ -48,7 +48,7 @@ pub struct Table {
 /// What may break about a table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Break {
+pub enum PlantFault {
     /// The valve goes on with this command, m.
     Stuck(f64),
     /// The valve stays where it is.
@@ -85,7 +85,7 @@ pub struct Machine {
     supply: f64,
     /// Length of a step, s, and what of the lag's state is left after it.
     decay: (f64, f64),
-    broken: Option<Break>,
+    broken: Option<PlantFault>,
     /// From the relay's opening to no oil, s.
     pub block: f64,
     /// Whether the relay's contact stays closed.
@@ -123,12 +123,12 @@ impl Machine {
     }
 
     /// Something breaks.
-    pub fn fail(&mut self, how: Break) {
+    pub fn fail(&mut self, how: PlantFault) {
         self.broken = Some(how);
         self.healthy_lag = self.lag;
         self.stuck = match how {
-            Break::Stuck(at) => Some(at),
-            Break::Frozen => Some(self.command),
+            PlantFault::Stuck(at) => Some(at),
+            PlantFault::Frozen => Some(self.command),
             _ => None,
         };
     }
@@ -152,7 +152,7 @@ impl Machine {
     fn step(&mut self, h: f64, decay: f64) {
         let t = self.table;
         let mut u = self.stuck.unwrap_or(self.command);
-        if let Some(Break::Bit(bit, set)) = self.broken {
+        if let Some(PlantFault::Bit(bit, set)) = self.broken {
             u = OUTPUT.pass_with(u + t.null, bit, set) - t.null;
         }
         let through = |lag: &mut f64, u: f64| {
@@ -160,7 +160,7 @@ impl Machine {
             (*lag + t.b1 * u).clamp(-t.limit, t.limit)
         };
         let shut = self.open_for >= self.block;
-        if let Some(Break::Supply(time)) = self.broken {
+        if let Some(PlantFault::Supply(time)) = self.broken {
             self.supply *= (-h / time).exp();
         }
         let flow = if shut { 0.0 } else { through(&mut self.lag, u) * self.supply.sqrt() };
@@ -183,7 +183,7 @@ impl Machine {
 
     /// Moving mass before over after the payload came off, and what it does to the table on its way, m/s2.
     fn payload(&self) -> (f64, f64) {
-        let Some(Break::Payload { mass, blow, length, count }) = self.broken else { return (1.0, 0.0) };
+        let Some(PlantFault::Payload { mass, blow, length, count }) = self.broken else { return (1.0, 0.0) };
         // A blow every three lengths, from alternate sides.
         let beat = self.since / (3.0 * length);
         let (number, within) = (beat.floor(), beat.fract());
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn an_open_relay_stops_a_stuck_valve_after_the_blocks_latency() {
         let mut machine = Machine::new(paper(None), 0.0);
-        machine.fail(Break::Stuck(5.0));
+        machine.fail(PlantFault::Stuck(5.0));
         run(&mut machine, 0.0, false, 100);
         let (x, unexplained) = (machine.x, machine.unexplained);
         assert!((x - 0.0242).abs() < 1e-3 && (x - unexplained).abs() < 1e-9, "{x} {unexplained}");
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn a_supply_that_is_gone_moves_nothing() {
         let mut machine = Machine::new(paper(None), 0.0);
-        machine.fail(Break::Supply(0.05));
+        machine.fail(PlantFault::Supply(0.05));
         run(&mut machine, 5.0, false, 3000);
         assert!(machine.v < 1e-6);
     }
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn a_payload_that_comes_off_knocks_and_leaves_a_stiffer_table() {
         let mut machine = Machine::new(paper(Some(Oil { omega: 150.0, damping: 0.2 })), 0.0);
-        machine.fail(Break::Payload { mass: 1.0, blow: 20.0, length: 0.01, count: 1 });
+        machine.fail(PlantFault::Payload { mass: 1.0, blow: 20.0, length: 0.01, count: 1 });
         run(&mut machine, 0.0, false, 5);
         assert!(machine.v > 0.01, "{}", machine.v);
         run(&mut machine, 0.0, false, 1000);

@@ -4,7 +4,7 @@ mod signals;
 
 use super::case::Case;
 use super::class::Fault;
-use super::dice::Dice;
+use super::dice::FaultRng;
 use super::feed::Feed;
 use super::machine::Machine;
 use super::settings;
@@ -57,7 +57,7 @@ struct Rig<'a> {
     machine: Machine,
     sensors: Sensors,
     feed: Option<Feed<'a>>,
-    dice: Dice,
+    dice: FaultRng,
     time: f64,
     velocity_before: f64,
     last: Option<Seen>,

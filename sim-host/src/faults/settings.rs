@@ -1,11 +1,11 @@
 //! Settings as they should not be: wrong for this table, nonsense, or spoilt on their way.
 
-use super::dice::Dice;
+use super::dice::FaultRng;
 use shakedown_core::Settings;
 use shakedown_core::link::{Assembler, HostRequest as Frame, MAX_FRAME, Scale, Setup, Source, Wiring, encode};
 
 /// What a device takes of a frame of wrong settings with so many of its `bits` flipped; none as a rule.
-pub(super) fn garbled(settings: &Settings, bits: u32, dice: &mut Dice) -> Option<Settings> {
+pub(super) fn garbled(settings: &Settings, bits: u32, dice: &mut FaultRng) -> Option<Settings> {
     let mut wire = [0; MAX_FRAME];
     let length = encode(&Frame::WriteSetup(setup(&wrong(settings, 30.0, dice))), &mut wire).unwrap_or(0);
     for _ in 0..bits {
@@ -20,7 +20,7 @@ pub(super) fn garbled(settings: &Settings, bits: u32, dice: &mut Dice) -> Option
 }
 
 /// Settings that hold and are not this table's: gains off by factors up to `factor`, the null by a twentieth of wide open.
-pub(super) fn wrong(settings: &Settings, factor: f64, dice: &mut Dice) -> Settings {
+pub(super) fn wrong(settings: &Settings, factor: f64, dice: &mut FaultRng) -> Settings {
     let mut wrong = *settings;
     let mut off =
         |value: &mut f32| *value *= (if dice.chance(0.5) { dice.scale(1.0, factor) } else { 1.0 / factor }) as f32;
@@ -34,7 +34,7 @@ pub(super) fn wrong(settings: &Settings, factor: f64, dice: &mut Dice) -> Settin
 }
 
 /// The settings with one number replaced by one that no table has; none where they cannot be written down.
-pub(super) fn nonsense(settings: &Settings, dice: &mut Dice) -> Option<Settings> {
+pub(super) fn nonsense(settings: &Settings, dice: &mut FaultRng) -> Option<Settings> {
     let mut value = toml::Value::try_from(settings).ok()?;
     let mut numbers = Vec::new();
     collect(&mut value, &mut numbers);

@@ -1,12 +1,12 @@
 //! What becomes of a signal on its way: the ways in which sensors, wires and commands fail.
 
-use super::dice::Dice;
+use super::dice::FaultRng;
 use serde::Serialize;
 
 /// A way for a signal to be wrong; heights are in the signal's own unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Spoil {
+pub enum SignalFault {
     /// No number: an open wire, a dead converter.
     Open,
     /// Is at this value, beyond what the signal can be.
@@ -110,7 +110,7 @@ impl Converter {
 /// A signal that is being spoilt.
 #[derive(Debug, Clone)]
 pub struct Spoiled {
-    how: Spoil,
+    how: SignalFault,
     dt: f64,
     ticks: u32,
     held: f64,
@@ -118,12 +118,12 @@ pub struct Spoiled {
 
 impl Spoiled {
     /// From now on, at ticks of `dt` (s).
-    pub fn new(how: Spoil, dt: f64) -> Self {
+    pub fn new(how: SignalFault, dt: f64) -> Self {
         Self { how, dt, ticks: 0, held: 0.0 }
     }
 
     /// What arrives of `value`.
-    pub fn pass(&mut self, value: f64, dice: &mut Dice) -> f64 {
+    pub fn pass(&mut self, value: f64, dice: &mut FaultRng) -> f64 {
         if self.ticks == 0 {
             self.held = value;
         }
@@ -132,24 +132,28 @@ impl Spoiled {
         let ms = (1e3 * time + 1e-6) as u32;
         self.ticks = self.ticks.saturating_add(1);
         match self.how {
-            Spoil::Open => f64::NAN,
-            Spoil::Rail(rail) => rail,
-            Spoil::Clipped(limit) => value.clamp(-limit, limit),
-            Spoil::Stuck => self.held,
-            Spoil::Detached(deviation) => self.held + deviation * dice.normal(),
-            Spoil::Noisy(deviation) => value + deviation * dice.normal(),
-            Spoil::Drifting(rate) => value + rate * time,
-            Spoil::Offset(offset) => value + offset,
-            Spoil::Spikes { height, length, period } => value + if ms % period.max(1) < length { height } else { 0.0 },
-            Spoil::Gap(length) if ms < length => f64::NAN,
-            Spoil::Gap(_) => value,
-            Spoil::Flicker { length, period } if ms % period.max(1) < length => f64::NAN,
-            Spoil::Flicker { .. } => value,
-            Spoil::Short(deviation) => deviation * dice.normal(),
-            Spoil::Hum { amplitude, frequency } => value + amplitude * (std::f64::consts::TAU * frequency * time).sin(),
-            Spoil::Bit { span, bit, set } => Converter { bits: BITS[0], span }.pass_with(value, bit, set),
-            Spoil::Reversed => -value,
-            Spoil::Gain { left, over } => value * (1.0 + (left - 1.0) * (time / over).min(1.0)),
+            SignalFault::Open => f64::NAN,
+            SignalFault::Rail(rail) => rail,
+            SignalFault::Clipped(limit) => value.clamp(-limit, limit),
+            SignalFault::Stuck => self.held,
+            SignalFault::Detached(deviation) => self.held + deviation * dice.normal(),
+            SignalFault::Noisy(deviation) => value + deviation * dice.normal(),
+            SignalFault::Drifting(rate) => value + rate * time,
+            SignalFault::Offset(offset) => value + offset,
+            SignalFault::Spikes { height, length, period } => {
+                value + if ms % period.max(1) < length { height } else { 0.0 }
+            }
+            SignalFault::Gap(length) if ms < length => f64::NAN,
+            SignalFault::Gap(_) => value,
+            SignalFault::Flicker { length, period } if ms % period.max(1) < length => f64::NAN,
+            SignalFault::Flicker { .. } => value,
+            SignalFault::Short(deviation) => deviation * dice.normal(),
+            SignalFault::Hum { amplitude, frequency } => {
+                value + amplitude * (std::f64::consts::TAU * frequency * time).sin()
+            }
+            SignalFault::Bit { span, bit, set } => Converter { bits: BITS[0], span }.pass_with(value, bit, set),
+            SignalFault::Reversed => -value,
+            SignalFault::Gain { left, over } => value * (1.0 + (left - 1.0) * (time / over).min(1.0)),
         }
     }
 }
@@ -158,31 +162,31 @@ impl Spoiled {
 mod tests {
     use super::*;
 
-    fn passed(how: Spoil, values: &[f64]) -> Vec<f64> {
-        let (mut spoiled, mut dice) = (Spoiled::new(how, 0.5), Dice::new(1, 1));
+    fn passed(how: SignalFault, values: &[f64]) -> Vec<f64> {
+        let (mut spoiled, mut dice) = (Spoiled::new(how, 0.5), FaultRng::new(1, 1));
         values.iter().map(|&v| spoiled.pass(v, &mut dice)).collect()
     }
 
     #[test]
     fn each_way_is_what_it_says() {
         let v = [1.0, 2.0, -3.0];
-        assert!(passed(Spoil::Open, &v).iter().all(|x| x.is_nan()));
-        assert_eq!(passed(Spoil::Rail(9.0), &v), [9.0; 3]);
-        assert_eq!(passed(Spoil::Clipped(1.5), &v), [1.0, 1.5, -1.5]);
-        assert_eq!(passed(Spoil::Stuck, &v), [1.0; 3]);
-        assert_eq!(passed(Spoil::Drifting(2.0), &v), [1.0, 3.0, -1.0]);
-        assert_eq!(passed(Spoil::Offset(1.0), &v), [2.0, 3.0, -2.0]);
-        assert_eq!(passed(Spoil::Spikes { height: 5.0, length: 400, period: 1000 }, &v), [6.0, 2.0, 2.0]);
-        let flicker = passed(Spoil::Flicker { length: 400, period: 1000 }, &v);
+        assert!(passed(SignalFault::Open, &v).iter().all(|x| x.is_nan()));
+        assert_eq!(passed(SignalFault::Rail(9.0), &v), [9.0; 3]);
+        assert_eq!(passed(SignalFault::Clipped(1.5), &v), [1.0, 1.5, -1.5]);
+        assert_eq!(passed(SignalFault::Stuck, &v), [1.0; 3]);
+        assert_eq!(passed(SignalFault::Drifting(2.0), &v), [1.0, 3.0, -1.0]);
+        assert_eq!(passed(SignalFault::Offset(1.0), &v), [2.0, 3.0, -2.0]);
+        assert_eq!(passed(SignalFault::Spikes { height: 5.0, length: 400, period: 1000 }, &v), [6.0, 2.0, 2.0]);
+        let flicker = passed(SignalFault::Flicker { length: 400, period: 1000 }, &v);
         assert!(flicker[0].is_nan() && flicker[1] == 2.0 && flicker[2].is_nan());
-        assert_eq!(passed(Spoil::Short(0.0), &v), [0.0; 3]);
-        assert!((passed(Spoil::Hum { amplitude: 2.0, frequency: 0.5 }, &v)[1] - 4.0).abs() < 1e-9);
+        assert_eq!(passed(SignalFault::Short(0.0), &v), [0.0; 3]);
+        assert!((passed(SignalFault::Hum { amplitude: 2.0, frequency: 0.5 }, &v)[1] - 4.0).abs() < 1e-9);
         // Of codes 32768 + 8192, + 16384 and - 24576 the bit of 8192 stands at 1.
-        assert_eq!(passed(Spoil::Bit { span: 4.0, bit: 13, set: true }, &v), [1.0, 3.0, -3.0]);
-        assert_eq!(passed(Spoil::Reversed, &v), [-1.0, -2.0, 3.0]);
-        assert_eq!(passed(Spoil::Gain { left: 0.5, over: 1.0 }, &v), [1.0, 1.5, -1.5]);
-        let gap = passed(Spoil::Gap(400), &v);
+        assert_eq!(passed(SignalFault::Bit { span: 4.0, bit: 13, set: true }, &v), [1.0, 3.0, -3.0]);
+        assert_eq!(passed(SignalFault::Reversed, &v), [-1.0, -2.0, 3.0]);
+        assert_eq!(passed(SignalFault::Gain { left: 0.5, over: 1.0 }, &v), [1.0, 1.5, -1.5]);
+        let gap = passed(SignalFault::Gap(400), &v);
         assert!(gap[0].is_nan() && gap[1..] == [2.0, -3.0]);
-        assert_ne!(passed(Spoil::Noisy(1.0), &v), v);
+        assert_ne!(passed(SignalFault::Noisy(1.0), &v), v);
     }
 }

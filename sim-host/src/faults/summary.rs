@@ -1,7 +1,7 @@
 //! What a campaign came to: by class, latencies in percentiles, and every run that did not keep what was promised.
 
 use super::class::{CLASSES, Class, Promise};
-use super::watcher::{Broken, Outcome};
+use super::watcher::{Outcome, Violation};
 use serde::Serialize;
 
 /// One class.
@@ -30,7 +30,7 @@ pub struct Row {
     /// Largest acceleration of the specimen, m/s2.
     pub acceleration_m_s2: f64,
     /// Runs that broke a promise, by which.
-    pub broken: Vec<(Broken, u64)>,
+    pub broken: Vec<(Violation, u64)>,
 }
 
 /// The whole.
@@ -46,8 +46,14 @@ pub struct Summary {
     pub ended: u64,
 }
 
-const KINDS: [Broken; 6] =
-    [Broken::Excursion, Broken::Unreported, Broken::Late, Broken::Moving, Broken::Rough, Broken::Alarm];
+const KINDS: [Violation; 6] = [
+    Violation::Excursion,
+    Violation::Unreported,
+    Violation::Late,
+    Violation::Moving,
+    Violation::Rough,
+    Violation::Alarm,
+];
 
 impl Summary {
     /// Of `outcomes`, in any order.
@@ -60,12 +66,12 @@ impl Summary {
     }
 
     /// How many runs broke a promise in this way.
-    pub fn broken(&self, how: Broken) -> u64 {
+    pub fn broken(&self, how: Violation) -> u64 {
         self.failed.iter().filter(|o| o.broken.contains(&how)).count() as u64
     }
 }
 
-fn count(outcomes: &[&Outcome]) -> Vec<(Broken, u64)> {
+fn count(outcomes: &[&Outcome]) -> Vec<(Violation, u64)> {
     KINDS
         .into_iter()
         .map(|how| (how, outcomes.iter().filter(|o| o.broken.contains(&how)).count() as u64))
@@ -76,7 +82,7 @@ fn count(outcomes: &[&Outcome]) -> Vec<(Broken, u64)> {
 fn row(class: &Class, outcomes: &[Outcome]) -> Row {
     let of: Vec<&Outcome> = outcomes.iter().filter(|o| o.class == class.id).collect();
     // A run that tripped before its fault says nothing of the fault.
-    let met: Vec<&&Outcome> = of.iter().filter(|o| !o.ended && !o.broken.contains(&Broken::Alarm)).collect();
+    let met: Vec<&&Outcome> = of.iter().filter(|o| !o.ended && !o.broken.contains(&Violation::Alarm)).collect();
     let mut latencies: Vec<f64> = met.iter().filter(|o| o.visible).filter_map(|o| o.latency_s).collect();
     latencies.sort_by(f64::total_cmp);
     let rank = |share: f64| latencies[((share * latencies.len() as f64).ceil() as usize).max(1) - 1];

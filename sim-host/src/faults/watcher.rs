@@ -56,13 +56,13 @@ pub struct Outcome {
     /// Largest acceleration of the table and its specimen, mean over `SHAKEN`, m/s2.
     pub acceleration_m_s2: f64,
     /// What was not kept.
-    pub broken: Vec<Broken>,
+    pub broken: Vec<Violation>,
 }
 
 /// What a run may not keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Broken {
+pub enum Violation {
     /// The table left its stroke less the margin.
     Excursion,
     /// What had to be reported was not.
@@ -236,7 +236,7 @@ impl<'a> Watcher<'a> {
         let broken = if self.ended {
             Vec::new()
         } else if self.alarm || alone {
-            vec![Broken::Alarm]
+            vec![Violation::Alarm]
         } else {
             self.promises(latency, from, outside)
         };
@@ -259,7 +259,7 @@ impl<'a> Watcher<'a> {
     }
 
     /// What of the promises was not kept.
-    fn promises(&self, latency: Option<f64>, from: f64, outside: bool) -> Vec<Broken> {
+    fn promises(&self, latency: Option<f64>, from: f64, outside: bool) -> Vec<Violation> {
         let promise = self.case.class.promise;
         let mut broken = Vec::new();
         if promise == Promise::Measured {
@@ -271,22 +271,22 @@ impl<'a> Watcher<'a> {
             _ => true,
         };
         if outside && promised {
-            broken.push(Broken::Excursion);
+            broken.push(Violation::Excursion);
         }
         match promise {
             Promise::Reported(_, within) | Promise::Relay(_, within) if self.started.is_some() => match latency {
-                Some(latency) if latency > within + self.slack() => broken.push(Broken::Late),
-                None if self.now - from > within + self.slack() => broken.push(Broken::Unreported),
+                Some(latency) if latency > within + self.slack() => broken.push(Violation::Late),
+                None if self.now - from > within + self.slack() => broken.push(Violation::Unreported),
                 _ => {}
             },
-            Promise::Harmless(most) if self.beyond_null > most => broken.push(Broken::Unreported),
+            Promise::Harmless(most) if self.beyond_null > most => broken.push(Violation::Unreported),
             _ => {}
         }
         if self.moving {
-            broken.push(Broken::Moving);
+            broken.push(Violation::Moving);
         }
         if self.shaken.acceleration > ROUGH && softened(self.case) {
-            broken.push(Broken::Rough);
+            broken.push(Violation::Rough);
         }
         broken
     }

@@ -1,8 +1,8 @@
 //! A fault and a table as a person reads them, with the values that were dealt.
 
 use super::class::{Channel, Fault};
-use super::machine::{Break, Table};
-use super::spoil::Spoil;
+use super::machine::{PlantFault, Table};
+use super::spoil::SignalFault;
 use std::fmt::{Display, Formatter, Result};
 
 impl Channel {
@@ -41,35 +41,35 @@ impl Display for Fault {
     }
 }
 
-fn signal(f: &mut Formatter<'_>, channel: Channel, spoil: Spoil) -> Result {
+fn signal(f: &mut Formatter<'_>, channel: Channel, spoil: SignalFault) -> Result {
     let (name, unit) = channel.words();
     write!(f, "{name}: ")?;
     match spoil {
-        Spoil::Open => f.write_str("no number"),
-        Spoil::Rail(at) => write!(f, "stands at {at:.4} {unit}"),
-        Spoil::Clipped(limit) => write!(f, "held within {limit:.4} {unit} of zero"),
-        Spoil::Stuck => f.write_str("stands where it stood"),
-        Spoil::Detached(noise) => write!(f, "stands where it stood, with noise of {noise:.6} {unit}"),
-        Spoil::Noisy(noise) => write!(f, "white noise of {noise:.6} {unit}"),
-        Spoil::Drifting(rate) => write!(f, "moves away at {rate:.5} {unit} a second"),
-        Spoil::Offset(offset) => write!(f, "off by {offset:.4} {unit}"),
-        Spoil::Spikes { height, length, period: u32::MAX } => {
+        SignalFault::Open => f.write_str("no number"),
+        SignalFault::Rail(at) => write!(f, "stands at {at:.4} {unit}"),
+        SignalFault::Clipped(limit) => write!(f, "held within {limit:.4} {unit} of zero"),
+        SignalFault::Stuck => f.write_str("stands where it stood"),
+        SignalFault::Detached(noise) => write!(f, "stands where it stood, with noise of {noise:.6} {unit}"),
+        SignalFault::Noisy(noise) => write!(f, "white noise of {noise:.6} {unit}"),
+        SignalFault::Drifting(rate) => write!(f, "moves away at {rate:.5} {unit} a second"),
+        SignalFault::Offset(offset) => write!(f, "off by {offset:.4} {unit}"),
+        SignalFault::Spikes { height, length, period: u32::MAX } => {
             write!(f, "a spike of {height:.4} {unit} that lasts {length} ms")
         }
-        Spoil::Spikes { height, length, period } => {
+        SignalFault::Spikes { height, length, period } => {
             write!(f, "spikes of {height:.4} {unit} that last {length} ms, every {period} ms")
         }
-        Spoil::Gap(length) => write!(f, "no number for {length} ms"),
-        Spoil::Flicker { length, period } => write!(f, "no number for {length} ms, every {period} ms"),
-        Spoil::Short(noise) => write!(f, "reads zero, with noise of {noise:.6} {unit}"),
-        Spoil::Hum { amplitude, frequency } => write!(f, "hum of {amplitude:.4} {unit} at {frequency:.1} Hz"),
-        Spoil::Bit { bit, set, .. } => write!(f, "bit {bit} of its converter stands at {}", u8::from(set)),
-        Spoil::Reversed => f.write_str("its sign turned"),
-        Spoil::Gain { left, over } => write!(f, "its gain goes to {left:.3} of itself over {over:.2} s"),
+        SignalFault::Gap(length) => write!(f, "no number for {length} ms"),
+        SignalFault::Flicker { length, period } => write!(f, "no number for {length} ms, every {period} ms"),
+        SignalFault::Short(noise) => write!(f, "reads zero, with noise of {noise:.6} {unit}"),
+        SignalFault::Hum { amplitude, frequency } => write!(f, "hum of {amplitude:.4} {unit} at {frequency:.1} Hz"),
+        SignalFault::Bit { bit, set, .. } => write!(f, "bit {bit} of its converter stands at {}", u8::from(set)),
+        SignalFault::Reversed => f.write_str("its sign turned"),
+        SignalFault::Gain { left, over } => write!(f, "its gain goes to {left:.3} of itself over {over:.2} s"),
     }
 }
 
-impl Display for Break {
+impl Display for PlantFault {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match *self {
             Self::Stuck(command) => write!(f, "the valve stays with a command of {command:.4} m"),
@@ -99,20 +99,20 @@ impl Display for Table {
 mod tests {
     use super::*;
     use crate::faults::class::CLASSES;
-    use crate::faults::dice::Dice;
+    use crate::faults::dice::FaultRng;
 
     #[test]
     fn every_fault_is_told_with_its_values() {
         let told = |fault: Fault| fault.to_string();
-        let drifting = told(Fault::Signal(Channel::Displacement, Spoil::Drifting(-0.004)));
+        let drifting = told(Fault::Signal(Channel::Displacement, SignalFault::Drifting(-0.004)));
         assert_eq!(drifting, "LVDT: moves away at -0.00400 m a second");
         assert_eq!(told(Fault::LinkGarbled(0.01)), "one bit in 100 bytes of the stream is flipped");
         assert_eq!(
-            told(Fault::Behind(Break::Supply(0.25))),
+            told(Fault::Behind(PlantFault::Supply(0.25))),
             "behind an existing controller: the supply falls with a time constant of 0.250 s"
         );
         for class in CLASSES.iter() {
-            let text = told((class.deal)(&mut Dice::new(1, 1)));
+            let text = told((class.deal)(&mut FaultRng::new(1, 1)));
             assert!(!text.is_empty() && !text.contains(['{', '(']), "{}: {text}", class.id);
         }
     }

@@ -10,7 +10,9 @@ use super::shift::earlier;
 use crate::motion::filter::{Cascade, Edge};
 use crate::plant::effects::Role;
 use crate::plant::model::Baseline;
-use crate::plant::simulate::{Drive, Placed, SimulateError, Start, Trace, Wanted, balance, effect_states, simulate};
+use crate::plant::simulate::{
+    Drive, EffectParameters, SimulateError, Start, Trace, Wanted, balance, effect_states, simulate,
+};
 use crate::scalar::{Dual, Scalar};
 pub(super) use sums::Rows;
 use sums::Sums;
@@ -51,7 +53,7 @@ impl Local {
         };
         let slope = run.moving_start.then(|| initial_slope(run)).flatten().unwrap_or(0.0);
         let has_pressure = run.channel(Channel::PressureDifference).is_some_and(|m| m.judged);
-        let per_run = |p: &super::model::Placed| {
+        let per_run = |p: &super::model::ModelEffect| {
             p.entry
                 .parameters
                 .iter()
@@ -135,10 +137,10 @@ fn trace<S: Scalar>(
 ) -> Result<(Trace<S>, S, S), SimulateError> {
     let own: Vec<S> = model.own.iter().map(&mut lift).collect();
     let scale = model.scale.as_ref().map(&mut lift);
-    let mut effects: Vec<Placed<S>> = model
+    let mut effects: Vec<EffectParameters<S>> = model
         .effects
         .iter()
-        .map(|p| Placed { id: p.entry.id, parameters: p.values.iter().map(&mut lift).collect() })
+        .map(|p| EffectParameters { id: p.entry.id, parameters: p.values.iter().map(&mut lift).collect() })
         .collect();
     let (displacement, velocity, offset) = (lift(&local.displacement), lift(&local.velocity), lift(&local.pressure));
     let per_run: Vec<S> = local.effects.iter().map(&mut lift).collect();

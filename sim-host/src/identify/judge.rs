@@ -103,7 +103,7 @@ pub(crate) fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
         for (measured, series) in run.measured.iter().zip(&prediction.channels) {
             let counted = counts(run, measured);
             if measured.judged {
-                score.colour = score.colour.max(colour(measured, series));
+                score.colour = score.colour.max(autocorrelation_factor(measured, series));
             }
             let place = sums.iter().position(|(c, _)| *c == measured.channel).unwrap_or_else(|| {
                 sums.push((measured.channel, Sums::default()));
@@ -137,7 +137,7 @@ pub(crate) fn of_predictions(runs: &[Run], predicted: Vec<Predicted>) -> Score {
 }
 
 /// One plus twice the sum of the residual's correlations over neighbouring samples.
-fn colour(measured: &Measured, series: &[f64]) -> f64 {
+fn autocorrelation_factor(measured: &Measured, series: &[f64]) -> f64 {
     const NEIGHBOURS: usize = 12;
     let residual: Vec<f64> = measured.values.iter().zip(series).map(|(y, m)| y - m).filter(|r| r.is_finite()).collect();
     let power: f64 = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);

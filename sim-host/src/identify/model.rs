@@ -1,6 +1,6 @@
 //! A model with the effects it has, and which of its parameters a fit may move.
 
-pub use super::yardsticks::Yardsticks;
+pub use super::signal_scales::SignalScales;
 use crate::plant::effects::{ENTRIES, Ends, Entry, Role};
 use crate::plant::model::Kind;
 
@@ -62,7 +62,7 @@ impl Value {
 
 /// An effect a model has.
 #[derive(Debug, Clone)]
-pub struct Placed {
+pub struct ModelEffect {
     /// What it is.
     pub entry: &'static Entry,
     /// Its parameters in the order of the entry; those of `PerRun` live with the runs.
@@ -79,25 +79,25 @@ pub struct Model {
     /// Pressure per acceleration, where pressure is measured and the model does not state it.
     pub scale: Option<Value>,
     /// The effects, in the order of the registry.
-    pub effects: Vec<Placed>,
+    pub effects: Vec<ModelEffect>,
     /// What it may be missing beside the library's effects: the user's own, and a clock at another rate.
     pub library: Vec<&'static Entry>,
 }
 
-impl Placed {
+impl ModelEffect {
     /// Its parameters' values, in the order of the entry.
     pub fn numbers(&self) -> Vec<f64> {
         self.values.iter().map(|value| value.value).collect()
     }
 
     /// An effect at the `index`-th combination of its starting values; none past the last.
-    pub fn start(entry: &'static Entry, index: usize, yardsticks: &Yardsticks) -> Option<Self> {
+    pub fn start(entry: &'static Entry, index: usize, signal_scales: &SignalScales) -> Option<Self> {
         let mut rest = index;
         let mut values = Vec::with_capacity(entry.parameters.len());
         for parameter in entry.parameters {
             let start = parameter.starts.get(rest % parameter.starts.len())?;
             rest /= parameter.starts.len();
-            let size = yardsticks.size(parameter.yardstick);
+            let size = signal_scales.size(parameter.signal_scale);
             values.push(Value {
                 value: start * size,
                 low: parameter.low * size,
@@ -113,7 +113,7 @@ impl Placed {
 
 impl Model {
     /// This model with one more effect, kept in the order of the registry.
-    pub fn with(&self, effect: Placed) -> Self {
+    pub fn with(&self, effect: ModelEffect) -> Self {
         let mut model = self.clone();
         for (own, parameter) in model.own.iter_mut().zip(self.kind.parameters()) {
             if effect.entry.frees.contains(&parameter.key) && !own.free {
@@ -123,7 +123,7 @@ impl Model {
         }
         model.effects.push(effect);
         // A user's own come last, in the order in which they were added.
-        let place = |p: &Placed| ENTRIES.iter().position(|e| e.id == p.entry.id).unwrap_or(ENTRIES.len());
+        let place = |p: &ModelEffect| ENTRIES.iter().position(|e| e.id == p.entry.id).unwrap_or(ENTRIES.len());
         model.effects.sort_by_key(place);
         model
     }
@@ -240,7 +240,7 @@ mod tests {
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
         let own = own.map(|v| Value { low: 0.1 * v.value, high: 10.0 * v.value, positive: true, ..v }).to_vec();
         let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new() };
-        let placed = |id: &str| Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+        let placed = |id: &str| ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
         let mut soft = stated.with(placed("flow_softening")).with(placed("null_bias"));
         let limit = soft.own_mut("velocity_limit").unwrap();
         assert!(limit.free, "softening frees the limit");
@@ -260,7 +260,8 @@ mod tests {
         own[1].prior = Some(Prior { mean: own[1].coordinate(), std: 0.25, lent: false });
         let stated =
             Model { kind: Kind::Servo, own: own.to_vec(), scale: None, effects: Vec::new(), library: Vec::new() };
-        let mut biased = stated.with(Placed::start(entry("null_bias").unwrap(), 0, &Yardsticks::TYPICAL).unwrap());
+        let mut biased =
+            stated.with(ModelEffect::start(entry("null_bias").unwrap(), 0, &SignalScales::TYPICAL).unwrap());
         biased.own_mut("b0").unwrap().value = 150.0;
         assert_eq!(biased.without("null_bias").own, biased.own);
     }
@@ -269,7 +270,7 @@ mod tests {
     fn a_law_beside_one_that_contains_it_is_redundant() {
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed).to_vec();
         let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new() };
-        let placed = |id: &str| Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+        let placed = |id: &str| ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
         let friction = stated.with(placed("stribeck_friction"));
         assert!(!friction.is_redundant() && !friction.with(placed("viscous_friction")).is_redundant());
         assert!(friction.with(placed("coulomb_friction")).is_redundant());

@@ -5,7 +5,7 @@ mod start;
 
 use super::data::{Channel, Measured, Run};
 use super::floor::{floors, least};
-use super::model::{Model, Placed, Value, Yardsticks};
+use super::model::{Model, ModelEffect, SignalScales, Value};
 use super::shift::earlier;
 use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Role, entry, regional};
@@ -75,7 +75,7 @@ pub struct Prepared {
     /// Runs that only judge.
     pub holdout: Vec<Run>,
     /// Sizes of the signals on the runs that are fitted.
-    pub yardsticks: Yardsticks,
+    pub signal_scales: SignalScales,
 }
 
 impl Prepared {
@@ -99,11 +99,11 @@ pub fn prepare(experiment: &Experiment) -> Result<Prepared, PrepareError> {
         recording::Baseline::RigidMass(rigid) => rigid.mass,
         _ => 1.0,
     };
-    let yardsticks = Yardsticks::of(&fit, mass);
-    Ok(Prepared { model: of_statement(stated, &fit, &yardsticks), fit, holdout, yardsticks })
+    let signal_scales = SignalScales::of(&fit, mass);
+    Ok(Prepared { model: of_statement(stated, &fit, &signal_scales), fit, holdout, signal_scales })
 }
 
-fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks) -> Model {
+fn of_statement(stated: &recording::Model, runs: &[Run], signal_scales: &SignalScales) -> Model {
     let kind = match stated.baseline {
         recording::Baseline::Servo(_) => Kind::Servo,
         recording::Baseline::RigidMass(_) => Kind::RigidMass,
@@ -114,11 +114,11 @@ fn of_statement(stated: &recording::Model, runs: &[Run], yardsticks: &Yardsticks
     let own = kind.parameters().iter().map(|parameter| {
         let given = known.iter().find(|(name, _)| *name == parameter.key).map(|&(_, value)| value);
         let free = stated.fits(parameter.key) || ALWAYS_FREE.contains(&parameter.key);
-        own_value(given, parameter.positive, free, yardsticks)
+        own_value(given, parameter.positive, free, signal_scales)
     });
     let effects = stated.effects.iter().filter_map(|effect| {
         let entry = regional::stated(&effect.id, effect.parameters.keys().map(String::as_str))?;
-        let mut placed = Placed::start(entry, 0, yardsticks)?;
+        let mut placed = ModelEffect::start(entry, 0, signal_scales)?;
         for (parameter, value) in entry.parameters.iter().zip(&mut placed.values) {
             let given = effect.parameters.get(parameter.key);
             let free = stated.fits(&format!("{}.{}", effect.id, parameter.key))
@@ -151,8 +151,8 @@ fn pressure_scale(stated: &recording::Model) -> Value {
 }
 
 /// One of a model's own parameters; a velocity limit that is not given lies far above what the runs reach.
-fn own_value(given: Option<f64>, positive: bool, free: bool, yardsticks: &Yardsticks) -> Value {
-    let value = given.unwrap_or(if positive { 1e3 * yardsticks.speed } else { 1.0 });
+fn own_value(given: Option<f64>, positive: bool, free: bool, signal_scales: &SignalScales) -> Value {
+    let value = given.unwrap_or(if positive { 1e3 * signal_scales.speed } else { 1.0 });
     if positive {
         Value { value, low: value * 0.1, high: value * 10.0, positive, free, prior: None }
     } else {

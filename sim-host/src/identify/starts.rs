@@ -2,7 +2,7 @@
 
 use super::data::Run;
 use super::fit::{Effort, Fit};
-use super::model::{Model, Placed};
+use super::model::{Model, ModelEffect};
 use super::prepare::Prepared;
 use crate::plant::effects::PRESLIDING;
 use crate::plant::simulate::SimulateError;
@@ -72,16 +72,16 @@ fn others(prepared: &Prepared) -> Vec<Model> {
 }
 
 /// The stated model with each of the library's starting values of an effect of which no value is stated: where a diagnosis would begin.
-fn with_other_values(prepared: &Prepared, placed: &Placed) -> Vec<Model> {
-    let starts = |i| Placed::start(placed.entry, i, &prepared.yardsticks);
-    let at = |start: &Placed| {
+fn with_other_values(prepared: &Prepared, placed: &ModelEffect) -> Vec<Model> {
+    let starts = |i| ModelEffect::start(placed.entry, i, &prepared.signal_scales);
+    let at = |start: &ModelEffect| {
         let mut pairs = placed.values.iter().zip(&start.values).filter(|(value, _)| value.free).peekable();
         pairs.peek().is_some() && pairs.all(|(value, start)| value.value == start.value)
     };
     if !starts(0).is_some_and(|first| at(&first)) {
         return Vec::new();
     }
-    let moved = |start: Placed| {
+    let moved = |start: ModelEffect| {
         let mut model = prepared.model.clone();
         let own = model.effects.iter_mut().find(|own| own.entry.id == placed.entry.id)?;
         for (value, start) in own.values.iter_mut().zip(start.values).filter(|(value, _)| value.free) {
@@ -111,7 +111,7 @@ fn with_soft_contacts(stated: &Model) -> Option<Model> {
 pub(super) fn with_binding_limit(prepared: &Prepared, share: f64) -> Option<Model> {
     let mut model = prepared.model.clone();
     let limit = model.own_mut("velocity_limit").filter(|limit| limit.free)?;
-    limit.value = (share * prepared.yardsticks.speed).clamp(limit.low, limit.high);
+    limit.value = (share * prepared.signal_scales.speed).clamp(limit.low, limit.high);
     Some(model)
 }
 
@@ -119,14 +119,14 @@ pub(super) fn with_binding_limit(prepared: &Prepared, share: f64) -> Option<Mode
 mod tests {
     use super::*;
     use crate::identify::fit::tests::{TRUTH, model, recorded};
-    use crate::identify::model::Yardsticks;
+    use crate::identify::model::SignalScales;
     use crate::plant::effects::entry;
 
     /// Leakage that is far from the least that the library starts with bends the model's own values first; from another start it is found.
     #[test]
     fn an_effect_of_which_nothing_is_stated_begins_where_a_diagnosis_would() {
         let leakage = |coefficient: Option<f64>| {
-            let mut placed = Placed::start(entry("leakage").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+            let mut placed = ModelEffect::start(entry("leakage").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
             if let Some(coefficient) = coefficient {
                 placed.values[0].value = coefficient;
             }
@@ -135,7 +135,7 @@ mod tests {
         let fit: Vec<Run> = (1..3).map(|seed| recorded(&leakage(Some(0.08)), seed)).collect();
         let others = |stated: Model| {
             let prepared =
-                Prepared { model: stated, fit: fit.clone(), holdout: Vec::new(), yardsticks: Yardsticks::TYPICAL };
+                Prepared { model: stated, fit: fit.clone(), holdout: Vec::new(), signal_scales: SignalScales::TYPICAL };
             (others(&prepared).len(), fitted(&prepared).unwrap())
         };
         let (unstated, found) = others(leakage(None));

@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use crate::identify::data::Measured;
     use crate::identify::evaluate::{Local, predict};
-    use crate::identify::model::{Model, Placed, Value, Yardsticks};
+    use crate::identify::model::{Model, ModelEffect, SignalScales, Value};
     use crate::plant::effects::entry;
     use crate::plant::model::Kind;
 
@@ -127,7 +127,7 @@ mod tests {
             filter: None,
         };
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed).to_vec();
-        let sizes = Yardsticks {
+        let sizes = SignalScales {
             command: 1.0,
             command_rate: 1.0,
             speed: 1.0,
@@ -136,7 +136,7 @@ mod tests {
             duration: 1.0,
             line: 50.0,
         };
-        let mut effect = Placed::start(entry("command_delay").unwrap(), 0, &sizes).unwrap();
+        let mut effect = ModelEffect::start(entry("command_delay").unwrap(), 0, &sizes).unwrap();
         effect.values[0] = Value::fixed(delay);
         let model =
             Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new() }.with(effect);

@@ -7,7 +7,9 @@ use shakedown_core::State;
 use shakedown_core::link::{DeviceHealth, HostRequest, Report, Setup, Source};
 
 use super::bench::{Answer, BenchError, Facts, Phase};
-use crate::device::{Drive, DriveError, Kept, Line, Progress, ProofTest, Recorder, SessionError, Talker, Telemetry};
+use crate::device::{
+    Drive, DriveError, Kept, Line, LinkClient, Progress, ProofTest, Recorder, SessionError, Telemetry,
+};
 
 mod arming;
 mod as_bench;
@@ -41,7 +43,7 @@ pub struct Storage {
 #[derive(Debug)]
 pub struct Attendant<L> {
     line: L,
-    talker: Talker,
+    talker: LinkClient,
     telemetry: Telemetry,
     samples: Samples,
     facts: Facts,
@@ -81,7 +83,7 @@ impl<L: Line> Attendant<L> {
         };
         Self {
             line,
-            talker: Talker::new(),
+            talker: LinkClient::new(),
             telemetry: Telemetry::default(),
             samples: Samples::new(&setup),
             facts,

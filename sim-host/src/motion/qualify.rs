@@ -12,7 +12,7 @@ mod rigid;
 mod standard;
 mod synthesise;
 
-pub use judge::{Judged, Ordinate, QualifyError, Rule, judge};
+pub use judge::{Ordinate, QualifyError, Rule, ScoredModel, judge};
 pub use required::{Required, Requirement};
 pub use standard::{Code, Direction, STANDARDS, Site, Standard, StandardError};
 pub use synthesise::{Shape, synthesise};

@@ -67,7 +67,7 @@ impl Stage {
 
 /// What a parameter's starting values are multiples of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Yardstick {
+pub enum SignalScale {
     /// Nothing: the values are absolute.
     One,
     /// RMS of the command, in its unit.
@@ -100,7 +100,7 @@ pub struct Parameter {
     /// Meaning.
     pub meaning: &'static str,
     /// What `low`, `high` and `starts` are multiples of.
-    pub yardstick: Yardstick,
+    pub signal_scale: SignalScale,
     /// Smallest value that makes sense.
     pub low: f64,
     /// Largest value that makes sense.

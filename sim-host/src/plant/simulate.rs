@@ -107,7 +107,7 @@ pub struct Trace<S> {
 
 /// An effect of a model, with its parameters.
 #[derive(Debug, Clone)]
-pub struct Placed<S> {
+pub struct EffectParameters<S> {
     /// Its identifier.
     pub id: &'static str,
     /// Parameters in the order of its entry.
@@ -139,7 +139,7 @@ pub enum SimulateError {
 /// Simulates one run.
 pub fn simulate<S: Scalar>(
     baseline: &Baseline<S>,
-    effects: &[Placed<S>],
+    effects: &[EffectParameters<S>],
     drive: &Drive,
     start: &Start<S>,
 ) -> Result<Trace<S>, SimulateError> {

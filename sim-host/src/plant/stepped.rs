@@ -6,7 +6,7 @@
 use super::Plant;
 use super::effects::Effect;
 use super::model::Baseline;
-use super::simulate::{MOST_STEPS, Placed, RESOLVED, SimulateError, Start, dynamics};
+use super::simulate::{EffectParameters, MOST_STEPS, RESOLVED, SimulateError, Start, dynamics};
 use dynamics::{Dynamics, State};
 
 /// A plant with effects at a fixed step.
@@ -25,7 +25,7 @@ impl Stepped {
     /// The plant at rest at `displacement` (m), to be moved on in steps of `dt` (s).
     pub fn new(
         baseline: &Baseline<f64>,
-        effects: &[Placed<f64>],
+        effects: &[EffectParameters<f64>],
         dt: f64,
         displacement: f64,
     ) -> Result<Self, SimulateError> {
@@ -35,7 +35,7 @@ impl Stepped {
     /// The same with effects that are not in the library beside those that are.
     pub fn with(
         baseline: &Baseline<f64>,
-        effects: &[Placed<f64>],
+        effects: &[EffectParameters<f64>],
         others: Vec<Box<dyn Effect<f64>>>,
         dt: f64,
         displacement: f64,
@@ -115,7 +115,7 @@ mod tests {
     /// With compressible oil the load is the table's acceleration, whatever the command does at this instant.
     #[test]
     fn load_on_a_free_table_is_its_acceleration() {
-        let oil = Placed { id: "oil_compliance", parameters: vec![12.0, 0.05] };
+        let oil = EffectParameters { id: "oil_compliance", parameters: vec![12.0, 0.05] };
         let mut plant = Stepped::new(&paper(), &[oil], 1e-4, 0.0).unwrap();
         for k in 0..2000 {
             let u = 0.02 * (f64::from(k) * 2e-3).sin();
@@ -133,7 +133,7 @@ mod tests {
     fn saturation_is_that_of_the_limit_in_force() {
         let of = |id: &'static str, parameters: &[f64], command: f64| {
             let details = entry(id).unwrap().parameters.iter().skip(parameters.len()).map(|p| p.high);
-            let placed = Placed { id, parameters: parameters.iter().copied().chain(details).collect() };
+            let placed = EffectParameters { id, parameters: parameters.iter().copied().chain(details).collect() };
             let mut plant = Stepped::new(&paper(), &[placed], 5e-4, 0.0).unwrap();
             plant.advance(command, 2000);
             plant.saturated(command)

@@ -77,7 +77,7 @@ fn change(path: &Path, from: &str, to: &str) -> Option<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prove::record::{Estimate, Named, Present};
+    use crate::prove::record::{Estimate, Named, TrueEffect};
 
     #[test]
     fn a_fit_begins_where_the_reply_ended_the_models_own_values_too() {
@@ -93,7 +93,7 @@ mod tests {
         };
         let reply =
             Reply { model: [("b0".to_string(), estimate(117.5))].into(), effects: vec![named], ..Reply::default() };
-        let present = Present { id: "leakage".into(), ..Present::default() };
+        let present = TrueEffect { id: "leakage".into(), ..TrueEffect::default() };
         let truth = Truth { effects: vec![present], ..Truth::default() };
         begin_at(&path, &reply, &truth).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();

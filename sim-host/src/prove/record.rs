@@ -4,7 +4,7 @@ mod reply;
 mod truth;
 
 pub use reply::{Candidate, Estimate, Fit, Found, Holdout, Location, Named, Region, Remainder, Reply, Stretch};
-pub use truth::{Misstated, Present, TrueLocation, TrueRegion, Truth};
+pub use truth::{Misstated, TrueEffect, TrueLocation, TrueRegion, Truth};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

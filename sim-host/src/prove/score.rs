@@ -164,7 +164,7 @@ fn covered(record: &Record, present: &BTreeSet<&str>) -> Vec<(String, bool)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::{Candidate, Named, Present, Record, Reply, Truth};
+    use super::super::record::{Candidate, Named, Record, Reply, TrueEffect, Truth};
     use super::{Score, score};
 
     fn graded(stratum: &str, there: &[&str], verdict: &str, names: &[&str], change: impl Fn(&mut Record)) -> Score {
@@ -175,7 +175,7 @@ mod tests {
         };
         let truth = Truth {
             stratum: stratum.into(),
-            effects: there.iter().map(|id| Present { id: (*id).into(), ..Present::default() }).collect(),
+            effects: there.iter().map(|id| TrueEffect { id: (*id).into(), ..TrueEffect::default() }).collect(),
             ..Truth::default()
         };
         let mut record = Record { reply, truth, ..Record::default() };

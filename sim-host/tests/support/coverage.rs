@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use shakedown::blocks::identify::{
-    Channel, Effort, Fit, Local, Measured, Model, NINETY, Placed, Run, Value, Yardsticks, predict, profiles,
+    Channel, Effort, Fit, Local, Measured, Model, ModelEffect, NINETY, Run, SignalScales, Value, predict, profiles,
 };
 use shakedown::blocks::plant::{Kind, Law, entry};
 
@@ -61,7 +61,7 @@ fn truth() -> Model {
         free: true,
         prior: None,
     });
-    let mut bias = Placed::start(entry("null_bias").expect("listed"), 0, &Yardsticks::TYPICAL).expect("a start");
+    let mut bias = ModelEffect::start(entry("null_bias").expect("listed"), 0, &SignalScales::TYPICAL).expect("a start");
     bias.values[0].value = BIAS;
     Model { kind: Kind::Servo, own: own.collect(), scale: None, effects: Vec::new(), library: Vec::new() }.with(bias)
 }

@@ -1,6 +1,6 @@
 //! The world around the emulated board: the bench at its converters, a host's [`Drive`] at its line.
 
-use shakedown::device::{Drive, DriveError, Progress, Talker};
+use shakedown::device::{Drive, DriveError, LinkClient, Progress};
 use shakedown_core::link::{Setup, StopCause};
 
 use crate::bench::Bench;
@@ -19,7 +19,7 @@ pub struct Codes {
 }
 
 /// What goes wrong, and when.
-pub type Mischief = Box<dyn FnMut(&mut Tick<'_>, &mut Talker) + Send>;
+pub type Mischief = Box<dyn FnMut(&mut Tick<'_>, &mut LinkClient) + Send>;
 
 /// What sums of scans become scan by scan.
 pub type Scanner = Box<dyn FnMut([u16; 4]) -> [[u16; 4]; SCANS] + Send>;
@@ -32,7 +32,7 @@ pub struct Seen {
     /// The host's side of the run.
     pub drive: Drive,
     /// Its end of the line.
-    pub talker: Talker,
+    pub talker: LinkClient,
     /// By tick.
     pub codes: Vec<Codes>,
     /// Instructions retired up to each tick.
@@ -82,7 +82,7 @@ impl Seen {
         Self {
             bench: Bench::new(setup, record.clone()),
             drive: Drive::new(Some(setup), record),
-            talker: Talker::new(),
+            talker: LinkClient::new(),
             codes: Vec::new(),
             instructions: Vec::new(),
             times: Vec::new(),

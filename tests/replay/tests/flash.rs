@@ -8,7 +8,7 @@
 )]
 
 use crate::common::{bench::Bench, image, setup};
-use shakedown::device::Talker;
+use shakedown::device::LinkClient;
 use shakedown_core::link::{DeviceHealth, HostRequest, RefusedBecause, Report, Setup};
 use shakedown_core::{Mode, State};
 use shakedown_firmware::defaults;
@@ -23,7 +23,7 @@ const PAUSE: usize = 50;
 /// Asks one question after the other, and keeps what it hears.
 struct Asking {
     bench: Bench,
-    talker: Talker,
+    talker: LinkClient,
     questions: std::vec::IntoIter<HostRequest>,
     heard: Vec<Report>,
     ticks: usize,
@@ -54,7 +54,7 @@ impl World for Asking {
 fn ask(memory: &InMemory, questions: Vec<HostRequest>) -> Ran<Asking> {
     let world = Asking {
         bench: Bench::new(setup(Mode::Controller), Vec::new()),
-        talker: Talker::new(),
+        talker: LinkClient::new(),
         questions: questions.into_iter(),
         heard: Vec::new(),
         ticks: 0,

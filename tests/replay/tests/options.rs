@@ -12,7 +12,7 @@
 mod g474;
 
 use crate::common::{image, outboard};
-use shakedown::device::Talker;
+use shakedown::device::LinkClient;
 use shakedown_core::link::OptionPurpose::{self, Banks, BrownOut, ReadProtection, Watchdog, WriteProtection};
 use shakedown_core::link::{HostRequest, OptionByte, Report};
 use shakedown_replay::{Fitted, Tick, World};
@@ -21,7 +21,7 @@ use shakedown_replay::{Fitted, Tick, World};
 struct Asking {
     fitted: Fitted,
     bytes: u32,
-    talker: Talker,
+    talker: LinkClient,
     heard: Option<Vec<OptionByte>>,
     ticks: usize,
 }
@@ -53,7 +53,7 @@ impl World for Asking {
 
 fn asked(fitted: Fitted, bytes: u32) -> Vec<OptionByte> {
     let image = if fitted == Fitted::OnChip { image() } else { outboard() };
-    let world = Asking { fitted, bytes, talker: Talker::new(), heard: None, ticks: 0 };
+    let world = Asking { fitted, bytes, talker: LinkClient::new(), heard: None, ticks: 0 };
     let ran = shakedown_replay::run(&image, world).unwrap();
     assert!(ran.blind_spots.iter().all(|spot| !spot.starts_with("FLASH")), "{:?}", ran.blind_spots);
     ran.world.heard.expect("the device said nothing of its option bytes")

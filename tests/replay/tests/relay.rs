@@ -8,7 +8,7 @@
 )]
 
 use crate::common::{bench::Bench, image, near_field, seen::Mischief, seen::Seen, setup};
-use shakedown::device::Talker;
+use shakedown::device::LinkClient;
 use shakedown_core::link::{HostRequest, RefusedBecause, Report, Setup, answer};
 use shakedown_core::{Mode, State};
 use shakedown_replay::{Tick, World};
@@ -87,7 +87,7 @@ fn another_wiring_in_the_safe_ramp_is_not_taken() {
 /// Arms, and asks for a save in the same breath.
 struct Hasty {
     bench: Bench,
-    talker: Talker,
+    talker: LinkClient,
     heard: Vec<Report>,
     /// Virtual time of each tick, ns, and whether the relay was closed after it.
     ticks: Vec<(u64, bool)>,
@@ -125,7 +125,7 @@ impl World for Hasty {
 fn a_save_in_one_breath_with_arming_is_refused() {
     for delay in [0, 20, 40, 60, 80] {
         let bench = Bench::new(setup(Mode::Controller), Vec::new());
-        let world = Hasty { bench, talker: Talker::new(), heard: Vec::new(), ticks: Vec::new(), delay };
+        let world = Hasty { bench, talker: LinkClient::new(), heard: Vec::new(), ticks: Vec::new(), delay };
         let world = shakedown_replay::run(&image(), world).unwrap().world;
         let refused = Report::Refused(RefusedBecause::State(State::Ready));
         assert!(matches!(world.heard[..], [Report::Challenge(_), Report::Done, _]), "{:?}", world.heard);

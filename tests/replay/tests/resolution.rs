@@ -10,7 +10,7 @@
 use std::path::PathBuf;
 
 use crate::common::{bench::Bench, image, outboard, setup, setup_outboard};
-use shakedown::device::Talker;
+use shakedown::device::LinkClient;
 use shakedown_core::Mode;
 use shakedown_core::link::{Report, Setup};
 use shakedown_replay::{Fitted, Tick, World};
@@ -49,7 +49,7 @@ fn added(codes: f64, decibels: f64) -> f64 {
 struct Resting {
     bench: Bench,
     fitted: Fitted,
-    talker: Talker,
+    talker: LinkClient,
     noise: Normal,
     /// Of one scan, codes.
     deviation: f64,
@@ -93,7 +93,7 @@ fn at_rest(image: PathBuf, setup: Setup, deviation: f64) -> f64 {
     let resting = Resting {
         bench: Bench::new(setup, Vec::new()),
         fitted: Fitted::of(setup.wiring.full_scale),
-        talker: Talker::new(),
+        talker: LinkClient::new(),
         noise: Normal(0x2545_F491_4F6C_DD1D),
         deviation,
         displacement: Vec::new(),

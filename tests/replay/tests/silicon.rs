@@ -10,7 +10,7 @@
 use crate::common::{
     bench::Bench, g474_image, image, near_field, outboard, seen::Mischief, seen::Seen, setup, setup_outboard,
 };
-use shakedown::device::{Progress, Talker};
+use shakedown::device::{LinkClient, Progress};
 use shakedown_core::Mode;
 use shakedown_core::link::{Clock, HostRequest, Report, StopCause};
 use shakedown_replay::{Oscillator, Ran, Tick, World};
@@ -68,7 +68,7 @@ fn a_board_of_three_volts_runs() {
 /// Asks the device who it is.
 struct Asking {
     bench: Bench,
-    talker: Talker,
+    talker: LinkClient,
     clock: Option<Clock>,
     ticks: usize,
     oscillator: Oscillator,
@@ -106,7 +106,7 @@ fn the_device_starts_without_a_crystal_and_says_so() {
     ];
     for (oscillator, clock) in all {
         let bench = Bench::new(setup(Mode::Controller), Vec::new());
-        let world = Asking { bench, talker: Talker::new(), clock: None, ticks: 0, oscillator };
+        let world = Asking { bench, talker: LinkClient::new(), clock: None, ticks: 0, oscillator };
         let ran = shakedown_replay::run(&image(), world).unwrap();
         assert_eq!(ran.world.clock, Some(clock), "{oscillator:?}");
         assert!(ran.resets.is_empty(), "{oscillator:?}");

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// One effect that is truly there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Present {
+pub struct TrueEffect {
     /// Its identifier.
     pub id: &'static str,
     /// Parameters in the library's keys and SI units, as the truth was built. Where the truth's equation is another than
@@ -40,7 +40,7 @@ pub struct Answer {
     /// True values of the stated model's parameters, by key.
     pub model: Vec<(&'static str, f64)>,
     /// Listed effects that are missing from the stated model.
-    pub effects: Vec<Present>,
+    pub effects: Vec<TrueEffect>,
     /// Name of the flaw where no library holds it.
     pub unlisted: Option<&'static str>,
     /// Effects that the data of this case cannot tell apart.

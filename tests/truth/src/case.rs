@@ -1,6 +1,6 @@
 //! A case from seed and number: scene, flaw at its strength, recordings, sealed answer.
 
-use crate::answer::{Answer, Fault, Present, Sealed};
+use crate::answer::{Answer, Fault, Sealed, TrueEffect};
 use crate::closed_loop::{Traces, simulate};
 use crate::confounded;
 use crate::corrupt::Corruption;
@@ -44,7 +44,7 @@ pub fn cases(seed: u64, count: u64) -> impl Iterator<Item = Case> {
 struct Flawed {
     physics: Physics,
     sized: Sized,
-    effects: Vec<Present>,
+    effects: Vec<TrueEffect>,
     unlisted: Option<Unlisted>,
     group: Vec<&'static str>,
 }
@@ -188,7 +188,7 @@ fn flaw(
             let found = confounded::find(scene, &draw, rng)?;
             let mut physics = Physics::baseline(scene.truth);
             let parameters = found.effect.apply(found.strength, &draw, &scene.scales, &mut physics);
-            let effects = vec![Present { id: found.effect.id(), parameters }];
+            let effects = vec![TrueEffect { id: found.effect.id(), parameters }];
             let group = found.members.iter().map(|e| e.id()).collect();
             Some(Flawed { physics, sized: found.sized, effects, unlisted: None, group })
         }
@@ -207,7 +207,7 @@ fn single(scene: &Scene, effect: Effect, draw: &Draw, target: f64) -> Option<Fla
     let (strength, sized) = seek(scene, target, &apply)?;
     let mut physics = Physics::baseline(scene.truth);
     let parameters = effect.apply(strength, draw, &scene.scales, &mut physics);
-    let effects = vec![Present { id: effect.id(), parameters }];
+    let effects = vec![TrueEffect { id: effect.id(), parameters }];
     Some(Flawed { physics, sized, effects, unlisted: None, group: Vec::new() })
 }
 
@@ -226,7 +226,7 @@ fn double(scene: &Scene, a: Effect, b: Effect, rng: &mut Stream) -> Option<Flawe
             return None;
         }
         let parameters = effect.apply(strength, &draw, &scene.scales, &mut physics);
-        effects.push(Present { id: effect.id(), parameters });
+        effects.push(TrueEffect { id: effect.id(), parameters });
     }
     let sized = measure(scene, &physics)?;
     Some(Flawed { physics, sized, effects, unlisted: None, group: Vec::new() })

@@ -1,7 +1,7 @@
 //! What the physics that was found changes for who runs the table.
 
 use super::super::traces;
-use crate::diagnose::change::{CUSTOMARY, Change, Gains};
+use crate::diagnose::change::{CUSTOMARY, Change, GainMargins};
 use crate::report::{Item, Section};
 
 /// The section.
@@ -32,7 +32,7 @@ fn speed(speed: f64) -> String {
 }
 
 /// The gain margin, in a sentence or two.
-pub(super) fn stand(gains: &Gains) -> String {
+pub(super) fn stand(gains: &GainMargins) -> String {
     let stated = gains.stated.map_or("at every one".into(), |factor| format!("up to {factor:.2}"));
     let known = format!("by the stated model it settles {stated}");
     if gains.stated.is_none() && gains.found.is_none() {
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn a_margin_is_said_in_words() {
         let said = |stated, found: Option<f64>| {
-            stand(&Gains { stated, found, stand: found.is_none_or(|factor| factor >= CUSTOMARY) })
+            stand(&GainMargins { stated, found, stand: found.is_none_or(|factor| factor >= CUSTOMARY) })
         };
         assert!(
             said(None, Some(3.1)).starts_with("Gain margin 3.10 (factor): the loop settles after a step up to there")

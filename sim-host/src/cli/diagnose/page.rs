@@ -2,7 +2,7 @@
 
 use super::super::traces::{self, left, over_frequency, over_time};
 use super::{change, next, place, set_up, term, unfit};
-use crate::diagnose::remainder::Remainder;
+use crate::diagnose::remainder::ResidualCurve;
 use crate::diagnose::result::{NamedEffect, Verdict};
 use crate::diagnose::{Diagnosis, Examined};
 use crate::digits;
@@ -220,7 +220,7 @@ fn findings(diagnosis: &Diagnosis) -> Section {
 }
 
 /// The curve that stands for what the library does not hold.
-fn curve(remainder: &Remainder) -> Section {
+fn curve(remainder: &ResidualCurve) -> Section {
     let beside = if remainder.beside.is_empty() {
         String::new()
     } else {
@@ -261,7 +261,7 @@ pub(in super::super) fn predicted(examined: &Examined) -> Section {
     let mut items = Vec::new();
     for (i, run) in examined.judging_runs().iter().enumerate() {
         for (j, measured) in run.measured.iter().enumerate() {
-            let of = |judged: &crate::diagnose::judged::Judged| judged.hold.predicted[i].channels[j].clone();
+            let of = |judged: &crate::diagnose::judged::ScoredModel| judged.hold.predicted[i].channels[j].clone();
             let (before, after) = (of(&examined.conclusion.before), of(&examined.conclusion.after));
             if before.iter().all(|v| v.is_nan()) {
                 continue;

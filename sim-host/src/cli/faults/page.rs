@@ -3,7 +3,7 @@
 use crate::faults::case::Case;
 use crate::faults::rig::{Pair, Seen};
 use crate::faults::summary::Row;
-use crate::faults::watcher::{Broken, MARGIN, Outcome, STROKE};
+use crate::faults::watcher::{MARGIN, Outcome, STROKE, Violation};
 use crate::faults::{Beside, Summary};
 use crate::report::{Axis, Band, Item, Page, Plot, Section, Series, Style, Table};
 use shakedown_core::OperatorRequest;
@@ -27,15 +27,15 @@ pub(super) const fn beside_words(beside: Beside) -> &'static str {
 
 /// The tables, for terminal and page.
 pub(super) fn sections(summary: &Summary, beside: Beside) -> Vec<Section> {
-    let count = |how: Broken| summary.broken(how).to_string();
+    let count = |how: Violation| summary.broken(how).to_string();
     let tiles = [
         ("runs", summary.runs.to_string()),
-        ("excursions", count(Broken::Excursion)),
-        ("unreported", count(Broken::Unreported)),
-        ("late", count(Broken::Late)),
-        ("moving after a trip", count(Broken::Moving)),
-        ("too rough", count(Broken::Rough)),
-        ("trips without a fault", count(Broken::Alarm)),
+        ("excursions", count(Violation::Excursion)),
+        ("unreported", count(Violation::Unreported)),
+        ("late", count(Violation::Late)),
+        ("moving after a trip", count(Violation::Moving)),
+        ("too rough", count(Violation::Rough)),
+        ("trips without a fault", count(Violation::Alarm)),
         ("ended by the envelope before the fault", summary.ended.to_string()),
     ];
     let tiles = tiles.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
@@ -99,14 +99,14 @@ fn cells(row: &Row) -> Vec<String> {
     [front, latency, back].concat()
 }
 
-fn word(how: Broken) -> &'static str {
+fn word(how: Violation) -> &'static str {
     match how {
-        Broken::Excursion => "excursions",
-        Broken::Unreported => "unreported",
-        Broken::Late => "late",
-        Broken::Moving => "moving",
-        Broken::Rough => "rough",
-        Broken::Alarm => "alarms",
+        Violation::Excursion => "excursions",
+        Violation::Unreported => "unreported",
+        Violation::Late => "late",
+        Violation::Moving => "moving",
+        Violation::Rough => "rough",
+        Violation::Alarm => "alarms",
     }
 }
 

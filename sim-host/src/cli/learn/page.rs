@@ -1,7 +1,7 @@
 //! What `learn` shows: the page and the JSON of the runs.
 
 use crate::closed_loop::learning::stale::Staleness;
-use crate::closed_loop::learning::{Learned, Peaks, Round};
+use crate::closed_loop::learning::{Iteration, Learned, Peaks};
 use crate::report::{Axis, Item, Page, Plot, Section, Series, Table};
 use serde_json::json;
 
@@ -62,7 +62,7 @@ pub(super) fn section(learned: &Learned, record: &str) -> Section {
         Some(predicted) => format!("{predicted:.3} / {found:.3}"),
         None => format!("- / {found:.3}"),
     };
-    let row = |(i, r): (usize, &Round)| {
+    let row = |(i, r): (usize, &Iteration)| {
         let of = |get: fn(&Peaks) -> f64| pair(r.predicted.as_ref().map(get), get(&r.peaks));
         vec![
             (i + 1).to_string(),
@@ -97,7 +97,7 @@ pub(super) fn checked(c: &Staleness) -> serde_json::Value {
 }
 
 pub(super) fn json(learned: &Learned, found: Option<&Staleness>) -> serde_json::Value {
-    let round = |r: &Round| {
+    let round = |r: &Iteration| {
         json!({"e_a": r.score.e_a.ratio, "e_d": r.score.e_d.ratio, "peaks": peaks(&r.peaks),
                "predicted": r.predicted.as_ref().map(peaks)})
     };

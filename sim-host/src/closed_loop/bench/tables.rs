@@ -4,7 +4,7 @@ use super::super::design::{Corner, DesignError, Table, TableError};
 use super::yielding::YieldingPayload;
 use crate::plant::effects::{Effect, payload_resonance};
 use crate::plant::sensors::SensorModel;
-use crate::plant::simulate::Placed;
+use crate::plant::simulate::EffectParameters;
 use crate::plant::stepped::Stepped;
 use std::f64::consts::TAU;
 
@@ -102,7 +102,7 @@ impl Bench {
     /// The plant at a corner of its uncertainty.
     pub(crate) fn plant(&self, corner: &Corner, dt: f64) -> Result<Stepped, DesignError> {
         let [mass_ratio, frequency, damping, _] = STRUCTURE;
-        let placed = Placed { id: payload_resonance::ENTRY.id, parameters: STRUCTURE.to_vec() };
+        let placed = EffectParameters { id: payload_resonance::ENTRY.id, parameters: STRUCTURE.to_vec() };
         let others: Vec<Box<dyn Effect<f64>>> = vec![Box::new(YieldingPayload {
             mass_ratio,
             frequency: TAU * frequency,

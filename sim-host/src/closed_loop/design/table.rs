@@ -1,13 +1,13 @@
 //! The table as a design takes it: an identified model in the core's own terms.
 
 use super::corner::Corner;
-use crate::plant::effects::{Countered, Effect, Entry, Parameter, Role, Yardstick, entry};
+use crate::plant::effects::{Countered, Effect, Entry, Parameter, Role, SignalScale, entry};
 use crate::plant::effects::{
     asymmetric_limit, command_delay, coulomb_friction, flow_softening, load_dependent_flow, null_bias, oil_compliance,
     stribeck_friction, supply_droop, valve_deadband, viscous_friction,
 };
 use crate::plant::model::Baseline;
-use crate::plant::simulate::{Placed, SimulateError};
+use crate::plant::simulate::{EffectParameters, SimulateError};
 use crate::plant::stepped::Stepped;
 use crate::recording::model::{self, Model, StatedEffect};
 use shakedown_core::Settings;
@@ -180,13 +180,14 @@ impl Table {
     pub fn plant_with(
         &self,
         corner: &Corner,
-        more: Vec<Placed<f64>>,
+        more: Vec<EffectParameters<f64>>,
         others: Vec<Box<dyn Effect<f64>>>,
         dt: f64,
     ) -> Result<Stepped, TableError> {
         let mut effects = self.linear_effects(corner);
         let mut place = |here: bool, entry: &Entry, parameters: &[f64]| {
-            effects.extend(here.then(|| Placed { id: entry.id, parameters: with_details(entry, parameters) }));
+            effects
+                .extend(here.then(|| EffectParameters { id: entry.id, parameters: with_details(entry, parameters) }));
         };
         let root = corner.supply.sqrt();
         let (positive, (depth, recovery)) = (self.velocity_limit * root, self.droop);
@@ -216,16 +217,16 @@ impl Table {
         Baseline::Servo { b1: self.b1 * gain, b0: self.b0 * gain, a1: self.a1 * corner.pole, velocity_limit }
     }
 
-    fn linear_effects(&self, corner: &Corner) -> Vec<Placed<f64>> {
+    fn linear_effects(&self, corner: &Corner) -> Vec<EffectParameters<f64>> {
         let mut effects = Vec::new();
         if self.delay > 0.0 {
-            effects.push(Placed { id: command_delay::ENTRY.id, parameters: vec![self.delay] });
+            effects.push(EffectParameters { id: command_delay::ENTRY.id, parameters: vec![self.delay] });
         }
         if let Some((frequency, damping)) = self.oil {
             // The leakage fixes twice damping times frequency, whatever the mass.
             let root = corner.mass.sqrt();
             let parameters = vec![frequency / root, damping * root];
-            effects.push(Placed { id: oil_compliance::ENTRY.id, parameters });
+            effects.push(EffectParameters { id: oil_compliance::ENTRY.id, parameters });
         }
         effects
     }
@@ -233,13 +234,13 @@ impl Table {
 
 /// A stated effect with its parameters in the order of its entry, details of its form that are not stated being what the
 /// library starts from.
-fn stated(effect: &StatedEffect, entry: &'static Entry) -> Result<Placed<f64>, TableError> {
-    let value = |parameter: &Parameter| match (effect.parameters.get(parameter.key), parameter.yardstick) {
+fn stated(effect: &StatedEffect, entry: &'static Entry) -> Result<EffectParameters<f64>, TableError> {
+    let value = |parameter: &Parameter| match (effect.parameters.get(parameter.key), parameter.signal_scale) {
         (Some(&value), _) => Ok(value),
-        (None, Yardstick::One) if parameter.low > 0.0 || parameter.role != Role::Shared => Ok(detail(parameter)),
+        (None, SignalScale::One) if parameter.low > 0.0 || parameter.role != Role::Shared => Ok(detail(parameter)),
         (None, _) => Err(TableError::Missing { effect: entry.id, key: parameter.key }),
     };
-    Ok(Placed { id: entry.id, parameters: entry.parameters.iter().map(value).collect::<Result<_, _>>()? })
+    Ok(EffectParameters { id: entry.id, parameters: entry.parameters.iter().map(value).collect::<Result<_, _>>()? })
 }
 
 /// What the library starts a detail of an effect's form from.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::identify::fit::tests::{model, recorded};
-use crate::identify::model::{Placed, Yardsticks};
+use crate::identify::model::{ModelEffect, SignalScales};
 use crate::plant::effects::entry;
 
 /// The paper's table without its zero, whose phase would bear any gain.
@@ -13,7 +13,7 @@ fn pattern() -> Run {
 }
 
 fn with(id: &str, values: &[f64]) -> Model {
-    let mut placed = Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    let mut placed = ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
     placed.values.iter_mut().zip(values).for_each(|(slot, &value)| slot.value = value);
     model(TRUTH).with(placed)
 }

@@ -1,17 +1,17 @@
 use super::super::departure::Departure;
 use super::super::judged::explains_a_channel;
-use super::super::standing::{outside, sound, strained};
+use super::super::standing::{at_bound, outside, sound};
 use super::*;
 use crate::identify::data::{Channel, Run};
 use crate::identify::fit::Effort;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::judge::score;
-use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::entry;
 
 /// Viscous friction whose coefficient goes up or down with speed, fitted within the given range of what speed takes.
-pub(crate) fn viscous(coefficient: f64, thinning: f64, range: (f64, f64)) -> Placed {
-    let mut placed = Placed::start(entry("viscous_friction").unwrap(), 1, &Yardsticks::TYPICAL).unwrap();
+pub(crate) fn viscous(coefficient: f64, thinning: f64, range: (f64, f64)) -> ModelEffect {
+    let mut placed = ModelEffect::start(entry("viscous_friction").unwrap(), 1, &SignalScales::TYPICAL).unwrap();
     placed.values[0].value = coefficient;
     let speed = &mut placed.values[1];
     (speed.value, speed.low, speed.high, speed.free) = (thinning, range.0, range.1, true);
@@ -19,12 +19,18 @@ pub(crate) fn viscous(coefficient: f64, thinning: f64, range: (f64, f64)) -> Pla
 }
 
 /// Judges `model`, fitted to the first two runs, on the third.
-pub(crate) fn judged(model: Model, runs: &[Run]) -> Judged {
+pub(crate) fn judged(model: Model, runs: &[Run]) -> ScoredModel {
     let (fitted, held_back) = runs.split_at(2);
     let mut fit = Fit::begin(model, fitted).unwrap();
     fit.improve(fitted, Effort::FULL).unwrap();
     let added = fit.model.ids_beside(&[]);
-    Judged { hold: score(&fit.model, held_back).unwrap(), fit, added, probability: 0.0, departure: Departure::none() }
+    ScoredModel {
+        hold: score(&fit.model, held_back).unwrap(),
+        fit,
+        added,
+        probability: 0.0,
+        departure: Departure::none(),
+    }
 }
 
 /// A drag that grows faster than speed bends an equation of friction to the end of what makes sense. That explains most of
@@ -42,10 +48,10 @@ fn what_fits_only_at_an_end_that_means_nothing_is_outside_the_library() {
         bounded.hold.chi2,
         before.hold.chi2
     );
-    assert!(strained(&bounded) && outside(&before, &bounded).0 && !sound(&before, &bounded));
+    assert!(at_bound(&bounded) && outside(&before, &bounded).0 && !sound(&before, &bounded));
     // The same equation, free to be what is there, is at no end and explains it all.
     let free = judged(model(TRUTH).with(viscous(90.0, -0.2, (-2.0, 2.0))), &runs);
-    assert!(!strained(&free) && sound(&before, &free), "chi2 {} of {}", free.hold.chi2, before.hold.chi2);
+    assert!(!at_bound(&free) && sound(&before, &free), "chi2 {} of {}", free.hold.chi2, before.hold.chi2);
 }
 
 /// None of an effect is an end of its range that means something; as much of it as makes sense is not.
@@ -58,7 +64,7 @@ fn the_end_at_which_an_effect_vanishes_strains_nothing() {
     };
     let strained_on = |truth: &Model| {
         let runs: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
-        strained(&judged(model(TRUTH).with(within(1e-2, 1.0)), &runs))
+        at_bound(&judged(model(TRUTH).with(within(1e-2, 1.0)), &runs))
     };
     assert!(strained_on(&model(TRUTH).with(viscous(8.0, 0.0, (-0.2, 2.0)))), "an eighth of what is there");
     assert!(!strained_on(&model(TRUTH)), "where there is none");
@@ -68,7 +74,7 @@ fn the_end_at_which_an_effect_vanishes_strains_nothing() {
 /// show that.
 #[test]
 fn an_effect_that_explains_one_channel_is_seen_in_it() {
-    let mut hum = Placed::start(entry("mains_hum").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    let mut hum = ModelEffect::start(entry("mains_hum").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
     hum.values.iter_mut().zip([50.0, 0.0, 1.0, 0.0]).for_each(|(slot, value)| slot.value = value);
     let truth = model(TRUTH).with(viscous(120.0, -0.6, (-2.0, 2.0))).with(hum.clone());
     let runs: Vec<Run> = (1..4).map(|seed| recorded(&truth, seed)).collect();

@@ -61,7 +61,7 @@ impl Reach {
     pub(super) fn of(prepared: &Prepared, model: &Model) -> Self {
         let parameters = model.kind.parameters();
         let limit = parameters.iter().zip(&model.own).find(|(p, _)| p.key == "velocity_limit").map(|(_, v)| v.value);
-        let seen = prepared.yardsticks;
+        let seen = prepared.signal_scales;
         let middle = prepared.fit.first().and_then(|run| run.input.first()).copied().unwrap_or(0.0);
         let speed = limit.filter(|limit| limit.is_finite()).map_or(seen.speed, |limit| limit.min(1.3 * seen.speed));
         Self { displacement: seen.displacement, speed, middle }

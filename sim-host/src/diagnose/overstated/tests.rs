@@ -1,10 +1,11 @@
+use super::super::Options;
 use super::super::decide::tests::viscous;
+use super::super::passes::{select, with_noise_as_left};
 use super::super::split::split;
-use super::super::{Options, with_noise_as_left};
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
-use crate::identify::model::{Placed, Yardsticks};
+use crate::identify::model::{ModelEffect, SignalScales};
 use crate::plant::effects::entry;
 
 /// Two runs of a truth, the noise of whose displacement is stated so many times too large.
@@ -13,21 +14,21 @@ fn prepared(truth: &crate::identify::model::Model, times: f64) -> Prepared {
     for measured in fit.iter_mut().flat_map(|run| &mut run.measured) {
         measured.noise *= times;
     }
-    let yardsticks = Yardsticks::of(&fit, 1.0);
+    let signal_scales = SignalScales::of(&fit, 1.0);
     let mut stated = model(TRUTH);
     stated.own.iter_mut().for_each(|value| value.free = false);
-    Prepared { model: stated, fit, holdout: Vec::new(), yardsticks }
+    Prepared { model: stated, fit, holdout: Vec::new(), signal_scales }
 }
 
 /// What a noise that was stated too large hides beneath the first name is found, and the noise is what is left.
 #[test]
 fn what_hides_beneath_an_overstated_noise_is_found() {
-    let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    let mut friction = ModelEffect::start(entry("coulomb_friction").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
     friction.values[0].value *= 80.0;
     let truth = model(TRUTH).with(viscous(2.5, 0.0, (-0.2, 2.0))).with(friction);
     let prepared = prepared(&truth, 3.0);
     let options = Options::default();
-    let first = super::super::select(&split(prepared.clone(), None).weighing, &options).unwrap();
+    let first = select(&split(prepared.clone(), None).weighing, &options).unwrap();
     assert_eq!(first.decision.after.added, ["viscous_friction"]);
     let (mut whole, mut seen) = (prepared.clone(), prepared);
     let left = by_names(&first.decision);

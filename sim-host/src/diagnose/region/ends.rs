@@ -2,7 +2,7 @@
 
 use crate::identify::data::Run;
 use crate::identify::evaluate::Predicted;
-use crate::identify::model::{Model, Placed, Value};
+use crate::identify::model::{Model, ModelEffect, Value};
 use crate::plant::effects::regional::{Along, Shape, code, form, regional};
 
 /// Parts that the range of a variable is cut into.
@@ -22,7 +22,7 @@ fn open(value: f64, low: f64, high: f64) -> Value {
 
 /// An effect with the values found for it alone, in a window. One that reaches an end of what was seen has no end there: it lies beyond,
 /// where nothing could fit it.
-pub(super) fn window(placed: &Placed, along: Along, (from, to): (f64, f64), ends: &[f64]) -> Option<Placed> {
+pub(super) fn window(placed: &ModelEffect, along: Along, (from, to): (f64, f64), ends: &[f64]) -> Option<ModelEffect> {
     let entry = regional(placed.entry, along, Shape::Window)?;
     let (low, high) = (ends[0], ends[PARTS]);
     let range = high - low;
@@ -30,13 +30,13 @@ pub(super) fn window(placed: &Placed, along: Along, (from, to): (f64, f64), ends
     let from = if from <= low { fixed(low - BEYOND * range) } else { end(from) };
     let to = if to >= high { fixed(high + BEYOND * range) } else { end(to) };
     let further = [fixed(code(along, Shape::Window)), fixed(EDGE * range), from, to];
-    Some(Placed { entry, values: placed.values.iter().copied().chain(further).collect() })
+    Some(ModelEffect { entry, values: placed.values.iter().copied().chain(further).collect() })
 }
 
-pub(super) fn sloped(placed: &Placed, along: Along, change: f64, scale: f64) -> Option<Placed> {
+pub(super) fn sloped(placed: &ModelEffect, along: Along, change: f64, scale: f64) -> Option<ModelEffect> {
     let entry = regional(placed.entry, along, Shape::Slope)?;
     let further = [fixed(code(along, Shape::Slope)), fixed(scale), open(change, -30.0, 100.0)];
-    Some(Placed { entry, values: placed.values.iter().copied().chain(further).collect() })
+    Some(ModelEffect { entry, values: placed.values.iter().copied().chain(further).collect() })
 }
 
 /// Where the parts of a variable's range begin and end: of time even ones, of states such as hold a tenth of the samples each.
@@ -101,8 +101,8 @@ impl Window {
 }
 
 /// An effect in the region of another.
-pub(super) fn in_region_of(other: &Placed, plain: Placed) -> Option<Placed> {
+pub(super) fn in_region_of(other: &ModelEffect, plain: ModelEffect) -> Option<ModelEffect> {
     let (place, along, shape) = form(other.entry, &other.numbers())?;
     let entry = regional(plain.entry, along, shape)?;
-    Some(Placed { entry, values: plain.values.into_iter().chain(other.values[place..].iter().copied()).collect() })
+    Some(ModelEffect { entry, values: plain.values.into_iter().chain(other.values[place..].iter().copied()).collect() })
 }

@@ -1,6 +1,6 @@
 //! Brings a form that acts in a region to its end, and holds it against what it is mistaken for.
 
-use super::super::judged::Judged;
+use super::super::judged::ScoredModel;
 use super::super::rivals::alike;
 use super::super::search::{CHANCE, Search};
 use super::super::split::{Weighing, stretch_length};
@@ -9,7 +9,7 @@ use super::fitted;
 use super::promised::{strength, strengthened};
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit, squares};
-use crate::identify::model::{Placed, Value};
+use crate::identify::model::{ModelEffect, Value};
 use crate::plant::effects::Entry;
 use crate::plant::effects::regional::Along;
 use crate::plant::simulate::SimulateError;
@@ -28,11 +28,11 @@ const FULL: Effort = Effort { steps: 14, tolerance: 1e-5 };
 
 /// A form fitted to the end, a window once its ends are near where they belong: first with soft ends, along which a fit finds its
 /// way, then with sharper ones as long as these leave less.
-pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<Judged, SimulateError> {
+pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<ScoredModel, SimulateError> {
     let runs = weighing.fitted();
     let mut best = shifted(fit, runs)?;
     best.improve(runs, FULL)?;
-    let Some(Window { effect, width, .. }) = Window::of(&best.model) else { return Judged::of(best, weighing) };
+    let Some(Window { effect, width, .. }) = Window::of(&best.model) else { return ScoredModel::of(best, weighing) };
     for _ in 0..SHARPENED {
         let mut model = best.model.clone();
         model.effects[effect].values[width].value *= SHARPER;
@@ -48,9 +48,9 @@ pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<Judged, Simulate
 
 /// The form with each open end where it predicts best among places that the runs fitted do not tell apart: what is held out of them lies
 /// in stretches, and an end within one is a choice that the stretches held out make, as they make every other.
-fn unseen(best: Fit, weighing: &Weighing) -> Result<Judged, SimulateError> {
+fn unseen(best: Fit, weighing: &Weighing) -> Result<ScoredModel, SimulateError> {
     let runs = weighing.fitted();
-    let mut judged = Judged::of(best, weighing)?;
+    let mut judged = ScoredModel::of(best, weighing)?;
     let Some(window) = Window::of(&judged.fit.model).filter(|window| window.along == Along::Time) else {
         return Ok(judged);
     };
@@ -66,7 +66,7 @@ fn unseen(best: Fit, weighing: &Weighing) -> Result<Judged, SimulateError> {
                 continue;
             }
             let fit = Fit::resume(model, judged.fit.locals.clone(), runs)?;
-            let other = Judged::of(fit, weighing)?;
+            let other = ScoredModel::of(fit, weighing)?;
             if other.hold.chi2 < judged.hold.chi2 {
                 judged = other;
             }
@@ -108,14 +108,18 @@ fn shifted(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
 
 /// What a regional effect is mistaken for, in the same region: what explains little of whole runs, and was not looked at for that,
 /// may be the law of a part.
-pub(super) fn doubles(weighing: &Weighing, search: &Search, leader: &Judged) -> Result<Vec<Judged>, SimulateError> {
+pub(super) fn doubles(
+    weighing: &Weighing,
+    search: &Search,
+    leader: &ScoredModel,
+) -> Result<Vec<ScoredModel>, SimulateError> {
     let stated = search.baseline.model.ids();
     let own = leader.fit.model.effects.iter().find(|p| !stated.contains(&p.entry.id));
     let Some(own) = own else { return Ok(Vec::new()) };
-    let double = |entry: &'static Entry| -> Result<Option<Judged>, SimulateError> {
-        let starts = (0..).map_while(|i| Placed::start(entry, i, &search.yardsticks));
+    let double = |entry: &'static Entry| -> Result<Option<ScoredModel>, SimulateError> {
+        let starts = (0..).map_while(|i| ModelEffect::start(entry, i, &search.signal_scales));
         let starts = starts.chain(after(own, entry, search));
-        let starts: Vec<Placed> = starts.filter_map(|plain| in_region_of(own, plain)).collect();
+        let starts: Vec<ModelEffect> = starts.filter_map(|plain| in_region_of(own, plain)).collect();
         let look = |placed| fitted(weighing, &search.baseline, placed);
         let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
         let best = looks.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares));
@@ -129,8 +133,8 @@ pub(super) fn doubles(weighing: &Weighing, search: &Search, leader: &Judged) -> 
 
 /// A double with the values of what another has too, and what is of its strength's unit in the proportion of a start: one law goes on
 /// from where the other has come to.
-fn after(other: &Placed, entry: &'static Entry, search: &Search) -> Option<Placed> {
-    let placed = Placed::start(entry, 0, &search.yardsticks)?;
+fn after(other: &ModelEffect, entry: &'static Entry, search: &Search) -> Option<ModelEffect> {
+    let placed = ModelEffect::start(entry, 0, &search.signal_scales)?;
     let first = strength(&placed)?;
     let known = |key| other.entry.parameters.iter().position(|p| p.key == key).map(|i| other.values[i].value);
     let factor = known(entry.parameters[first].key)? / placed.values[first].value;

@@ -7,7 +7,7 @@ use super::Start;
 use super::ends::{PARTS, spans, window};
 use crate::identify::data::Run;
 use crate::identify::fit::secant::{Base, Chord};
-use crate::identify::model::{Model, Placed};
+use crate::identify::model::{Model, ModelEffect};
 use crate::plant::effects::Role;
 use crate::plant::effects::regional::Along;
 use crate::plant::simulate::SimulateError;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 pub(super) fn start(
     base: &Base<'_>,
     (model, runs): (&Model, &[Run]),
-    placed: &Placed,
+    placed: &ModelEffect,
     (along, ends): (Along, &[f64]),
 ) -> Result<Option<Start>, SimulateError> {
     let sizes = (0..).zip(placed.entry.parameters).filter(|(_, p)| p.role == Role::PerRun).map(|(i, _)| i);

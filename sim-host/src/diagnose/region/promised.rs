@@ -6,7 +6,7 @@ use super::ends::{PARTS, parts, sloped, spans, window};
 use crate::identify::data::Run;
 use crate::identify::evaluate::predict;
 use crate::identify::fit::secant::Base;
-use crate::identify::model::Placed;
+use crate::identify::model::ModelEffect;
 use crate::plant::effects::regional::{Along, Shape, regional};
 use crate::plant::effects::{Parameter, Role};
 use crate::plant::simulate::SimulateError;
@@ -25,7 +25,7 @@ const TELLING: f64 = 0.1;
 const PROMISING: f64 = 0.3;
 
 /// The forms that are worth a fit: of the effects that promise most, those that promise about as much as an effect's best.
-pub(super) fn promising(runs: &[Run], search: &Search) -> Result<Vec<Placed>, SimulateError> {
+pub(super) fn promising(runs: &[Run], search: &Search) -> Result<Vec<ModelEffect>, SimulateError> {
     let mut starts = starts(runs, search)?;
     starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     starts.retain(|start| start.gain > PROMISING * excess(search));
@@ -56,12 +56,12 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
         let own = fit.model.effects.iter().find(|p| !known.contains(&p.entry.id))?;
         // What explains little everywhere has values there that say little.
         let telling = search.baseline.squares - fit.squares > TELLING * excess(search);
-        let typical = if telling { None } else { Placed::start(own.entry, 0, &search.yardsticks) };
+        let typical = if telling { None } else { ModelEffect::start(own.entry, 0, &search.signal_scales) };
         let possible = !per_run(own) && regional(own.entry, Along::Time, Shape::Window).is_some();
         possible.then(|| [Some(own.clone()), typical].into_iter().flatten())
     });
-    let looked_at: Vec<Placed> = placed.take(looks).flatten().collect();
-    let tasks: Vec<(&Placed, &(Along, Vec<f64>))> =
+    let looked_at: Vec<ModelEffect> = placed.take(looks).flatten().collect();
+    let tasks: Vec<(&ModelEffect, &(Along, Vec<f64>))> =
         looked_at.iter().flat_map(|placed| ranges.iter().map(move |range| (placed, range))).collect();
     let each = tasks.into_par_iter().map(|(placed, (along, ends))| -> Result<Vec<Start>, SimulateError> {
         let part = |i: usize| window(placed, *along, (ends[i], ends[i + 1]), ends);
@@ -72,7 +72,7 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
     });
     let mut starts: Vec<Start> = each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     let sized = search.baseline.model.candidates().into_iter();
-    for placed in sized.filter_map(|entry| Placed::start(entry, 0, &search.yardsticks)).filter(per_run) {
+    for placed in sized.filter_map(|entry| ModelEffect::start(entry, 0, &search.signal_scales)).filter(per_run) {
         for (along, ends) in &ranges {
             starts.extend(super::per_run::start(&base, (&search.baseline.model, runs), &placed, (*along, ends))?);
         }
@@ -86,12 +86,17 @@ fn excess(search: &Search) -> f64 {
 }
 
 /// True where the size belongs to each run.
-fn per_run(placed: &Placed) -> bool {
+fn per_run(placed: &ModelEffect) -> bool {
     placed.entry.parameters.iter().any(|p| p.role == Role::PerRun)
 }
 
 /// The best window and the best slope by the products of what each part changes, with each other and with what is left.
-fn promised(placed: &Placed, along: Along, ends: &[f64], (gram, along_left): &(Vec<Vec<f64>>, Vec<f64>)) -> Vec<Start> {
+fn promised(
+    placed: &ModelEffect,
+    along: Along,
+    ends: &[f64],
+    (gram, along_left): &(Vec<Vec<f64>>, Vec<f64>),
+) -> Vec<Start> {
     let of = |weights: &[f64; PARTS], other: &[f64; PARTS]| -> f64 {
         (0..PARTS).map(|i| (0..PARTS).map(|j| weights[i] * other[j] * gram[i][j]).sum::<f64>()).sum()
     };
@@ -137,18 +142,18 @@ fn promised(placed: &Placed, along: Along, ends: &[f64], (gram, along_left): &(V
 }
 
 /// The parameter that says how strong an effect is: its first free one.
-pub(super) fn strength(placed: &Placed) -> Option<usize> {
+pub(super) fn strength(placed: &ModelEffect) -> Option<usize> {
     placed.values.iter().position(|value| value.free)
 }
 
 /// True where an effect may be turned round: found over the whole of a run it may have the sign that it has not in a part.
-pub(super) fn either_sign(placed: &Placed) -> bool {
+pub(super) fn either_sign(placed: &ModelEffect) -> bool {
     strength(placed).is_some_and(|first| !placed.values[first].positive && placed.values[first].low < 0.0)
 }
 
 /// An effect with a strength so many times as large: what it does is in proportion to the distance of its first parameter from
 /// none, but for a frequency, to which it is in proportion the other way. What is of the same unit grows with it.
-pub(super) fn strengthened(placed: &Placed, factor: f64) -> Placed {
+pub(super) fn strengthened(placed: &ModelEffect, factor: f64) -> ModelEffect {
     let mut placed = placed.clone();
     let factor = factor.signum() * factor.abs().clamp(0.1, 30.0);
     let Some(first) = strength(&placed) else { return placed };

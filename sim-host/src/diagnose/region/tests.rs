@@ -9,7 +9,7 @@ use crate::diagnose::Options;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::model::Model;
-use crate::identify::model::Yardsticks;
+use crate::identify::model::SignalScales;
 use crate::identify::prepare::Prepared;
 use crate::plant::effects::regional::Along;
 use crate::plant::effects::{entry, regional};
@@ -19,8 +19,8 @@ fn prepared(truth: &Model) -> Prepared {
     let mut stated = model(TRUTH);
     stated.own.iter_mut().for_each(|value| value.free = false);
     let fit: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
-    let yardsticks = Yardsticks::of(&fit, 1.0);
-    Prepared { model: stated, fit, holdout: Vec::new(), yardsticks }
+    let signal_scales = SignalScales::of(&fit, 1.0);
+    Prepared { model: stated, fit, holdout: Vec::new(), signal_scales }
 }
 
 fn decided(prepared: Prepared) -> Decision {
@@ -47,13 +47,13 @@ fn an_effect_that_acts_in_a_part_of_the_runs_is_named_with_its_window() {
 /// Turned round, and what is of its unit with it: alone over whole runs an effect is found with the sign that helps there.
 #[test]
 fn a_strength_grows_with_what_is_of_its_unit_and_may_turn_round() {
-    let start = |id| Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    let start = |id| ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
     let mut bias = start("null_bias");
     bias.values[0].value = 2.0;
     let friction = start("stribeck_friction");
     assert!(either_sign(&bias) && !either_sign(&friction));
     assert_eq!(strengthened(&bias, -3.0).values[0].value, -6.0);
-    let ratio = |placed: &Placed| placed.values[1].value / placed.values[0].value;
+    let ratio = |placed: &ModelEffect| placed.values[1].value / placed.values[0].value;
     let stronger = strengthened(&friction, 2.0);
     assert!(stronger.values[0].value > 1.9 * friction.values[0].value);
     assert!((ratio(&stronger) - ratio(&friction)).abs() < 1e-9, "standstill's friction grows with the sliding one");
@@ -107,7 +107,7 @@ fn a_region_of_a_displacement_that_was_not_recorded_is_found() {
 /// Another law of the same thing keeps the region, and has the values that it starts from elsewhere.
 #[test]
 fn a_double_is_put_into_the_same_region() {
-    let start = |id, i| Placed::start(entry(id).unwrap(), i, &Yardsticks::TYPICAL).unwrap();
+    let start = |id, i| ModelEffect::start(entry(id).unwrap(), i, &SignalScales::TYPICAL).unwrap();
     let whole: Vec<f64> = (0..=PARTS).map(|i| i as f64).collect();
     let coulomb = window(&start("coulomb_friction", 0), Along::Time, (2.5, 6.5), &whole).unwrap();
     let plain = start("stribeck_friction", 1);

@@ -3,7 +3,7 @@ use super::*;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 
 /// A judged model of which so much is left on both kinds of stretches.
-fn leaving(chi2: f64, template: &Judged) -> Judged {
+fn leaving(chi2: f64, template: &ScoredModel) -> ScoredModel {
     let mut judged = template.clone();
     judged.fit.squares = chi2 * judged.fit.rows as f64;
     let share = chi2 * judged.hold.rows as f64 / judged.hold.blocks.len() as f64;
@@ -19,14 +19,14 @@ fn what_differs_stands_beside_a_gross_effect_where_it_completes_it() {
     let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
     let template = judged(model(TRUTH), &runs);
     let before = leaving(1000.0, &template);
-    let present = Judged { added: vec!["command_delay"], ..leaving(3.0, &template) };
-    let whole = Judged { added: vec!["command_delay", "null_bias"], ..leaving(1.05, &template) };
-    let half = Judged { added: whole.added.clone(), ..leaving(1.5, &template) };
-    assert!(stands(&before, &present, &whole, true));
-    assert!(!stands(&before, &present, &whole, false), "as little as a simple form leaves");
-    assert!(!stands(&before, &present, &half, true), "a quarter of the rest is left");
-    let all = Judged { added: whole.added.clone(), ..leaving(1.01, &template) };
-    assert!(stands(&before, &present, &all, false), "nothing of a rest that no noise is");
+    let present = ScoredModel { added: vec!["command_delay"], ..leaving(3.0, &template) };
+    let whole = ScoredModel { added: vec!["command_delay", "null_bias"], ..leaving(1.05, &template) };
+    let half = ScoredModel { added: whole.added.clone(), ..leaving(1.5, &template) };
+    assert!(is_justified(&before, &present, &whole, true));
+    assert!(!is_justified(&before, &present, &whole, false), "as little as a simple form leaves");
+    assert!(!is_justified(&before, &present, &half, true), "a quarter of the rest is left");
+    let all = ScoredModel { added: whole.added.clone(), ..leaving(1.01, &template) };
+    assert!(is_justified(&before, &present, &all, false), "nothing of a rest that no noise is");
 }
 
 /// What takes most of the rest away on both kinds of stretches stands for a four hundredth of the whole, alike or not; what takes less
@@ -36,11 +36,12 @@ fn what_takes_most_of_the_rest_stands_for_little_of_the_whole() {
     let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
     let template = judged(model(TRUTH), &runs);
     let (before, scarcely) = (leaving(500.0, &template), leaving(1000.0, &template));
-    let present = Judged { added: vec!["flow_softening", "spring"], ..leaving(3.0, &template) };
-    let larger = |chi2| Judged { added: vec!["flow_softening", "supply_droop", "spring"], ..leaving(chi2, &template) };
-    assert!(stands(&before, &present, &larger(1.5), false));
-    assert!(!stands(&before, &present, &larger(1.68), false), "a third of the rest is left");
-    assert!(!stands(&scarcely, &present, &larger(1.5), false), "a six hundredth of the whole");
+    let present = ScoredModel { added: vec!["flow_softening", "spring"], ..leaving(3.0, &template) };
+    let larger =
+        |chi2| ScoredModel { added: vec!["flow_softening", "supply_droop", "spring"], ..leaving(chi2, &template) };
+    assert!(is_justified(&before, &present, &larger(1.5), false));
+    assert!(!is_justified(&before, &present, &larger(1.68), false), "a third of the rest is left");
+    assert!(!is_justified(&scarcely, &present, &larger(1.5), false), "a six hundredth of the whole");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::super::split::Weighing;
 use super::grammar::{Form, Memory, Reach, Term};
 use super::writing::stated;
 use crate::identify::data::Channel;
-use crate::identify::model::{Model, Placed, Value};
+use crate::identify::model::{Model, ModelEffect, Value};
 use crate::plant::effects::Entry;
 use crate::plant::effects::own::{Own, found, register};
 use crate::plant::model::Kind;
@@ -36,7 +36,7 @@ const MOVES: f64 = 6.0;
 
 /// Sizes of what the runs reach.
 pub(super) fn reach(weighing: &Weighing) -> Reach {
-    let sizes = weighing.yardsticks();
+    let sizes = weighing.signal_scales();
     let measured = |channel| {
         let runs = weighing.fitted().iter().filter_map(move |run| run.channel(channel));
         runs.flat_map(|m| m.values.iter().copied()).filter(|x| x.is_finite()).fold(0.0_f64, |most, x| most.max(x.abs()))
@@ -71,13 +71,13 @@ fn entry(terms: &[Term], screening: Option<usize>) -> Option<&'static Entry> {
 }
 
 /// A term still at zero, for screening: its `of`-th coefficient alone.
-pub(super) fn idle(term: Term, of: usize, shape: &[f64], reach: &Reach) -> Option<Placed> {
+pub(super) fn idle(term: Term, of: usize, shape: &[f64], reach: &Reach) -> Option<ModelEffect> {
     let screening = (term.form == Form::Wave).then_some(of);
     let entry = entry(&[term], screening)?;
     let most = term.most(reach);
     let mut values = vec![Value { value: 0.0, low: -most, high: most, positive: false, free: true, prior: None }];
     values.extend(shape.iter().map(|&value| Value::fixed(value)));
-    (values.len() == entry.parameters.len()).then_some(Placed { entry, values })
+    (values.len() == entry.parameters.len()).then_some(ModelEffect { entry, values })
 }
 
 /// The model of `parent` with the values that `base` has and one effect of these terms.
@@ -126,5 +126,5 @@ pub(super) fn model_with(parent: &Model, base: &Model, pieces: &[Piece], reach: 
             placed.values.clone_from(&fitted.values);
         }
     }
-    (values.len() == entry.parameters.len()).then(|| model.with(Placed { entry, values }))
+    (values.len() == entry.parameters.len()).then(|| model.with(ModelEffect { entry, values }))
 }

@@ -7,7 +7,7 @@ use crate::identify::data::Run;
 use crate::identify::evaluate::Local;
 use crate::identify::fit::Fit;
 use crate::identify::fit::tangents::{Addition, Tangents};
-use crate::identify::model::{Model, Placed};
+use crate::identify::model::{Model, ModelEffect};
 use crate::plant::effects::own::Sense;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -125,20 +125,20 @@ fn regressed(
     reach: &Reach,
     additions: &mut Vec<Addition>,
 ) -> Result<Vec<Column>, SimulateError> {
-    let mut wanted: Vec<(Term, Vec<f64>, Vec<Placed>)> = Vec::new();
+    let mut wanted: Vec<(Term, Vec<f64>, Vec<ModelEffect>)> = Vec::new();
     for &term in terms {
         for shape in term.shapes(reach) {
             let count = if term.form == Form::Wave { 2 } else { 1 };
-            let placed: Vec<Placed> = (0..count).filter_map(|of| idle(term, of, &shape, reach)).collect();
+            let placed: Vec<ModelEffect> = (0..count).filter_map(|of| idle(term, of, &shape, reach)).collect();
             if placed.len() == count && !placed.iter().any(|p| model.ids().contains(&p.entry.id)) {
                 wanted.push((term, shape, placed));
             }
         }
     }
     // An effect can be in a model once: the same term at another shape goes to another batch.
-    let mut batches: Vec<Vec<(Term, Vec<f64>, Vec<Placed>)>> = Vec::new();
+    let mut batches: Vec<Vec<(Term, Vec<f64>, Vec<ModelEffect>)>> = Vec::new();
     for entry in wanted {
-        let fits = |batch: &Vec<(Term, Vec<f64>, Vec<Placed>)>| {
+        let fits = |batch: &Vec<(Term, Vec<f64>, Vec<ModelEffect>)>| {
             let size: usize = batch.iter().map(|(.., placed)| placed.len()).sum();
             size + entry.2.len() <= BATCH && batch.iter().all(|(term, ..)| *term != entry.0)
         };
@@ -147,7 +147,7 @@ fn regressed(
             None => batches.push(vec![entry]),
         }
     }
-    let simulate = |batch: &Vec<(Term, Vec<f64>, Vec<Placed>)>| {
+    let simulate = |batch: &Vec<(Term, Vec<f64>, Vec<ModelEffect>)>| {
         let all = batch.iter().flat_map(|(.., placed)| placed.iter().cloned());
         tangents.addition(&all.fold(model.clone(), |model, placed| model.with(placed)))
     };

@@ -4,7 +4,7 @@ use super::writing::stated;
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
-use crate::identify::model::{Model, Placed, Value, Yardsticks};
+use crate::identify::model::{Model, ModelEffect, SignalScales, Value};
 use crate::identify::prepare::Prepared;
 use crate::plant::effects::Stage;
 use crate::plant::effects::own::{Own, Stated, StatedParameter, register};
@@ -38,7 +38,7 @@ fn every_term_is_a_sound_effect_with_a_name_of_its_own() {
 }
 
 /// An effect of a test, with its values.
-fn placed(id: &str, stage: Stage, states: &[&str], expression: &str, parameters: &[(&str, &str, f64)]) -> Placed {
+fn placed(id: &str, stage: Stage, states: &[&str], expression: &str, parameters: &[(&str, &str, f64)]) -> ModelEffect {
     let parameter = |&(name, unit, value): &(&str, &str, f64)| StatedParameter {
         name: name.into(),
         unit: unit.into(),
@@ -56,22 +56,22 @@ fn placed(id: &str, stage: Stage, states: &[&str], expression: &str, parameters:
         mistaken_for: Vec::new(),
     };
     let entry = register(Own::new(stated).unwrap()).unwrap();
-    Placed { entry, values: parameters.iter().map(|&(.., value)| Value::fixed(value)).collect() }
+    ModelEffect { entry, values: parameters.iter().map(|&(.., value)| Value::fixed(value)).collect() }
 }
 
 /// What is said of a truth that the stated model lacks something of.
-fn said_of(truth: &Model) -> (Judged, Option<Modelled>) {
+fn said_of(truth: &Model) -> (ScoredModel, Option<Modelled>) {
     let runs: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
     let before = judged(model(TRUTH), &runs);
     let (fit, holdout) = (runs[..2].to_vec(), runs[2..].to_vec());
-    let yardsticks = Yardsticks::of(&fit, 1.0);
-    let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), yardsticks };
+    let signal_scales = SignalScales::of(&fit, 1.0);
+    let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
     let weighing = Weighing::of(training, holdout);
     let modelled = unlisted(&weighing, &before, &before).unwrap();
     (before, modelled)
 }
 
-fn removed(before: &Judged, modelled: &Modelled) -> f64 {
+fn removed(before: &ScoredModel, modelled: &Modelled) -> f64 {
     1.0 - (modelled.judged.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0)
 }
 

@@ -2,14 +2,14 @@ use super::super::decide::tests::viscous;
 use super::super::split::{Weighing, split};
 use super::*;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
-use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::entry;
 
 /// What is selected of two runs of `fitted_truth` where `named` is named, judged on a run of `held_truth`.
 fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
     let fit: Vec<Run> = (1..3).map(|seed| recorded(fitted_truth, seed)).collect();
-    let yardsticks = Yardsticks::of(&fit, 1.0);
-    let whole = Prepared { model: model(TRUTH), fit, holdout: vec![recorded(held_truth, 3)], yardsticks };
+    let signal_scales = SignalScales::of(&fit, 1.0);
+    let whole = Prepared { model: model(TRUTH), fit, holdout: vec![recorded(held_truth, 3)], signal_scales };
     judged_on(whole, None, named)
 }
 
@@ -19,13 +19,13 @@ fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclu
     let judged = |model: Model, weighing: &Weighing| {
         let mut fit = Fit::begin(model, weighing.fitted()).unwrap();
         fit.improve(weighing.fitted(), Effort::FULL).unwrap();
-        Judged::of(fit, weighing).unwrap()
+        ScoredModel::of(fit, weighing).unwrap()
     };
     let (before, after) = (judged(model(TRUTH), &cut.weighing), judged(named, &cut.weighing));
-    let candidates = vec![Judged { probability: 0.98, ..after.clone() }];
+    let candidates = vec![ScoredModel { probability: 0.98, ..after.clone() }];
     let decision = Decision {
         before,
-        after: Judged { probability: 0.98, ..after },
+        after: ScoredModel { probability: 0.98, ..after },
         candidates,
         ties: Vec::new(),
         unlisted: false,
@@ -69,7 +69,7 @@ fn a_name_that_the_test_contradicts_is_taken_back() {
 
 /// This and dry friction, so many times the library's start.
 fn beside_friction(model: &Model, times: f64) -> Model {
-    let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    let mut friction = ModelEffect::start(entry("coulomb_friction").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
     friction.values[0].value *= times;
     model.with(friction)
 }
@@ -163,9 +163,9 @@ fn each_channel_has_its_say_in_what_is_worse() {
 fn an_excerpt_begins_elsewhere_than_its_run() {
     let truth = with_viscous(90.0);
     let fit: Vec<Run> = (1..3).map(|seed| recorded(&truth, seed)).collect();
-    let yardsticks = Yardsticks::of(&fit, 1.0);
+    let signal_scales = SignalScales::of(&fit, 1.0);
     let excerpt = fit.iter().map(|run| tail(run, 1300)).collect();
-    let with = |fit, holdout| Prepared { model: model(TRUTH), fit, holdout, yardsticks };
+    let with = |fit, holdout| Prepared { model: model(TRUTH), fit, holdout, signal_scales };
     let (whole, excerpt) = (with(fit, vec![recorded(&truth, 3)]), with(excerpt, Vec::new()));
     let conclusion = judged_on(whole, Some(excerpt), with_viscous(50.0));
     assert_eq!(conclusion.after.added, ["viscous_friction"]);

@@ -1,8 +1,8 @@
 //! What a run is dealt: table, mode, gains, settings, record.
 
 use super::{Fault, POINTS};
-use crate::faults::dice::Dice;
-use crate::faults::machine::{Break, Oil, Table};
+use crate::faults::dice::FaultRng;
+use crate::faults::machine::{Oil, PlantFault, Table};
 use crate::faults::motions::{Motions, RATE};
 use shakedown_core::settings::{
     Detection, EnvelopeSettings, Gains, GuardSettings, RampSettings, Ranges, TrackingSettings,
@@ -10,7 +10,7 @@ use shakedown_core::settings::{
 use shakedown_core::{Mode, Modification, Settings};
 
 /// A table within a tenth of the one in the settings, or within three tenths; on oil where asked for, and a third of the time.
-pub(in crate::faults) fn table(dice: &mut Dice, oil: bool) -> Table {
+pub(in crate::faults) fn table(dice: &mut FaultRng, oil: bool) -> Table {
     let (gain, pole) = if dice.chance(0.85) { (0.1, 0.15) } else { (0.3, 0.3) };
     let gain = 1.0 + gain * dice.uniform(-1.0, 1.0);
     let a1 = 57.65 * (1.0 + pole * dice.uniform(-1.0, 1.0));
@@ -27,9 +27,12 @@ pub(in crate::faults) fn table(dice: &mut Dice, oil: bool) -> Table {
 }
 
 /// Streams and settings are the controller's business; the rest is dealt to guard and controller, and some to modifier.
-pub(super) fn mode(dice: &mut Dice, fault: Fault, second: Option<Fault>) -> Mode {
+pub(super) fn mode(dice: &mut FaultRng, fault: Fault, second: Option<Fault>) -> Mode {
     let obeys = |fault: Fault| {
-        !matches!(fault, Fault::Table(Break::Stuck(_) | Break::Frozen | Break::Supply(_) | Break::Bit(..)))
+        !matches!(
+            fault,
+            Fault::Table(PlantFault::Stuck(_) | PlantFault::Frozen | PlantFault::Supply(_) | PlantFault::Bit(..))
+        )
     };
     match fault {
         Fault::Behind(_) => Mode::Modifier,
@@ -43,7 +46,7 @@ pub(super) fn mode(dice: &mut Dice, fault: Fault, second: Option<Fault>) -> Mode
 }
 
 /// Control rate, 1/s: 1 kHz as a rule, else from 200 Hz to 5 kHz.
-pub(super) fn rate(dice: &mut Dice, settings: &mut Settings) -> f64 {
+pub(super) fn rate(dice: &mut FaultRng, settings: &mut Settings) -> f64 {
     let rate = if dice.chance(0.75) { RATE } else { [200.0, 500.0, 2000.0, 5000.0][dice.below(4)] };
     settings.rate = rate as f32;
     if let Some(tracking) = &mut settings.tracking {
@@ -56,13 +59,13 @@ pub(super) fn rate(dice: &mut Dice, settings: &mut Settings) -> f64 {
 }
 
 /// A proportional gain that the table takes with 6 dB to spare.
-pub(in crate::faults) fn gain(dice: &mut Dice, table: &Table) -> f64 {
+pub(in crate::faults) fn gain(dice: &mut FaultRng, table: &Table) -> f64 {
     let kp = dice.uniform(3.0, 10.0);
     table.oil.map_or(kp, |oil| kp.min(0.4 * oil.damping * oil.omega * 57.65 / 138.0))
 }
 
 /// Another modifier than the causal one, in one run of five.
-pub(super) fn modification(dice: &mut Dice, settings: &mut Settings) {
+pub(super) fn modification(dice: &mut FaultRng, settings: &mut Settings) {
     if settings.mode == Mode::Guard || !dice.chance(0.2) {
         return;
     }
@@ -74,7 +77,7 @@ pub(super) fn modification(dice: &mut Dice, settings: &mut Settings) {
     settings.modification = kinds[dice.below(count)];
 }
 
-pub(in crate::faults) fn settings(dice: &mut Dice, mode: Mode, kp: f64, table: &Table) -> Settings {
+pub(in crate::faults) fn settings(dice: &mut FaultRng, mode: Mode, kp: f64, table: &Table) -> Settings {
     let tracks = mode == Mode::Controller && table.oil.is_none() && dice.chance(0.3);
     let modification = if mode == Mode::Guard { Modification::Off } else { Modification::Causal };
     Settings {
@@ -107,7 +110,7 @@ pub(in crate::faults) fn settings(dice: &mut Dice, mode: Mode, kp: f64, table: &
 
 /// A stretch of a record, scaled so that it stays 35 mm inside the stroke, in one run of seven up to 6 mm short of the limit switches,
 /// and asks for no more than half as much again as the table's speed.
-pub(in crate::faults) fn slice(dice: &mut Dice, motions: &Motions) -> (usize, Vec<f64>) {
+pub(in crate::faults) fn slice(dice: &mut FaultRng, motions: &Motions) -> (usize, Vec<f64>) {
     let motion = dice.below(motions.all.len());
     let all = &motions.all[motion].displacement;
     let room = all.len().saturating_sub(POINTS);

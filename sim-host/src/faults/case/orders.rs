@@ -2,15 +2,20 @@
 //! during any transition.
 
 use super::{Fault, REST};
-use crate::faults::dice::Dice;
-use crate::faults::spoil::Spoil;
+use crate::faults::dice::FaultRng;
+use crate::faults::spoil::SignalFault;
 use shakedown_core::OperatorRequest::{self, Arm, Hold, Resume, Start, Stop};
 
 /// Share of the runs in which a test is held, resumed and stopped.
 const VARIED: f64 = 0.2;
 
 /// Orders by tick, and the first tick of the fault, which begins `began` (s) after the first where the test just runs.
-pub(super) fn orders(dice: &mut Dice, fault: Fault, began: f64, rate: f64) -> (Vec<(usize, OperatorRequest)>, usize) {
+pub(super) fn orders(
+    dice: &mut FaultRng,
+    fault: Fault,
+    began: f64,
+    rate: f64,
+) -> (Vec<(usize, OperatorRequest)>, usize) {
     let tick = |time: f64| (time * rate).round() as usize;
     let arm = (tick(REST), Arm);
     if !may_begin_anywhere(fault) || !dice.chance(VARIED) {
@@ -31,7 +36,7 @@ pub(super) fn orders(dice: &mut Dice, fault: Fault, began: f64, rate: f64) -> (V
 fn may_begin_anywhere(fault: Fault) -> bool {
     match fault {
         Fault::LinkCut | Fault::LinkGarbled(_) => false,
-        Fault::Signal(_, how) | Fault::Shared(how) => !matches!(how, Spoil::Gain { .. }),
+        Fault::Signal(_, how) | Fault::Shared(how) => !matches!(how, SignalFault::Gain { .. }),
         _ => true,
     }
 }

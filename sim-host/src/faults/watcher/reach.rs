@@ -3,16 +3,16 @@
 use super::{MARGIN, STROKE};
 use crate::faults::case::Case;
 use crate::faults::class::{Fault, Promise};
-use crate::faults::machine::Break;
+use crate::faults::machine::PlantFault;
 
 /// How far the table may come from the middle, m. A valve that does not obey is stopped by the block alone: the stroke itself is
 /// all that is promised of it.
 pub(super) fn farthest(case: &Case) -> f64 {
     let disobeys = |fault: Fault| match fault {
         Fault::Table(how) | Fault::Behind(how) => match how {
-            Break::Stuck(at) => at != 0.0,
-            Break::Frozen | Break::Bit(..) => true,
-            Break::Supply(_) | Break::Payload { .. } => false,
+            PlantFault::Stuck(at) => at != 0.0,
+            PlantFault::Frozen | PlantFault::Bit(..) => true,
+            PlantFault::Supply(_) | PlantFault::Payload { .. } => false,
         },
         _ => false,
     };
@@ -23,6 +23,6 @@ pub(super) fn farthest(case: &Case) -> f64 {
 /// Whether a command softens what the specimen feels: none does where the loop behind the device follows a broken wire, the valve
 /// nothing, or a payload knocks.
 pub(in crate::faults) fn softened(case: &Case) -> bool {
-    let knocks = matches!(case.fault, Fault::Table(Break::Payload { .. }));
+    let knocks = matches!(case.fault, Fault::Table(PlantFault::Payload { .. }));
     !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !knocks
 }

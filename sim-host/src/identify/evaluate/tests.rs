@@ -1,5 +1,5 @@
 use super::*;
-use crate::identify::model::{Placed as Effect, Yardsticks};
+use crate::identify::model::{ModelEffect as Effect, SignalScales};
 use crate::plant::effects::entry;
 use crate::plant::model::Kind;
 use crate::plant::simulate::{Law, Shaping};
@@ -26,7 +26,7 @@ fn model(free: impl Fn(usize) -> bool) -> Model {
     let own = [0.69, 138.0, 57.65, 0.242].map(|value| Value { positive: true, ..Value::fixed(value) });
     let bare = Model { kind: Kind::Servo, own: own.to_vec(), scale: None, effects: Vec::new(), library: Vec::new() };
     let start =
-        |id: &str| Effect::start(entry(id).unwrap(), 0, &Yardsticks { displacement: 0.05, ..Yardsticks::TYPICAL });
+        |id: &str| Effect::start(entry(id).unwrap(), 0, &SignalScales { displacement: 0.05, ..SignalScales::TYPICAL });
     let mut model = EFFECTS.iter().fold(bare, |model, id| model.with(start(id).unwrap()));
     let values = model.own.iter_mut().chain(model.effects.iter_mut().flat_map(|effect| &mut effect.values));
     for (place, value) in values.enumerate() {

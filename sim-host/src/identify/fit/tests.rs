@@ -1,7 +1,7 @@
 use super::*;
 use crate::identify::data::{Channel, Measured};
 use crate::identify::evaluate::predict;
-use crate::identify::model::{Placed, Value, Yardsticks};
+use crate::identify::model::{ModelEffect, SignalScales, Value};
 use crate::plant::effects::entry;
 use crate::plant::model::Kind;
 use crate::plant::simulate::Law;
@@ -80,7 +80,7 @@ fn a_model_is_recovered_from_ten_per_cent_off() {
 #[test]
 fn a_limit_that_nothing_reaches_is_brought_down_to_where_it_binds() {
     let limits = |positive: f64, negative: f64| {
-        let mut placed = Placed::start(entry("asymmetric_limit").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+        let mut placed = ModelEffect::start(entry("asymmetric_limit").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
         for (value, limit) in placed.values.iter_mut().zip([positive, negative]) {
             (value.value, value.low, value.high) = (limit, 0.1 * limit, 10.0 * limit);
         }
@@ -140,13 +140,13 @@ fn a_value_at_an_end_pushes_where_the_truth_is_beyond() {
 
 #[test]
 fn friction_is_found_in_one_model_and_missed_by_the_other() {
-    let mut friction = Placed::start(entry("coulomb_friction").unwrap(), 1, &Yardsticks::TYPICAL).unwrap();
+    let mut friction = ModelEffect::start(entry("coulomb_friction").unwrap(), 1, &SignalScales::TYPICAL).unwrap();
     friction.values[0].value = 0.3;
     let runs = [recorded(&model(TRUTH).with(friction), 3)];
     let mut without = Fit::begin(model(TRUTH), &runs).unwrap();
     without.improve(&runs, Effort::FULL).unwrap();
     assert!(without.chi2() > 2.0, "a model without friction must not fit: chi2 {}", without.chi2());
-    let start = Placed::start(entry("coulomb_friction").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    let start = ModelEffect::start(entry("coulomb_friction").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
     let mut with = Fit::resume(without.model.with(start), without.locals.clone(), &runs).unwrap();
     with.improve(&runs, Effort::FULL).unwrap();
     let force = with.model.effects[0].values[0].value;
@@ -158,17 +158,17 @@ fn friction_is_found_in_one_model_and_missed_by_the_other() {
 #[test]
 fn a_chord_promises_what_a_fit_reaches() {
     let placed = |id: &str, value: f64| {
-        let mut placed = Placed::start(entry(id).unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+        let mut placed = ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
         placed.values[0].value = value;
         placed
     };
-    let looked = |there: Placed| {
+    let looked = |there: ModelEffect| {
         let runs = [recorded(&model(TRUTH).with(there), 3)];
         let mut without = Fit::begin(model(TRUTH), &runs).unwrap();
         without.improve(&runs, Effort::FULL).unwrap();
         (runs, without)
     };
-    let promised = |runs: &[Run], fit: &Fit, tried: Placed, signed: bool| {
+    let promised = |runs: &[Run], fit: &Fit, tried: ModelEffect, signed: bool| {
         let base = secant::Base::of(fit, runs).unwrap().unwrap();
         base.promised(&fit.model.with(tried), signed, runs).unwrap().unwrap() / fit.rows as f64
     };

@@ -26,7 +26,7 @@ pub struct SinePoint {
 }
 
 /// A sine fitted to samples.
-struct Fit {
+struct SineFit {
     /// Complex amplitudes of the fundamental and the harmonics.
     lines: Vec<Complex64>,
     /// Variance of the fundamental's complex amplitude.
@@ -57,7 +57,7 @@ pub fn sine_point(input: &[f64], output: &[f64], dt: f64, frequency: f64) -> Res
     Ok(SinePoint { point, amplitude: size.sqrt(), even: part(1), odd: part(2) })
 }
 
-fn fit(samples: &[f64], dt: f64, frequency: f64) -> Result<Fit, ResponseError> {
+fn fit(samples: &[f64], dt: f64, frequency: f64) -> Result<SineFit, ResponseError> {
     let n = samples.len();
     let lines = (1..=HARMONICS).take_while(|h| (*h as f64) * frequency * dt < 0.49).count();
     let column = |k: usize, j: usize| {
@@ -78,7 +78,7 @@ fn fit(samples: &[f64], dt: f64, frequency: f64) -> Result<Fit, ResponseError> {
     let inverse = normal.inverse();
     let line = |j: usize| found[0] + found[1] * column(j, 1);
     let power: f64 = samples.iter().enumerate().map(|(k, x)| (x - line(k)).powi(2)).sum();
-    Ok(Fit {
+    Ok(SineFit {
         // A sine a cos + b sin is the real part of (a - jb) exp(jwt).
         lines: (0..lines).map(|h| Complex64::new(found[2 + 2 * h], -found[3 + 2 * h])).collect(),
         variance: noise * (inverse[(2, 2)] + inverse[(3, 3)]),

@@ -72,7 +72,7 @@ pub fn fit(reference: &Reference, limits: &Limits, norm: Norm) -> Result<Fitted,
 /// The velocity, m/s, that is nearest within what is watched, and the bound proven.
 fn solve(reference: &Reference, limits: &Limits, norm: Norm, watch: &Watch) -> Result<(Vec<f64>, f64), FitError> {
     let mut program = Program::default();
-    let motion = Motion::new(&mut program, reference, limits, watch);
+    let motion = MotionVariables::new(&mut program, reference, limits, watch);
     waveform(&mut program, &motion, reference, norm);
     let Solution { x, bound } = program.solve(TOLERANCE)?;
     let bound = match norm {
@@ -84,7 +84,7 @@ fn solve(reference: &Reference, limits: &Limits, norm: Norm, watch: &Watch) -> R
 }
 
 /// The variables of a motion inside a program, and the rows of its limits.
-struct Motion {
+struct MotionVariables {
     /// First of the velocities, in units of the limit.
     first: usize,
     /// How many.
@@ -93,7 +93,7 @@ struct Motion {
     unit: f64,
 }
 
-impl Motion {
+impl MotionVariables {
     /// Adds a motion that keeps `limits` and rests at both ends.
     fn new(program: &mut Program, reference: &Reference, limits: &Limits, watch: &Watch) -> Self {
         let count = reference.len();
@@ -182,7 +182,7 @@ impl Motion {
 }
 
 /// The acceleration error in `norm`, relative to the reference's, becomes the objective.
-fn waveform(program: &mut Program, motion: &Motion, reference: &Reference, norm: Norm) {
+fn waveform(program: &mut Program, motion: &MotionVariables, reference: &Reference, norm: Norm) {
     let whole = norm.of(reference.velocity.windows(2).map(|w| w[1] - w[0])).max(f64::MIN_POSITIVE);
     let scale = motion.unit / whole;
     let steps = reference.velocity.windows(2).map(|w| (w[1] - w[0]) / whole);

@@ -15,7 +15,7 @@ mod sweep;
 
 use super::super::Motion;
 use super::super::fit::Limits;
-use super::{Judged, Ordinate, QualifyError, Requirement, judge, rigid};
+use super::{Ordinate, QualifyError, Requirement, ScoredModel, judge, rigid};
 use proof::unreachable;
 
 pub use proof::Unreachable;
@@ -55,7 +55,7 @@ pub enum Attained {
         /// How it was made.
         way: Way,
         /// The standard's verdict.
-        judged: Judged,
+        judged: ScoredModel,
         /// Why a record that it was to begin from is not in it: the rules that break with it; none where it is, or there was none.
         lost: Vec<&'static str>,
     },
@@ -95,7 +95,7 @@ pub fn attain_from(
     if !proof.is_empty() {
         return Ok(Attained::Impossible(proof));
     }
-    let mut best: Option<(Motion, Judged)> = None;
+    let mut best: Option<(Motion, ScoredModel)> = None;
     let mut without = Vec::new();
     if let Some(record) = record {
         let motion = random::corrected_from(record, asked, MARGIN, limits)?;
@@ -118,7 +118,7 @@ pub fn attain_from(
 }
 
 /// The rules that a motion breaks.
-fn names(judged: &Judged) -> Vec<&'static str> {
+fn names(judged: &ScoredModel) -> Vec<&'static str> {
     judged.broken().map(|rule| rule.name).collect()
 }
 
@@ -127,7 +127,7 @@ fn made(
     asked: Requirement<'_>,
     limits: &Limits,
     seed: u64,
-    best: &mut Option<(Motion, Judged)>,
+    best: &mut Option<(Motion, ScoredModel)>,
 ) -> Result<Option<Attained>, QualifyError> {
     for seed in seed..seed + SEEDS {
         let motion = random::plain(asked, MARGIN, seed)?;
@@ -164,7 +164,7 @@ fn accept(
     way: Way,
     asked: Requirement<'_>,
     limits: &Limits,
-    best: &mut Option<(Motion, Judged)>,
+    best: &mut Option<(Motion, ScoredModel)>,
 ) -> Result<Option<Attained>, QualifyError> {
     let inside = |motion: &Motion| used(motion, limits) <= 1.0;
     if !inside(&motion) {

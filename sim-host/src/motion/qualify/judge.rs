@@ -49,7 +49,7 @@ pub struct Rule {
 
 /// A motion held against a standard.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Judged {
+pub struct ScoredModel {
     /// Rules in their order.
     pub rules: Vec<Rule>,
     /// The spectra at the points that were judged.
@@ -66,7 +66,7 @@ pub struct Judged {
     pub offset: f64,
 }
 
-impl Judged {
+impl ScoredModel {
     /// True where every rule that decides is kept.
     pub fn complies(&self) -> bool {
         self.rules.iter().all(|rule| rule.holds || rule.advised)
@@ -108,7 +108,12 @@ pub enum QualifyError {
 const OFFSETS: usize = 12;
 
 /// Holds an acceleration (m/s2, every `dt` s) against what a standard asks; `axes` are the other axes of the same test.
-pub fn judge(acceleration: &[f64], dt: f64, axes: &[Vec<f64>], asked: Requirement<'_>) -> Result<Judged, QualifyError> {
+pub fn judge(
+    acceleration: &[f64],
+    dt: f64,
+    axes: &[Vec<f64>],
+    asked: Requirement<'_>,
+) -> Result<ScoredModel, QualifyError> {
     let Requirement { standard, required, lowest } = asked;
     let highest = standard.band.1;
     if 1.0 / dt < 4.0 * highest {
@@ -150,7 +155,7 @@ pub fn judge(acceleration: &[f64], dt: f64, axes: &[Vec<f64>], asked: Requiremen
         let worst = inside.fold(0.0, |most: f64, (_, c)| most.max(*c));
         rules.extend(standard.coherence.map(|most| of(judge.most("coherence", worst, most, ""))));
     }
-    Ok(Judged {
+    Ok(ScoredModel {
         rules,
         margin: worst.map_or(f64::NAN, |o| o.ratio()),
         worst_hz: worst.map_or(f64::NAN, |o| o.frequency),

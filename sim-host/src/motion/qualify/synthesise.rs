@@ -3,7 +3,7 @@
 //! still peak below the zero-period acceleration; what is lacking, a short burst above the band adds.
 
 use super::super::spectrum::{SpectrumError, response_spectrum};
-use super::{Judged, QualifyError, Requirement, judge, rigid};
+use super::{QualifyError, Requirement, ScoredModel, judge, rigid};
 use rand::{Rng as _, SeedableRng as _};
 use std::f64::consts::PI;
 
@@ -41,7 +41,7 @@ pub fn synthesise(asked: Requirement<'_>, margin: f64, shape: &Shape, seed: u64)
     let plain = sines(asked, margin, shape, seed)?;
     let Some(motion) = rigid::raised_acceleration(&plain, dt, asked) else { return Ok(plain) };
     // The burst may take from an oscillator what another sine gave it.
-    let Judged { margin: found, .. } = judge(&motion, dt, &[], asked)?;
+    let ScoredModel { margin: found, .. } = judge(&motion, dt, &[], asked)?;
     let factor = (margin / found).max(1.0);
     Ok(motion.iter().map(|a| a * factor).collect())
 }
@@ -72,7 +72,7 @@ pub(super) fn sines(asked: Requirement<'_>, margin: f64, shape: &Shape, seed: u6
     }
     let motion = sum(&frequencies, &phases, &amplitudes, shape);
     // A spectrum grows with its motion, so one factor sets the margin.
-    let Judged { margin: found, .. } = judge(&motion, dt, &[], asked)?;
+    let ScoredModel { margin: found, .. } = judge(&motion, dt, &[], asked)?;
     Ok(motion.iter().map(|a| a * margin / found).collect())
 }
 

@@ -1,6 +1,6 @@
 //! The accelerometer's zero is off.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "m/s2",
         rigid_unit: "m/s2",
         meaning: "constant added to the acceleration",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: -20.0,
         high: 20.0,
         starts: &[0.0],

@@ -1,6 +1,6 @@
 //! The accelerometer's sensitivity is not what is declared.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "1",
         rigid_unit: "1",
         meaning: "shown over true acceleration",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: 0.2,
         high: 5.0,
         starts: &[1.0],

@@ -1,6 +1,6 @@
 //! The valve passes more flow in one direction than in the other: unequal piston areas, ports or amplifier stages.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "1",
         rigid_unit: "1",
         meaning: "half the difference between the gains of the two directions, over their mean: d",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: -0.6,
         high: 0.6,
         starts: &[0.0],

@@ -1,6 +1,6 @@
 //! The two directions saturate at different speeds, for piston areas or valve lands differ.
 
-use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,7 +19,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m/s",
             rigid_unit: "m/s",
             meaning: "velocity limit for positive motion",
-            yardstick: Yardstick::Speed,
+            signal_scale: SignalScale::Speed,
             low: 0.2,
             high: 3.0,
             starts: &[0.9],
@@ -32,7 +32,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m/s",
             rigid_unit: "m/s",
             meaning: "velocity limit for negative motion",
-            yardstick: Yardstick::Speed,
+            signal_scale: SignalScale::Speed,
             low: 0.2,
             high: 3.0,
             starts: &[0.9],
@@ -45,7 +45,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "exponent n of the corners; hard ones at the end of its range",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 3.0,
             high: HARD,
             starts: &[HARD],
@@ -102,7 +102,7 @@ impl<S: Scalar> Effect<S> for AsymmetricLimit<S> {
 #[cfg(test)]
 mod tests {
     use crate::plant::model::Baseline;
-    use crate::plant::simulate::Placed;
+    use crate::plant::simulate::EffectParameters;
     use crate::plant::{Plant as _, stepped::Stepped};
 
     /// Alike in both directions and with rounded corners it is the softened limit.
@@ -110,7 +110,7 @@ mod tests {
     fn rounded_corners_are_those_of_the_softened_limit() {
         let paper = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };
         let made = |id: &'static str, parameters: &[f64]| {
-            let placed = Placed { id, parameters: parameters.to_vec() };
+            let placed = EffectParameters { id, parameters: parameters.to_vec() };
             let mut plant = Stepped::new(&paper, &[placed], 5e-4, 0.0).unwrap();
             let step = |k: i32| {
                 plant.advance(0.15 * (f64::from(k) * 0.01).sin(), 1);

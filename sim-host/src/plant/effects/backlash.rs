@@ -7,7 +7,7 @@
 //!
 //! Source: A. Visintin, "Differential Models of Hysteresis", Springer (1994), chapter V.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -23,7 +23,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m",
             rigid_unit: "m",
             meaning: "full width of the lost motion",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1e-6,
             high: 0.01,
             starts: &[1.2e-5, 4e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3],
@@ -36,7 +36,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "how abruptly the gap closes: n",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1.0,
             high: 200.0,
             starts: &[30.0],

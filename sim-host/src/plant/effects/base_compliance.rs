@@ -1,6 +1,6 @@
 //! The reaction mass moves on its springs: the accelerometer shows absolute motion, the LVDT motion relative to it.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -16,7 +16,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "Hz",
             rigid_unit: "Hz",
             meaning: "natural frequency of the base",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1.0,
             high: 60.0,
             starts: &[3.0, 6.0, 12.0, 20.0],
@@ -29,7 +29,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "damping ratio of the base",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1e-3,
             high: 1.0,
             starts: &[0.2],
@@ -42,7 +42,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "table mass over base mass; a base lighter than four fifths of its table is none",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1e-4,
             high: 1.25,
             starts: &[0.02],

@@ -3,7 +3,7 @@
 //! By the stamps everything moves faster or slower by one factor, and an acceleration is not what the displacement's second
 //! difference says. It stands among a diagnosis's hypotheses so that it is weighed like any other, and is corrected where it wins.
 
-use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, SignalScale, Stage};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -18,7 +18,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "1",
         rigid_unit: "1",
         meaning: "true over stated sampling period, less one",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: -0.012,
         high: 0.012,
         starts: &[0.0],

@@ -3,7 +3,7 @@
 //! The command is constant over a step; delayed, it switches inside one. Its mean over the step is linear in the delay,
 //! so the delay has an exact derivative.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 use std::collections::VecDeque;
@@ -19,7 +19,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "s",
         rigid_unit: "s",
         meaning: "delay",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: 2e-4,
         high: 0.1,
         starts: &[0.001, 0.008],

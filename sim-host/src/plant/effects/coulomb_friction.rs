@@ -1,7 +1,7 @@
 //! Dry friction of the bearings: one size, against the motion, reached after the contact's bristles have bent.
 
 use super::bristle::Bristles;
-use super::{Dither, Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -35,7 +35,7 @@ pub(super) const FORCE: Parameter = Parameter {
     unit: "m/s2",
     rigid_unit: "N",
     meaning: "sliding friction per table mass",
-    yardstick: Yardstick::Force,
+    signal_scale: SignalScale::Force,
     low: 1e-4,
     high: 4.0,
     starts: &[0.005, 0.1, 0.6],
@@ -50,7 +50,7 @@ pub(crate) const PRESLIDING: Parameter = Parameter {
     unit: "m",
     rigid_unit: "m",
     meaning: "travel over which the contact bends before it slides",
-    yardstick: Yardstick::One,
+    signal_scale: SignalScale::One,
     low: 5e-7,
     high: 2e-3,
     starts: &[2e-5],

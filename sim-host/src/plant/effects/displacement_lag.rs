@@ -1,6 +1,6 @@
 //! The displacement sensor's filter lags.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -27,7 +27,7 @@ pub(super) const TIME_CONSTANT: Parameter = Parameter {
     unit: "s",
     rigid_unit: "s",
     meaning: "time constant",
-    yardstick: Yardstick::One,
+    signal_scale: SignalScale::One,
     low: 1e-4,
     high: 0.1,
     starts: &[0.001, 0.008],

@@ -1,6 +1,6 @@
 //! The displacement sensor is not linear over its stroke.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "1/m2",
         rigid_unit: "1/m2",
         meaning: "relative change of sensitivity per square of displacement",
-        yardstick: Yardstick::Curvature,
+        signal_scale: SignalScale::Curvature,
         low: -0.3,
         high: 1.0,
         starts: &[0.0],

@@ -1,6 +1,6 @@
 //! A cushion near the end of the stroke.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -16,7 +16,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m",
             rigid_unit: "m",
             meaning: "displacement where the cushion begins",
-            yardstick: Yardstick::Displacement,
+            signal_scale: SignalScale::Displacement,
             low: 0.33,
             high: 2.0,
             starts: &[0.985, 0.92, 0.75, 0.5],
@@ -29,7 +29,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1/s2",
             rigid_unit: "1/s2",
             meaning: "cushion stiffness per table mass",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1.0,
             high: 1e5,
             starts: &[30.0, 1000.0],
@@ -42,7 +42,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "how the cushion stiffens with depth, its stiffness that at 10 mm: n",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1.0,
             high: 4.0,
             starts: &[1.0],
@@ -55,7 +55,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "s/m",
             rigid_unit: "s/m",
             meaning: "what the cushion resists more per speed inwards, as a throttled outflow does: l",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.0,
             high: 100.0,
             starts: &[0.0],

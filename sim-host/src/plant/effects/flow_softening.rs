@@ -1,6 +1,6 @@
 //! The orifice softens the velocity limit: flow bends over before it reaches it.
 
-use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "1",
         rigid_unit: "1",
         meaning: "exponent n; the hard limit is n to infinity",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: 1.2,
         high: 40.0,
         starts: &[25.0, 8.0, 3.0],

@@ -1,6 +1,6 @@
 //! The gain changes as the oil warms.
 
-use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -26,7 +26,7 @@ const RATE: Parameter = Parameter {
     unit: "1/s",
     rigid_unit: "1/s",
     meaning: "relative change of gain per second at the start of a run: k",
-    yardstick: Yardstick::One,
+    signal_scale: SignalScale::One,
     low: -0.05,
     high: 0.05,
     starts: &[0.0],

@@ -1,6 +1,6 @@
 //! Oil leaks past the piston in proportion to load pressure.
 
-use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "s",
         rigid_unit: "s",
         meaning: "velocity lost per load acceleration A p_L/m",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: 1e-5,
         high: 0.2,
         starts: &[3e-4, 0.005],

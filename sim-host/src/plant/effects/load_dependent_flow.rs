@@ -1,7 +1,7 @@
 //! Load pressure takes its share of the supply: less is left to drive flow through the valve.
 
 use super::stiff_oil::{DAMPING, OIL, beneath};
-use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -17,7 +17,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m/s2",
             rigid_unit: "m/s2",
             meaning: "load acceleration A p_s / m at which the flow stalls",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.1,
             high: 500.0,
             starts: &[60.0, 10.0],

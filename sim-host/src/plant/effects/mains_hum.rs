@@ -2,7 +2,7 @@
 //!
 //! The phase differs from run to run: two amplitudes are fitted for each run, and the size over all runs is reported.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -18,7 +18,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "Hz",
             rigid_unit: "Hz",
             meaning: "frequency as sampled",
-            yardstick: Yardstick::Line,
+            signal_scale: SignalScale::Line,
             low: 0.98,
             high: 1.02,
             starts: &[1.0],
@@ -31,7 +31,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m/s2",
             rigid_unit: "m/s2",
             meaning: "amplitude",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.0,
             high: 50.0,
             starts: &[0.0],
@@ -44,7 +44,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m/s2",
             rigid_unit: "m/s2",
             meaning: "sine amplitude in one run",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: -50.0,
             high: 50.0,
             starts: &[0.0],
@@ -57,7 +57,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m/s2",
             rigid_unit: "m/s2",
             meaning: "cosine amplitude in one run",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: -50.0,
             high: 50.0,
             starts: &[0.0],

@@ -2,7 +2,7 @@
 //!
 //! For a rigid mass the offset is a force in newtons beside the command's.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -32,7 +32,7 @@ const OFFSET: Parameter = Parameter {
     unit: "unit of u",
     rigid_unit: "N",
     meaning: "added to the command at the start of each run",
-    yardstick: Yardstick::Command,
+    signal_scale: SignalScale::Command,
     low: -1e4,
     high: 1e4,
     starts: &[0.0],

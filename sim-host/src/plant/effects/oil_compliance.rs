@@ -1,6 +1,6 @@
 //! The oil column is a spring between piston flow and table mass.
 
-use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -16,7 +16,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "Hz",
             rigid_unit: "Hz",
             meaning: "natural frequency of the table on the oil column",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 3.0,
             high: 150.0,
             starts: &[8.0, 15.0, 28.0, 50.0, 90.0],
@@ -29,7 +29,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "damping ratio of that resonance",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.005,
             high: 0.4,
             starts: &[0.2],

@@ -21,7 +21,7 @@ pub(crate) use dimension::Dimension;
 pub(crate) use register::{found, register};
 pub(crate) use state::State;
 
-use super::{Ends, Entry, Family, Order, Parameter, Role, Stage, Yardstick};
+use super::{Ends, Entry, Family, Order, Parameter, Role, SignalScale, Stage};
 use crate::plant::model::Kind;
 use program::Program;
 
@@ -231,7 +231,7 @@ fn parameter(stated: &StatedParameter, keep: impl Fn(String) -> &'static str) ->
         unit,
         rigid_unit: unit,
         meaning: keep(stated.meaning.clone()),
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: stated.low,
         high: stated.high,
         starts: Box::leak(vec![stated.start].into_boxed_slice()),

@@ -1,7 +1,7 @@
 //! A one-storey structure on the table, reacting on it, whose stiffness may change with its drift: joints that crack and
 //! open soften, columns that go into tension stiffen, and its frequency moves with the size of the motion.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -17,7 +17,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "payload mass over table mass",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1e-3,
             high: 5.0,
             starts: &[0.15],
@@ -30,7 +30,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "Hz",
             rigid_unit: "Hz",
             meaning: "natural frequency of the payload on a still table",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.3,
             high: 40.0,
             starts: &[0.8, 1.5, 2.5, 4.0, 6.0, 7.8, 10.0, 14.0],
@@ -43,7 +43,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "damping ratio of the payload",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1e-3,
             high: 0.7,
             starts: &[0.3],
@@ -56,7 +56,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1/m2",
             rigid_unit: "1/m2",
             meaning: "relative change of stiffness per square of drift: h",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: -1e6,
             high: 1e6,
             starts: &[0.0],

@@ -6,7 +6,7 @@
 //! Such an effect has its plain form's identifier and further parameters, whose keys say along what it acts.
 
 use super::{
-    Compliance, Dither, Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, Yardstick, build, entry,
+    Compliance, Dither, Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, SignalScale, build, entry,
 };
 use crate::scalar::Scalar;
 use std::collections::BTreeMap;
@@ -131,7 +131,7 @@ const fn further(key: &'static str, unit: &'static str, meaning: &'static str, r
         unit,
         rigid_unit: unit,
         meaning,
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: f64::NEG_INFINITY,
         high: f64::INFINITY,
         starts: &[0.0],

@@ -3,7 +3,7 @@
 //! These are not physics and no search tries them: a diagnosis that has to call a mismatch unlisted fits them to what is
 //! left, so that the model predicts better and the curve's shape says what to look for.
 
-use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, SignalScale, Stage};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -24,11 +24,16 @@ enum Acts {
 const CURVES: [(Acts, Entry); 6] = [
     (
         Acts::ForceByVelocity,
-        curve("remainder_force_by_velocity", "f = f(v)", Stage::Table, &knots(Yardstick::Speed, "m/s", FORCE)),
+        curve("remainder_force_by_velocity", "f = f(v)", Stage::Table, &knots(SignalScale::Speed, "m/s", FORCE)),
     ),
     (
         Acts::ForceByDisplacement,
-        curve("remainder_force_by_displacement", "f = f(x)", Stage::Table, &knots(Yardstick::Displacement, "m", FORCE)),
+        curve(
+            "remainder_force_by_displacement",
+            "f = f(x)",
+            Stage::Table,
+            &knots(SignalScale::Displacement, "m", FORCE),
+        ),
     ),
     (
         Acts::FrictionByDisplacement,
@@ -36,7 +41,7 @@ const CURVES: [(Acts, Entry); 6] = [
             "remainder_friction_by_displacement",
             "f = f(x) sign v",
             Stage::Table,
-            &knots(Yardstick::Displacement, "m", FORCE),
+            &knots(SignalScale::Displacement, "m", FORCE),
         ),
     ),
     (
@@ -45,16 +50,16 @@ const CURVES: [(Acts, Entry); 6] = [
             "remainder_gain_by_displacement",
             "b0 (1 + g(x))",
             Stage::Flow,
-            &knots(Yardstick::Displacement, "m", SHARE),
+            &knots(SignalScale::Displacement, "m", SHARE),
         ),
     ),
     (
         Acts::GainByVelocity,
-        curve("remainder_gain_by_velocity", "b0 (1 + g(v))", Stage::Flow, &knots(Yardstick::Speed, "m/s", SHARE)),
+        curve("remainder_gain_by_velocity", "b0 (1 + g(v))", Stage::Flow, &knots(SignalScale::Speed, "m/s", SHARE)),
     ),
     (
         Acts::LimitByTime,
-        curve("remainder_limit_by_time", "vmax (1 + g(t))", Stage::Flow, &knots(Yardstick::Duration, "s", SHARE)),
+        curve("remainder_limit_by_time", "vmax (1 + g(t))", Stage::Flow, &knots(SignalScale::Duration, "s", SHARE)),
     ),
 ];
 
@@ -69,12 +74,12 @@ pub(crate) fn entries() -> impl Iterator<Item = &'static Entry> {
 struct Height {
     unit: &'static str,
     rigid_unit: &'static str,
-    yardstick: Yardstick,
+    signal_scale: SignalScale,
     most: f64,
 }
 
-const FORCE: Height = Height { unit: "m/s2", rigid_unit: "N", yardstick: Yardstick::Force, most: 8.0 };
-const SHARE: Height = Height { unit: "1", rigid_unit: "1", yardstick: Yardstick::One, most: 0.9 };
+const FORCE: Height = Height { unit: "m/s2", rigid_unit: "N", signal_scale: SignalScale::Force, most: 8.0 };
+const SHARE: Height = Height { unit: "1", rigid_unit: "1", signal_scale: SignalScale::One, most: 0.9 };
 
 const KEYS: [&str; KNOTS] = ["k1", "k2", "k3", "k4", "k5", "k6", "k7", "k8", "k9"];
 
@@ -103,13 +108,13 @@ const fn curve(
     }
 }
 
-const fn knots(along: Yardstick, unit: &'static str, height: Height) -> [Parameter; KNOTS + 1] {
+const fn knots(along: SignalScale, unit: &'static str, height: Height) -> [Parameter; KNOTS + 1] {
     let mut all = [Parameter {
         key: "span",
         unit,
         rigid_unit: unit,
         meaning: "where the last knot stands",
-        yardstick: along,
+        signal_scale: along,
         low: 1.0,
         high: 1.0,
         starts: &[1.0],
@@ -124,7 +129,7 @@ const fn knots(along: Yardstick, unit: &'static str, height: Height) -> [Paramet
             unit: height.unit,
             rigid_unit: height.rigid_unit,
             meaning: "height of the curve at a knot",
-            yardstick: height.yardstick,
+            signal_scale: height.signal_scale,
             low: -height.most,
             high: height.most,
             starts: &[0.0],

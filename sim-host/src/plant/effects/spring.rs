@@ -1,6 +1,6 @@
 //! Something elastic between the table and the ground: hoses, cable chains, a gas spring, a gravity restoring force.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -16,7 +16,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1/s2",
             rigid_unit: "N/m",
             meaning: "stiffness per table mass about the middle of the stroke",
-            yardstick: Yardstick::Force,
+            signal_scale: SignalScale::Force,
             low: 1e-4,
             high: 1e4,
             starts: &[0.5, 20.0],
@@ -29,7 +29,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1/m2",
             rigid_unit: "1/m2",
             meaning: "relative change of stiffness per square of displacement: c",
-            yardstick: Yardstick::Curvature,
+            signal_scale: SignalScale::Curvature,
             low: -0.9,
             high: 20.0,
             starts: &[0.0],

@@ -1,6 +1,6 @@
 //! The oil beneath an effect that loads it: a spring so stiff that it shows only as a detail of that effect.
 
-use super::{Compliance, Ends, Parameter, Role, Yardstick};
+use super::{Compliance, Ends, Parameter, Role, SignalScale};
 use crate::scalar::Scalar;
 
 /// From here on the oil does not give at all, Hz.
@@ -12,7 +12,7 @@ pub(super) const OIL: Parameter = Parameter {
     unit: "Hz",
     rigid_unit: "Hz",
     meaning: "natural frequency of the table on the oil beneath; from 1000 on the oil does not give",
-    yardstick: Yardstick::One,
+    signal_scale: SignalScale::One,
     low: 80.0,
     high: STIFF,
     starts: &[STIFF],
@@ -27,7 +27,7 @@ pub(super) const DAMPING: Parameter = Parameter {
     unit: "1",
     rigid_unit: "1",
     meaning: "damping ratio of the table on the oil beneath",
-    yardstick: Yardstick::One,
+    signal_scale: SignalScale::One,
     low: 0.005,
     high: 2.0,
     starts: &[0.2],

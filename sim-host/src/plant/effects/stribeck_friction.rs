@@ -2,7 +2,7 @@
 
 use super::bristle::Bristles;
 use super::coulomb_friction::{FORCE, PRESLIDING};
-use super::{Dither, Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,7 +19,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m/s2",
             rigid_unit: "N",
             meaning: "friction at standstill per table mass",
-            yardstick: Yardstick::Force,
+            signal_scale: SignalScale::Force,
             low: 1e-4,
             high: 8.0,
             starts: &[0.04, 0.4],
@@ -32,7 +32,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "m/s",
             rigid_unit: "m/s",
             meaning: "speed over which it falls",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1e-3,
             high: 0.5,
             starts: &[0.01],

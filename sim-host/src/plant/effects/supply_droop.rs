@@ -3,7 +3,7 @@
 //!
 //! The pressure is relative to its start; running at the limit for long it falls by `depth`.
 
-use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,7 +19,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "relative pressure lost under sustained motion at the velocity limit",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.005,
             high: 0.95,
             starts: &[0.02, 0.3],
@@ -32,7 +32,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "s",
             rigid_unit: "s",
             meaning: "time constant of the recovery",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.05,
             high: 60.0,
             starts: &[0.4, 3.0],

@@ -1,6 +1,6 @@
 //! The table tilts as it travels, and gravity shows in the accelerometer.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::{GRAVITY, Kind};
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "rad/m",
         rigid_unit: "rad/m",
         meaning: "tilt per displacement",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: -25.0,
         high: 25.0,
         starts: &[0.0],

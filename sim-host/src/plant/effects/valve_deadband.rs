@@ -6,7 +6,7 @@
 //! of a share `r` of the half width does. Within the overlap the clearance may leave a share `l` of the gain.
 
 use super::shaken::positive_part;
-use super::{Dither, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Dither, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -21,7 +21,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "unit of u",
         rigid_unit: "unit of u",
         meaning: "half width of the overlap",
-        yardstick: Yardstick::Command,
+        signal_scale: SignalScale::Command,
         low: 1e-3,
         high: 5.0,
         starts: &[0.01, 0.2, 1.0],
@@ -34,7 +34,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "1",
         rigid_unit: "1",
         meaning: "share of the half width over which its edges are rounded: r",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: 5e-3,
         high: 0.6,
         starts: &[0.04],
@@ -47,7 +47,7 @@ pub(crate) const ENTRY: Entry = Entry {
         unit: "1",
         rigid_unit: "1",
         meaning: "share of the gain that the clearance leaves within the overlap: l",
-        yardstick: Yardstick::One,
+        signal_scale: SignalScale::One,
         low: 0.0,
         high: 0.95,
         starts: &[0.0],

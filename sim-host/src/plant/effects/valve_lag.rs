@@ -1,7 +1,7 @@
 //! The spool follows its command as a second-order system, whose driving force may be limited: a torque motor or a pilot stage
 //! gives less than in proportion where the spool is far from its command.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -17,7 +17,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "Hz",
             rigid_unit: "Hz",
             meaning: "natural frequency of the spool",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 2.0,
             high: 300.0,
             starts: &[12.0, 35.0, 90.0],
@@ -30,7 +30,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1",
             rigid_unit: "1",
             meaning: "damping ratio of the spool",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.35,
             high: 2.0,
             starts: &[0.7],
@@ -43,7 +43,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1 per unit of u",
             rigid_unit: "1/N",
             meaning: "one over the distance from which half the force is missing",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 0.0,
             high: 1e4,
             starts: &[0.0],

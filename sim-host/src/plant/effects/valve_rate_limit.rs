@@ -4,7 +4,7 @@
 //! command the spool moves at its greatest rate, close to it as a first-order lag (Merritt, *Hydraulic Control Systems*,
 //! 1967, section 7-5).
 
-use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -20,7 +20,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "unit of u per s",
             rigid_unit: "unit of u per s",
             meaning: "fastest change of the command the spool follows",
-            yardstick: Yardstick::CommandRate,
+            signal_scale: SignalScale::CommandRate,
             low: 0.002,
             high: 20.0,
             starts: &[0.9, 0.65, 0.45, 0.3, 0.2, 0.12, 0.06],
@@ -33,7 +33,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "s",
             rigid_unit: "s",
             meaning: "time constant with which the spool comes to rest on its command",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: 1e-5,
             high: 5e-3,
             // A pilot stage of some 300 Hz, as servovalves of this size have.

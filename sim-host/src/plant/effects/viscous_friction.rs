@@ -3,7 +3,7 @@
 //! A film of oil is sheared in proportion to the speed until the shear itself warms and thins it: the coefficient falls as
 //! speed rises.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, Yardstick};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
@@ -19,7 +19,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "1/s",
             rigid_unit: "N s/m",
             meaning: "friction per velocity and table mass, at low speed",
-            yardstick: Yardstick::Force,
+            signal_scale: SignalScale::Force,
             low: 1e-4,
             high: 100.0,
             starts: &[0.05, 1.0],
@@ -32,7 +32,7 @@ pub(crate) const ENTRY: Entry = Entry {
             unit: "s/m",
             rigid_unit: "s/m",
             meaning: "what speed takes of the coefficient: k",
-            yardstick: Yardstick::One,
+            signal_scale: SignalScale::One,
             low: -0.2,
             high: 30.0,
             starts: &[0.0],

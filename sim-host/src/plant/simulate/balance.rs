@@ -1,7 +1,7 @@
 //! A force balance: what load the measured motion asks for, with any effects that act as forces.
 
-use super::dynamics::Mounted;
-use super::{Placed, SimulateError, Trace, Wanted};
+use super::dynamics::EffectInstance;
+use super::{EffectParameters, SimulateError, Trace, Wanted};
 use crate::plant::effects::Instant;
 use crate::scalar::Scalar;
 
@@ -25,12 +25,13 @@ const MOST: usize = 12;
 /// differ from rest at its start.
 pub(crate) fn balance<S: Scalar>(
     viscous: S,
-    effects: &[Placed<S>],
+    effects: &[EffectParameters<S>],
     motion: &MeasuredMotion,
     dt: f64,
     states: &[S],
 ) -> Result<Trace<S>, SimulateError> {
-    let (mut mounted, used, _) = Mounted::all(effects.iter().map(|p| (p.id, p.parameters.clone())), |_| 0, MOST)?;
+    let (mut mounted, used, _) =
+        EffectInstance::all(effects.iter().map(|p| (p.id, p.parameters.clone())), |_| 0, MOST)?;
     let n = motion.acceleration.len();
     let at = |k: usize, share: f64| {
         let next = (k + 1).min(n - 1);
@@ -43,7 +44,7 @@ pub(crate) fn balance<S: Scalar>(
             velocity_limit: S::from(1.0),
         }
     };
-    let rates = |mounted: &[Mounted<S>], at: &Instant<S>, y: &[S; MOST]| {
+    let rates = |mounted: &[EffectInstance<S>], at: &Instant<S>, y: &[S; MOST]| {
         let mut dy = [S::from(0.0); MOST];
         let mut force = S::from(0.0);
         for m in mounted {

@@ -3,8 +3,8 @@
 mod outside;
 
 use super::law::CommandNoise;
-use super::{Instant, Placed, SimulateError, Start, build, entry};
-use crate::plant::effects::{Compliance, Dither, Effect, Flow, Hooks, Yardstick};
+use super::{EffectParameters, Instant, SimulateError, Start, build, entry};
+use crate::plant::effects::{Compliance, Dither, Effect, Flow, Hooks, SignalScale};
 use crate::plant::model::Baseline;
 use crate::scalar::Scalar;
 
@@ -95,14 +95,14 @@ pub(super) enum Regime {
 
 /// One effect in place.
 #[derive(Debug)]
-pub(super) struct Mounted<S> {
+pub(super) struct EffectInstance<S> {
     pub(super) effect: Box<dyn Effect<S>>,
     hooks: Hooks,
     pub(super) first: usize,
     pub(super) last: usize,
 }
 
-impl<S: Scalar> Mounted<S> {
+impl<S: Scalar> EffectInstance<S> {
     /// Puts effects in place, their states from an index on that follows from how the actuator yields; gives them, the
     /// end of their states and how the actuator yields.
     pub(super) fn all(
@@ -131,7 +131,7 @@ impl<S: Scalar> Mounted<S> {
 #[derive(Debug)]
 pub(in crate::plant) struct Dynamics<S> {
     baseline: Baseline<S>,
-    mounted: Vec<Mounted<S>>,
+    mounted: Vec<EffectInstance<S>>,
     /// The hooks that any of them uses.
     pub(super) any: Hooks,
     compliance: Compliance<S>,
@@ -146,11 +146,14 @@ pub(in crate::plant) struct Dynamics<S> {
 }
 
 impl<S: Scalar> Dynamics<S> {
-    pub(in crate::plant) fn new(baseline: &Baseline<S>, effects: &[Placed<S>]) -> Result<Self, SimulateError> {
+    pub(in crate::plant) fn new(
+        baseline: &Baseline<S>,
+        effects: &[EffectParameters<S>],
+    ) -> Result<Self, SimulateError> {
         let placed = effects.iter().map(|placed| (placed.id, per_mass(baseline, placed)));
         let yields = |c: &Compliance<S>| c.oil.is_some() || c.leakage.is_some() || c.stall_acceleration.is_some();
         let first = |c: &Compliance<S>| if yields(c) { YIELDING } else { STIFF };
-        let (mounted, used, compliance) = Mounted::all(placed, first, STATES)?;
+        let (mounted, used, compliance) = EffectInstance::all(placed, first, STATES)?;
         let (velocity_limit, lagged) = match *baseline {
             Baseline::Servo { velocity_limit, b1, b0, a1 } => (velocity_limit, b0 - b1 * a1),
             Baseline::RigidMass { .. } => (S::from(1.0), S::from(0.0)),
@@ -603,14 +606,14 @@ fn soften<S: Scalar>(w: S, limit: S, n: S) -> S {
 
 /// An effect's parameters per table mass and in units of the command, as its equations take them; behind those of a user's
 /// own, whose expression is in newtons, the mass.
-fn per_mass<S: Scalar>(baseline: &Baseline<S>, placed: &Placed<S>) -> Vec<S> {
+fn per_mass<S: Scalar>(baseline: &Baseline<S>, placed: &EffectParameters<S>) -> Vec<S> {
     let (Baseline::RigidMass { mass, gain, .. }, Some(entry)) = (*baseline, entry(placed.id)) else {
         return placed.parameters.clone();
     };
-    let convert = |(&value, parameter): (&S, &crate::plant::effects::Parameter)| match parameter.yardstick {
-        Yardstick::Force => value / mass,
+    let convert = |(&value, parameter): (&S, &crate::plant::effects::Parameter)| match parameter.signal_scale {
+        SignalScale::Force => value / mass,
         // A size of the command that a rigid mass states as a force.
-        Yardstick::Command if parameter.rigid_unit != parameter.unit => value / gain,
+        SignalScale::Command if parameter.rigid_unit != parameter.unit => value / gain,
         _ => value,
     };
     let own = crate::plant::effects::own::is_force(placed.id).then_some(mass);

@@ -1,13 +1,13 @@
 mod halving;
 
 use super::*;
-use crate::identify::model::{Placed as Start0, Yardsticks};
+use crate::identify::model::{ModelEffect as Start0, SignalScales};
 use crate::plant::effects::ENTRIES;
 use crate::plant::model::Kind;
 use crate::scalar::{Dual, Scalar};
 
 const DT: f64 = 0.004;
-const YARDSTICKS: Yardsticks = Yardsticks { displacement: 0.05, ..Yardsticks::TYPICAL };
+const YARDSTICKS: SignalScales = SignalScales { displacement: 0.05, ..SignalScales::TYPICAL };
 
 fn reference(n: usize) -> Vec<f64> {
     let sine = |t: f64, hz: f64, size: f64| size * (std::f64::consts::TAU * hz * t).sin();
@@ -18,7 +18,7 @@ fn paper<S: Scalar>() -> Baseline<S> {
     Baseline::Servo { b1: 0.69.into(), b0: 138.0.into(), a1: 57.65.into(), velocity_limit: 0.242.into() }
 }
 
-fn run<S: Scalar>(effects: &[Placed<S>]) -> Trace<S> {
+fn run<S: Scalar>(effects: &[EffectParameters<S>]) -> Trace<S> {
     let input = reference(1200);
     let drive = Drive {
         dt: DT,
@@ -50,13 +50,13 @@ fn sensitivities_are_those_of_the_simulation() {
             let with = |value: f64| {
                 let mut parameters = at.clone();
                 parameters[i] = value;
-                run::<f64>(&[Placed { id: entry.id, parameters }])
+                run::<f64>(&[EffectParameters { id: entry.id, parameters }])
             };
             let h = 1e-5 * at[i].abs().max(1e-3);
             let (up, down) = (with(at[i] + h), with(at[i] - h));
             let parameters =
                 at.iter().enumerate().map(|(j, &v)| if i == j { Dual::<1>::variable(v, 0) } else { Dual::from(v) });
-            let dual = run(&[Placed { id: entry.id, parameters: parameters.collect() }]);
+            let dual = run(&[EffectParameters { id: entry.id, parameters: parameters.collect() }]);
             let (mut error, mut size) = (0.0, 1e-12);
             for k in 0..dual.displacement.len() {
                 let difference = (up.displacement[k] - down.displacement[k]) / (2.0 * h);
@@ -75,7 +75,7 @@ fn sensitivities_are_those_of_the_simulation() {
 /// Behind a leak or an orifice that gives way at once the oil's spring hardly shows, however fast the two together are.
 #[test]
 fn oil_is_stable_beside_what_gives_way_to_load() {
-    let placed = |id: &'static str, parameters: &[f64]| Placed { id, parameters: parameters.to_vec() };
+    let placed = |id: &'static str, parameters: &[f64]| EffectParameters { id, parameters: parameters.to_vec() };
     let oil = placed("oil_compliance", &[90.0, 0.1]);
     let apart = |a: &Trace<f64>, b: &Trace<f64>| {
         a.displacement.iter().zip(&b.displacement).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
@@ -105,9 +105,9 @@ fn matrices_give_what_the_rule_gives() {
                 lane += 1;
                 Dual::<8>::variable(1.037 * v.value, lane)
             };
-            Placed { id: entry.id, parameters: start.values.iter().map(variable).collect() }
+            EffectParameters { id: entry.id, parameters: start.values.iter().map(variable).collect() }
         };
-        let effects: Vec<Placed<Dual<8>>> = set.iter().map(|entry| parameters(entry)).collect();
+        let effects: Vec<EffectParameters<Dual<8>>> = set.iter().map(|entry| parameters(entry)).collect();
         let model = Baseline::Servo {
             b1: 0.69.into(),
             b0: Dual::variable(138.0, 0),
@@ -173,7 +173,7 @@ fn without_effects_it_is_the_papers_plant() {
 
 #[test]
 fn an_unknown_effect_is_refused_by_name() {
-    let effects = [Placed { id: "phlogiston", parameters: vec![1.0] }];
+    let effects = [EffectParameters { id: "phlogiston", parameters: vec![1.0] }];
     let drive = Drive {
         dt: DT,
         ticks: 1,
@@ -207,7 +207,8 @@ fn effects_on_a_rigid_mass_have_their_units() {
         };
         let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
         let mass = Baseline::RigidMass { mass: 10.0, viscous: 0.0, gain: 20.0 };
-        let trace = simulate(&mass, &[Placed { id, parameters: parameters.to_vec() }], &drive, &start).unwrap();
+        let trace =
+            simulate(&mass, &[EffectParameters { id, parameters: parameters.to_vec() }], &drive, &start).unwrap();
         trace.displacement[250]
     };
     // Half a metre per m/s2 after a second.

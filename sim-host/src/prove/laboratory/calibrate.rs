@@ -139,7 +139,7 @@ pub fn table(calibrated: &Calibrated) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::record::{Named, Present, Record, Reply, Truth};
+    use super::super::super::record::{Named, Record, Reply, TrueEffect, Truth};
     use super::{Constants, calibrate};
 
     /// Cases of an effect that is named with `stated`, and rightly so in `right` of a hundred.
@@ -147,7 +147,7 @@ mod tests {
         let of = |case: u64| {
             let name = if case % 100 < right { id } else { "another" };
             let named = Named { id: name.into(), probability: Some(stated), ..Named::default() };
-            let effects = vec![Present { id: id.into(), ..Present::default() }];
+            let effects = vec![TrueEffect { id: id.into(), ..TrueEffect::default() }];
             Record {
                 case,
                 reply: Reply { verdict: "mismatch".into(), effects: vec![named], ..Reply::default() },

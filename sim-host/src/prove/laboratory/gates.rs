@@ -2,7 +2,7 @@
 
 use super::super::gates::{Gate, Limit};
 use super::super::record::Record;
-use super::outcome::{Judged, Outcome};
+use super::outcome::{Outcome, ScoredModel};
 use super::{calibration, strata};
 use crate::plant::effects::{ENTRIES, Family};
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 const SECONDS: f64 = 30.0;
 
 struct Table<'a> {
-    all: &'a [Judged<'a>],
+    all: &'a [ScoredModel<'a>],
     gates: Vec<Gate>,
 }
 
@@ -63,7 +63,7 @@ fn right(_: &Record, outcome: &Outcome) -> bool {
 }
 
 /// All gates; an empty one says that its cases were not dealt.
-pub(super) fn gates(all: &[Judged<'_>]) -> Vec<Gate> {
+pub(super) fn gates(all: &[ScoredModel<'_>]) -> Vec<Gate> {
     use Limit::{AtLeast, AtMost};
     let mut t = Table { all, gates: Vec::new() };
     let null =
@@ -136,7 +136,7 @@ fn located(t: &mut Table<'_>) {
 }
 
 /// Coverage of the 90 % intervals by family of effects.
-fn families(all: &[Judged<'_>]) -> Vec<Gate> {
+fn families(all: &[ScoredModel<'_>]) -> Vec<Gate> {
     let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     for (parameter, covers) in all.iter().flat_map(|j| &j.1.score.covered) {
         let entry = counts.entry(family(parameter)).or_default();

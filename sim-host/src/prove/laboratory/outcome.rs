@@ -6,7 +6,7 @@ use super::{place, set_up};
 use std::collections::BTreeSet;
 
 /// A record with how it went.
-pub type Judged<'a> = (&'a Record, Outcome);
+pub type ScoredModel<'a> = (&'a Record, Outcome);
 
 /// How a case went.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,7 +148,7 @@ pub(super) fn left(record: &Record) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::record::{Attainable, Candidate, Named, Present, Record, Reply, Truth};
+    use super::super::super::record::{Attainable, Candidate, Named, Record, Reply, TrueEffect, Truth};
     use super::{Outcome, judge};
 
     fn judged(
@@ -159,7 +159,7 @@ mod tests {
         change: impl Fn(&mut Record),
     ) -> Outcome {
         let named = |id: &&str| Named { id: (*id).into(), probability: Some(0.9), ..Named::default() };
-        let present = |id: &&str| Present { id: (*id).into(), ..Present::default() };
+        let present = |id: &&str| TrueEffect { id: (*id).into(), ..TrueEffect::default() };
         let mut record = Record {
             reply: Reply { verdict: verdict.into(), effects: names.iter().map(named).collect(), ..Reply::default() },
             truth: Truth {

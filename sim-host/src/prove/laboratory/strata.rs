@@ -1,7 +1,7 @@
 //! Tables of a campaign: cases by what they hold.
 
 use super::super::record::Record;
-use super::outcome::{Judged, left};
+use super::outcome::{ScoredModel, left};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -64,7 +64,7 @@ pub(super) fn strata(record: &Record) -> Vec<String> {
             if !close(record) {
                 out.push("pair, neither".into());
             }
-            let faint = |e: &super::super::record::Present| e.excess.is_some_and(|x| x < 5.0);
+            let faint = |e: &super::super::record::TrueEffect| e.excess.is_some_and(|x| x < 5.0);
             if truth.effects.iter().any(faint) && !truth.effects.iter().all(faint) {
                 out.push("pair, faint beside clear".into());
             }
@@ -83,8 +83,8 @@ pub(super) fn close(record: &Record) -> bool {
 }
 
 /// Rows by the keys of each case, in their order.
-pub(super) fn rows(all: &[Judged<'_>], keys: impl Fn(&Record) -> Vec<String>) -> Vec<Row> {
-    let mut groups: BTreeMap<String, Vec<&Judged<'_>>> = BTreeMap::new();
+pub(super) fn rows(all: &[ScoredModel<'_>], keys: impl Fn(&Record) -> Vec<String>) -> Vec<Row> {
+    let mut groups: BTreeMap<String, Vec<&ScoredModel<'_>>> = BTreeMap::new();
     for judged in all {
         for key in keys(judged.0) {
             groups.entry(key).or_default().push(judged);
@@ -93,8 +93,8 @@ pub(super) fn rows(all: &[Judged<'_>], keys: impl Fn(&Record) -> Vec<String>) ->
     groups.into_iter().map(|(name, group)| row(name, &group)).collect()
 }
 
-fn row(name: String, group: &[&Judged<'_>]) -> Row {
-    let count = |f: &dyn Fn(&Judged<'_>) -> bool| group.iter().filter(|j| f(j)).count();
+fn row(name: String, group: &[&ScoredModel<'_>]) -> Row {
+    let count = |f: &dyn Fn(&ScoredModel<'_>) -> bool| group.iter().filter(|j| f(j)).count();
     let chi2 = |f: &dyn Fn(&Record) -> Option<f64>| quantile(group.iter().filter_map(|j| f(j.0)).collect(), 0.5);
     let seconds = |share: f64| quantile(group.iter().map(|j| j.0.seconds).collect(), share).unwrap_or(0.0);
     Row {

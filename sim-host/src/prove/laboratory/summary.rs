@@ -6,7 +6,7 @@ use super::super::record::{Record, Truth};
 use super::super::summary::{Confusion, Coverage, confusion, coverage};
 use super::calibration::{Calibration, calibration};
 use super::gates::gates;
-use super::outcome::{Judged, judge};
+use super::outcome::{ScoredModel, judge};
 use super::strata::{Row, rows, strata};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -72,7 +72,7 @@ pub struct Summary {
 
 /// Scores and sums up. The same records give the same summary, however many pieces they came in.
 pub fn summarise(plan: &Plan, records: &[Record]) -> Summary {
-    let all: Vec<Judged<'_>> = records.iter().map(|record| (record, judge(record))).collect();
+    let all: Vec<ScoredModel<'_>> = records.iter().map(|record| (record, judge(record))).collect();
     let scored: Vec<_> = all.iter().map(|j| (j.0, j.1.score.clone())).collect();
     let single = |r: &Record| r.truth.effects.first().filter(|_| r.truth.stratum == "single").cloned();
     let strength = |r: &Record| r.truth.strength.clone().unwrap_or_default();
@@ -97,7 +97,7 @@ pub fn summarise(plan: &Plan, records: &[Record]) -> Summary {
     }
 }
 
-fn faults(all: &[Judged<'_>]) -> Vec<Fault> {
+fn faults(all: &[ScoredModel<'_>]) -> Vec<Fault> {
     let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     for (what, found) in all.iter().flat_map(|j| &j.1.faults) {
         let entry = counts.entry(what).or_default();
@@ -106,7 +106,7 @@ fn faults(all: &[Judged<'_>]) -> Vec<Fault> {
     counts.into_iter().map(|(what, (asked, reported))| Fault { what: what.into(), asked, reported }).collect()
 }
 
-fn false_claims(all: &[Judged<'_>]) -> Vec<Fault> {
+fn false_claims(all: &[ScoredModel<'_>]) -> Vec<Fault> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for what in all.iter().flat_map(|j| &j.1.false_faults) {
         *counts.entry(what).or_default() += 1;
@@ -119,7 +119,7 @@ fn failed(record: &Record) -> Option<String> {
     (record.reply.verdict == "failed").then(|| format!("case {}: {why}", record.case))
 }
 
-fn miss((record, outcome): &Judged<'_>) -> Miss {
+fn miss((record, outcome): &ScoredModel<'_>) -> Miss {
     let strength = record.truth.strength.as_ref().map_or(String::new(), |s| format!(", {s}"));
     Miss {
         case: record.case,

@@ -3,16 +3,16 @@
 
 use super::super::campaign::Plan;
 use super::super::record::{
-    Attainable, Candidate, Estimate, Found, Location, Misstated, Named, Present, Record, Region, Remainder, Reply,
-    Stretch, TrueRegion, Truth,
+    Attainable, Candidate, Estimate, Found, Location, Misstated, Named, Record, Region, Remainder, Reply, Stretch,
+    TrueEffect, TrueRegion, Truth,
 };
 use super::summarise;
 
 /// Cases of one kind: enough to decide the hardest gate, one in a hundred.
 const CASES: u64 = 400;
 
-fn present(id: &str, block: &str) -> Present {
-    Present { id: id.into(), block: block.into(), excess: Some(50.0), ..Present::default() }
+fn present(id: &str, block: &str) -> TrueEffect {
+    TrueEffect { id: id.into(), block: block.into(), excess: Some(50.0), ..TrueEffect::default() }
 }
 
 fn truth(stratum: &str, effects: &[(&str, &str)], unlisted: bool) -> Truth {
@@ -36,7 +36,7 @@ fn truth(stratum: &str, effects: &[(&str, &str)], unlisted: bool) -> Truth {
 /// The reply that an examinee without fault gives to a truth.
 fn perfect(truth: &Truth) -> Reply {
     let value = Estimate { value: 1.0, low: Some(0.5), high: Some(1.5), ..Estimate::default() };
-    let named = |p: &Present| Named {
+    let named = |p: &TrueEffect| Named {
         id: p.id.clone(),
         probability: Some(0.995),
         parameters: [("size".to_string(), value)].into(),

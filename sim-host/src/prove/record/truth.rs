@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// A flaw that is there.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Present {
+pub struct TrueEffect {
     /// Identifier, or the kind of a flaw in no library.
     pub id: String,
     /// Parameters as the truth was built.
@@ -84,12 +84,12 @@ pub struct Truth {
     /// `faint`, `clear`, `gross`.
     pub strength: Option<String>,
     /// Listed effects that are missing from the stated model.
-    pub effects: Vec<Present>,
+    pub effects: Vec<TrueEffect>,
     /// The flaw's name where no library holds it.
     pub unlisted: Option<String>,
     /// Each of the flaws that no library holds.
     #[serde(default)]
-    pub unlisted_kinds: Vec<Present>,
+    pub unlisted_kinds: Vec<TrueEffect>,
     /// Effects that these data cannot tell apart.
     pub groups: Vec<Vec<String>>,
     /// Effects whose naming is no wrong name.

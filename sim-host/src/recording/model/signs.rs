@@ -17,7 +17,7 @@ impl StatedEffect {
                 let place = self.place.clone().column(&format!("effects.{}.{}", self.id, parameter.key));
                 Err(place.refuse(Problem::OutOfRange { value, expected }))
             };
-            let absolute = parameter.yardstick == effects::Yardstick::One;
+            let absolute = parameter.signal_scale == effects::SignalScale::One;
             if parameter.positive && value < 0.0 {
                 return refuse("it cannot be negative");
             }

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// One thing that is there and not in the stated model: a listed effect or a flaw without a name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Present {
+pub struct TrueEffect {
     /// Identifier, or the unlisted kind.
     pub id: String,
     /// Name of its form.
@@ -47,9 +47,9 @@ pub struct Answer {
     /// True parameters of the stated model.
     pub model: Vec<(&'static str, f64)>,
     /// Listed effects.
-    pub effects: Vec<Present>,
+    pub effects: Vec<TrueEffect>,
     /// Flaws that no library holds.
-    pub unlisted: Vec<Present>,
+    pub unlisted: Vec<TrueEffect>,
     /// What was done to bad data.
     pub fault: Option<Fault>,
     /// Effects that these data cannot tell apart.
@@ -82,7 +82,7 @@ impl Answer {
             list.iter().map(|(key, value)| ((*key).to_string(), json!(value))).collect()
         };
         let kinds: Vec<&str> = self.unlisted.iter().map(|u| u.id.as_str()).collect();
-        let all: Vec<&Present> = self.effects.iter().chain(&self.unlisted).collect();
+        let all: Vec<&TrueEffect> = self.effects.iter().chain(&self.unlisted).collect();
         let mut blocks: Vec<&str> = all.iter().map(|p| p.block).collect();
         blocks.sort_unstable();
         blocks.dedup();
@@ -109,7 +109,7 @@ impl Answer {
     }
 }
 
-fn present(p: &Present, parameters: serde_json::Map<String, Value>) -> Value {
+fn present(p: &TrueEffect, parameters: serde_json::Map<String, Value>) -> Value {
     json!({"id": p.id, "form": p.form, "source": p.source, "parameters": parameters, "block": p.block,
         "excess": p.excess, "sigma": p.sigma, "everywhere": p.gate.is_none()})
 }
@@ -124,12 +124,12 @@ pub fn file(number: u64) -> String {
     format!("run-{}.csv", number + 1)
 }
 
-fn time(p: &Present) -> Option<Value> {
+fn time(p: &TrueEffect) -> Option<Value> {
     let Gate::Time { run, from, to } = p.gate? else { return None };
     Some(json!({"id": p.id, "run": run.map(file), "from_s": from, "to_s": to}))
 }
 
-fn state(p: &Present, quantiles: &[f64]) -> Option<Value> {
+fn state(p: &TrueEffect, quantiles: &[f64]) -> Option<Value> {
     let Gate::State { variable, low, high, .. } = p.gate? else { return None };
     let magnitude = variable == super::law::Variable::Speed;
     Some(json!({"id": p.id, "variable": variable.name(), "magnitude": magnitude, "low": low, "high": high,

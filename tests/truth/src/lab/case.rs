@@ -1,6 +1,6 @@
 //! A case from seed and number: experiment, flaws at their strengths, recordings, sealed answer.
 
-use super::answer::{Answer, Present, Sealed};
+use super::answer::{Answer, Sealed, TrueEffect};
 use super::choose::{Chosen, Ingredient};
 use super::corrupt::Corruption;
 use super::engine::simulate;
@@ -48,8 +48,8 @@ pub fn cases(seed: u64, count: u64) -> impl Iterator<Item = Case> {
 /// A plant with its flaws, and what the answer says of them.
 struct Flawed {
     plant: Plant,
-    effects: Vec<Present>,
-    unlisted: Vec<Present>,
+    effects: Vec<TrueEffect>,
+    unlisted: Vec<TrueEffect>,
     alike: Option<f64>,
     excess: f64,
     groups: Vec<Vec<String>>,
@@ -174,12 +174,12 @@ fn together(scene: &Scene, frame: &Frame, baseline: &Plant, sets: &[Set]) -> Opt
     Some(flawed)
 }
 
-fn present(set: &Set, baseline: &Plant, visible: Visible) -> Present {
+fn present(set: &Set, baseline: &Plant, visible: Visible) -> TrueEffect {
     let mut plant = baseline.clone();
     let (parameters, block) = set.add(&mut plant);
     let (form, source) = set.ingredient.form();
     let gate = plant.gate_since(baseline);
-    Present {
+    TrueEffect {
         id: set.ingredient.id(),
         form,
         source,

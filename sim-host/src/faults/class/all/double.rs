@@ -4,22 +4,22 @@
 use super::super::Promise::Measured;
 use super::super::{Class, Fault};
 use super::{DEVICE, SENSORS, TABLE};
-use crate::faults::dice::Dice;
-use crate::faults::machine::{BLOCK, Break};
+use crate::faults::dice::FaultRng;
+use crate::faults::machine::{BLOCK, PlantFault};
 
-fn hard_over(dice: &mut Dice) -> Fault {
-    Fault::Table(Break::Stuck(dice.sign() * dice.scale(0.12, 10.0)))
+fn hard_over(dice: &mut FaultRng) -> Fault {
+    Fault::Table(PlantFault::Stuck(dice.sign() * dice.scale(0.12, 10.0)))
 }
 
 /// Any fault of a sensor, or of the table but its relay.
-fn any(dice: &mut Dice) -> Fault {
+fn any(dice: &mut FaultRng) -> Fault {
     let from = if dice.chance(0.7) { SENSORS } else { TABLE };
     let count = from.iter().filter(|class| class.id != "relay-welded").count();
     (from[dice.below(count)].deal)(dice)
 }
 
 /// Any fault of a sensor, a command or the table.
-fn first(dice: &mut Dice) -> Fault {
+fn first(dice: &mut FaultRng) -> Fault {
     let from = if dice.chance(0.3) { DEVICE } else { return any(dice) };
     // The first classes are those of commands.
     (from[dice.below(10)].deal)(dice)

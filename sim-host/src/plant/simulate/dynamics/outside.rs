@@ -1,7 +1,7 @@
 //! What a plant shows to whoever moves it on from outside.
 
 use super::super::SimulateError;
-use super::{DISPLACEMENT, Dynamics, Instant, LOAD, Mounted, SPEED, STATES, State, TABLE, Work};
+use super::{DISPLACEMENT, Dynamics, EffectInstance, Instant, LOAD, SPEED, STATES, State, TABLE, Work};
 use crate::plant::effects::Effect;
 use crate::plant::model::Baseline;
 use crate::scalar::Scalar;
@@ -14,7 +14,7 @@ impl<S: Scalar> Dynamics<S> {
             return Err(SimulateError::TooManyStates { states: last });
         }
         self.any = self.any.or(effect.hooks());
-        self.mounted.push(Mounted { hooks: effect.hooks(), effect, first, last });
+        self.mounted.push(EffectInstance { hooks: effect.hooks(), effect, first, last });
         self.used = last;
         Ok(())
     }

@@ -5,7 +5,7 @@
 
 use super::super::dynamics::Dynamics;
 use super::super::*;
-use crate::plant::effects::{ENTRIES, Entry, Order, Yardstick};
+use crate::plant::effects::{ENTRIES, Entry, Order, SignalScale};
 use crate::plant::model::Kind;
 
 /// A control tick, s, and how many there are.
@@ -13,7 +13,7 @@ const TICK: f64 = 4e-3;
 const TICKS: usize = 300;
 
 /// Displacement and sensed velocity after every tick, for so many steps in a tick.
-fn moved(effects: &[Placed<f64>], steps: usize, (phase, size): (f64, f64)) -> Vec<[f64; 2]> {
+fn moved(effects: &[EffectParameters<f64>], steps: usize, (phase, size): (f64, f64)) -> Vec<[f64; 2]> {
     let paper = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };
     let mut dynamics = Dynamics::new(&paper, effects).unwrap();
     let mut state = dynamics.rest(&Start { displacement: 0.0, velocity: 0.0, states: Vec::new() });
@@ -33,7 +33,7 @@ fn moved(effects: &[Placed<f64>], steps: usize, (phase, size): (f64, f64)) -> Ve
 
 /// What each halving leaves of the root mean square difference to the halving before, in powers of two on average: of the
 /// displacement, and of the velocity that the accelerometer feels.
-fn orders(effects: &[Placed<f64>], size: f64, drives: usize, steps: &[usize]) -> [f64; 2] {
+fn orders(effects: &[EffectParameters<f64>], size: f64, drives: usize, steps: &[usize]) -> [f64; 2] {
     let phases: Vec<f64> = (0..drives).map(|i| 0.77 * i as f64).collect();
     let answer = |&steps: &usize| -> Vec<[f64; 2]> {
         phases.iter().flat_map(|&phase| moved(effects, steps, (phase, size))).collect()
@@ -48,27 +48,27 @@ fn orders(effects: &[Placed<f64>], size: f64, drives: usize, steps: &[usize]) ->
 }
 
 /// What an effect's starting values are multiples of, under these drives.
-fn size(yardstick: Yardstick) -> f64 {
-    match yardstick {
-        Yardstick::One | Yardstick::Force => 1.0,
-        Yardstick::Command => 0.05,
-        Yardstick::CommandRate => 2.0,
-        Yardstick::Speed => 0.1,
-        Yardstick::Displacement => 0.02,
-        Yardstick::Curvature => 2500.0,
-        Yardstick::Duration => 30.0,
-        Yardstick::Line => 50.0,
+fn size(signal_scale: SignalScale) -> f64 {
+    match signal_scale {
+        SignalScale::One | SignalScale::Force => 1.0,
+        SignalScale::Command => 0.05,
+        SignalScale::CommandRate => 2.0,
+        SignalScale::Speed => 0.1,
+        SignalScale::Displacement => 0.02,
+        SignalScale::Curvature => 2500.0,
+        SignalScale::Duration => 30.0,
+        SignalScale::Line => 50.0,
     }
 }
 
 /// Parameters at which the effect is at work, off round values.
-fn at_work(entry: &'static Entry) -> Vec<Placed<f64>> {
-    let largest = entry.parameters.iter().map(|p| 1.037 * size(p.yardstick) * p.starts.last().unwrap());
-    vec![Placed { id: entry.id, parameters: largest.collect() }]
+fn at_work(entry: &'static Entry) -> Vec<EffectParameters<f64>> {
+    let largest = entry.parameters.iter().map(|p| 1.037 * size(p.signal_scale) * p.starts.last().unwrap());
+    vec![EffectParameters { id: entry.id, parameters: largest.collect() }]
 }
 
 /// Whether a sensor's velocity depends on where the table has been.
-fn remembers(effects: &[Placed<f64>]) -> bool {
+fn remembers(effects: &[EffectParameters<f64>]) -> bool {
     let hooks = effects.iter().filter_map(|placed| build(placed.id, &placed.parameters)).map(|effect| effect.hooks());
     hooks.into_iter().any(|hooks| hooks.after && hooks.velocity)
 }
@@ -107,7 +107,7 @@ fn the_limit_converges_at_second_order() {
 #[test]
 fn equations_do_not_depend_on_the_step() {
     for (id, parameters) in [("load_dependent_flow", vec![12.0, 1000.0, 0.2]), ("leakage", vec![1e-4])] {
-        let effects = [Placed { id, parameters }];
+        let effects = [EffectParameters { id, parameters }];
         let [long, short, fine] = [8, 32, 256].map(|steps| moved(&effects, steps, (0.3, 1.0)));
         let apart = |a: &[[f64; 2]]| a.iter().zip(&fine).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
         // A ten-thousandth of the LVDT's step of 0.04 mm.

@@ -1,9 +1,9 @@
 use super::super::decide::tests::{judged, viscous};
-use super::super::judged::Judged;
+use super::super::judged::ScoredModel;
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
-use crate::identify::model::{Model, Placed, Yardsticks};
+use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::identify::prepare::Prepared;
 use crate::plant::effects::entry;
 
@@ -13,8 +13,8 @@ fn named(truth: &Model) -> (Weighing, Decision) {
     let (before, after) =
         (judged(model(TRUTH), &runs), judged(model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))), &runs));
     let (fit, holdout) = (runs[..2].to_vec(), runs[2..].to_vec());
-    let yardsticks = Yardsticks::of(&fit, 1.0);
-    let candidates: Vec<Judged> = vec![Judged { probability: 0.8, ..after.clone() }];
+    let signal_scales = SignalScales::of(&fit, 1.0);
+    let candidates: Vec<ScoredModel> = vec![ScoredModel { probability: 0.8, ..after.clone() }];
     let decision = Decision {
         before,
         after,
@@ -26,7 +26,7 @@ fn named(truth: &Model) -> (Weighing, Decision) {
         more_missing: false,
         noise: Vec::new(),
     };
-    let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), yardsticks };
+    let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
     (Weighing::of(training, holdout), decision)
 }
 
@@ -36,7 +36,7 @@ fn a_name_that_a_curve_outdoes_is_taken_back() {
     let (weighing, mut decision) = named(&model(TRUTH).with(viscous(120.0, -0.6, (-2.0, 2.0))));
     let left = decision.after.hold.chi2;
     assert!(left > DOUBTFUL, "the equation of friction leaves chi2 {left}");
-    let curve = outdone(&weighing, &mut decision).unwrap().expect("a curve along velocity");
+    let curve = reject_for_curve(&weighing, &mut decision).unwrap().expect("a curve along velocity");
     assert!(curve.remainder.as_ref().is_some_and(|r| r.id.ends_with("by_velocity")));
     assert!(curve.judged.hold.chi2 - 1.0 < OUTDONE * (left - 1.0), "{} of {left}", curve.judged.hold.chi2);
     assert!(decision.unlisted && decision.after.added.is_empty());
@@ -47,9 +47,9 @@ fn a_name_that_a_curve_outdoes_is_taken_back() {
 /// What the name leaves is in nobody's coordinate: a curve in the name's place leaves it too.
 #[test]
 fn a_name_beside_which_something_else_is_left_stands() {
-    let mut hum = Placed::start(entry("mains_hum").unwrap(), 0, &Yardsticks::TYPICAL).unwrap();
+    let mut hum = ModelEffect::start(entry("mains_hum").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
     hum.values.iter_mut().zip([50.0, 0.0, 0.2, 0.0]).for_each(|(slot, value)| slot.value = value);
     let (weighing, mut decision) = named(&model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))).with(hum));
     assert!(decision.after.hold.chi2 > DOUBTFUL, "hum is left: chi2 {}", decision.after.hold.chi2);
-    assert!(outdone(&weighing, &mut decision).unwrap().is_none() && !decision.unlisted);
+    assert!(reject_for_curve(&weighing, &mut decision).unwrap().is_none() && !decision.unlisted);
 }

@@ -3,8 +3,8 @@
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::fit::secant::Base;
-use crate::identify::model::{Model, Placed, Yardsticks};
-use crate::plant::effects::Yardstick;
+use crate::identify::model::{Model, ModelEffect, SignalScales};
+use crate::plant::effects::SignalScale;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -16,12 +16,12 @@ const LOOKS: usize = 36;
 const PROMISING: usize = 18;
 
 /// Every effect that a parent has not, at each of its starting values; no set of effects from two parents.
-pub(in crate::diagnose) fn seedlings<'a>(
+pub(in crate::diagnose) fn candidate_starts<'a>(
     parents: &'a [Fit],
     singles: &[Fit],
-    yardsticks: &Yardsticks,
-) -> Vec<Seedling<'a>> {
-    let mut seedlings = Vec::new();
+    signal_scales: &SignalScales,
+) -> Vec<CandidateStart<'a>> {
+    let mut candidate_starts = Vec::new();
     let mut sets: Vec<Vec<&'static str>> = Vec::new();
     for parent in parents {
         for entry in parent.model.candidates() {
@@ -34,26 +34,26 @@ pub(in crate::diagnose) fn seedlings<'a>(
             sets.push(set);
             // Alone the effect was fitted already: its values there are one start, the library's the others.
             let alone = singles.iter().find_map(|fit| fit.model.effects.iter().find(|p| p.entry.id == entry.id));
-            let library = (0..).map_while(|i| Placed::start(entry, i, yardsticks));
+            let library = (0..).map_while(|i| ModelEffect::start(entry, i, signal_scales));
             // A resonance is found from near its frequency only, and a limit from where it binds.
-            let places = [Yardstick::CommandRate, Yardstick::Displacement];
-            let far = entry.parameters.iter().any(|p| p.unit == "Hz" || places.contains(&p.yardstick));
+            let places = [SignalScale::CommandRate, SignalScale::Displacement];
+            let far = entry.parameters.iter().any(|p| p.unit == "Hz" || places.contains(&p.signal_scale));
             let most = if alone.is_some() && !far { 1 } else { usize::MAX };
             let starts = alone.cloned().into_iter().chain(library.take(most));
-            seedlings.extend(starts.map(|placed| Seedling { parent, placed }));
+            candidate_starts.extend(starts.map(|placed| CandidateStart { parent, placed }));
         }
     }
-    seedlings
+    candidate_starts
 }
 
 /// A start: which parent, with which effect where.
-pub(in crate::diagnose) struct Seedling<'a> {
+pub(in crate::diagnose) struct CandidateStart<'a> {
     pub(super) parent: &'a Fit,
     /// The effect where it starts.
-    pub(in crate::diagnose) placed: Placed,
+    pub(in crate::diagnose) placed: ModelEffect,
 }
 
-impl Seedling<'_> {
+impl CandidateStart<'_> {
     /// The model to start from.
     pub(in crate::diagnose) fn model(&self) -> Model {
         self.parent.model.with(self.placed.clone())
@@ -75,47 +75,47 @@ impl Seedling<'_> {
 
 /// The starts that deserve a look with all their derivatives: of a single effect the best of each, of further ones the best
 /// of all; and those of which a chord says nothing.
-pub(super) fn worthwhile<'a>(
-    seedlings: Vec<Seedling<'a>>,
+pub(super) fn screen_by_secant<'a>(
+    candidate_starts: Vec<CandidateStart<'a>>,
     parents: &'a [Fit],
     runs: &[Run],
     single: bool,
-) -> Result<Vec<Seedling<'a>>, SimulateError> {
+) -> Result<Vec<CandidateStart<'a>>, SimulateError> {
     let bases = parents.par_iter().map(|parent| Base::of(parent, runs)).collect::<Result<Vec<_>, _>>()?;
-    let look = |seedling: &Seedling| -> Result<Option<f64>, SimulateError> {
+    let look = |candidate: &CandidateStart| -> Result<Option<f64>, SimulateError> {
         let base =
-            parents.iter().position(|parent| std::ptr::eq(parent, seedling.parent)).and_then(|i| bases[i].as_ref());
-        base.map_or(Ok(None), |base| seedling.look(base, runs))
+            parents.iter().position(|parent| std::ptr::eq(parent, candidate.parent)).and_then(|i| bases[i].as_ref());
+        base.map_or(Ok(None), |base| candidate.look(base, runs))
     };
-    let looks = seedlings.par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
-    let mut ranked: Vec<_> = seedlings.into_iter().zip(looks).collect();
+    let looks = candidate_starts.par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
+    let mut ranked: Vec<_> = candidate_starts.into_iter().zip(looks).collect();
     ranked.sort_by(|(_, a), (_, b)| a.unwrap_or(f64::NEG_INFINITY).total_cmp(&b.unwrap_or(f64::NEG_INFINITY)));
     let mut seen: Vec<(*const Fit, &str)> = Vec::new();
     let mut rank = 0;
-    ranked.retain(|(seedling, look)| {
+    ranked.retain(|(candidate, look)| {
         if look.is_none() {
             return true;
         }
         rank += 1;
-        let key = (std::ptr::from_ref(seedling.parent), seedling.placed.entry.id);
+        let key = (std::ptr::from_ref(candidate.parent), candidate.placed.entry.id);
         let tried = seen.iter().filter(|&&other| other == key).count();
         seen.push(key);
         if single { tried < STARTS } else { rank <= LOOKS }
     });
-    Ok(ranked.into_iter().map(|(seedling, _)| seedling).collect())
+    Ok(ranked.into_iter().map(|(candidate, _)| candidate).collect())
 }
 
 /// The starts that promise most; of a single effect, on each fit of the stated model, at least its best start, for what
 /// a linear step promises from far away is little.
-pub(super) fn promising(fits: Vec<Fit>, seedlings: &[Seedling], single: bool) -> Vec<Fit> {
+pub(super) fn screen_by_fit(fits: Vec<Fit>, candidate_starts: &[CandidateStart], single: bool) -> Vec<Fit> {
     let finite = |fit: &Fit| Some(fit.promised()).filter(|x| x.is_finite()).unwrap_or(f64::INFINITY);
-    let mut ranked: Vec<(&Seedling, Fit)> = seedlings.iter().zip(fits).collect();
+    let mut ranked: Vec<(&CandidateStart, Fit)> = candidate_starts.iter().zip(fits).collect();
     ranked.sort_by(|(_, a), (_, b)| finite(a).total_cmp(&finite(b)));
     let mut seen: Vec<(*const Fit, &str)> = Vec::new();
     let mut rank = 0;
-    ranked.retain(|(seedling, _)| {
+    ranked.retain(|(candidate, _)| {
         rank += 1;
-        let key = (std::ptr::from_ref(seedling.parent), seedling.placed.entry.id);
+        let key = (std::ptr::from_ref(candidate.parent), candidate.placed.entry.id);
         let best = single && !seen.contains(&key);
         seen.push(key);
         best || rank <= PROMISING

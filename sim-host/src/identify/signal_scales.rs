@@ -1,7 +1,7 @@
 //! Sizes of the signals, in whose multiples effects state their bounds and starting values.
 
 use super::data::{Channel, Run};
-use crate::plant::effects::Yardstick;
+use crate::plant::effects::SignalScale;
 use crate::plant::simulate::Law;
 
 /// Time over which the rate of a command is taken, s.
@@ -9,7 +9,7 @@ const SPAN: f64 = 0.004;
 
 /// Sizes of the signals, in whose multiples effects state their bounds and starting values.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Yardsticks {
+pub struct SignalScales {
     /// RMS of the command.
     pub command: f64,
     /// Largest rate of change of the command, per second.
@@ -26,7 +26,7 @@ pub struct Yardsticks {
     pub line: f64,
 }
 
-impl Yardsticks {
+impl SignalScales {
     /// Of a table of the paper's kind that plays an earthquake: for models that are written down, not measured.
     pub const TYPICAL: Self = Self {
         command: 0.05,
@@ -38,18 +38,18 @@ impl Yardsticks {
         line: 50.0,
     };
 
-    /// The size that one yardstick stands for.
-    pub fn size(&self, yardstick: Yardstick) -> f64 {
-        match yardstick {
-            Yardstick::One => 1.0,
-            Yardstick::Command => self.command,
-            Yardstick::CommandRate => self.command_rate,
-            Yardstick::Speed => self.speed,
-            Yardstick::Displacement => self.displacement,
-            Yardstick::Force => self.force,
-            Yardstick::Curvature => self.displacement.powi(-2),
-            Yardstick::Duration => self.duration,
-            Yardstick::Line => self.line,
+    /// The size that one signal_scale stands for.
+    pub fn size(&self, signal_scale: SignalScale) -> f64 {
+        match signal_scale {
+            SignalScale::One => 1.0,
+            SignalScale::Command => self.command,
+            SignalScale::CommandRate => self.command_rate,
+            SignalScale::Speed => self.speed,
+            SignalScale::Displacement => self.displacement,
+            SignalScale::Force => self.force,
+            SignalScale::Curvature => self.displacement.powi(-2),
+            SignalScale::Duration => self.duration,
+            SignalScale::Line => self.line,
         }
     }
 
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn a_command_that_was_not_recorded_follows_from_the_law() {
         let run = recorded(&model(TRUTH), 1);
-        let sizes = Yardsticks::of(std::slice::from_ref(&run), 1.0);
+        let sizes = SignalScales::of(std::slice::from_ref(&run), 1.0);
         // The table needs u = v a1/b0 at slow speed.
         let needed = sizes.speed * TRUTH[2] / TRUTH[1];
         assert!(sizes.command > 0.1 * needed && sizes.command < needed, "{} of {needed}", sizes.command);

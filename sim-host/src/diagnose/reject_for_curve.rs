@@ -18,7 +18,10 @@ const OUTDONE: f64 = 0.3;
 const BELIEF: f64 = 0.9;
 
 /// Calls the mismatch unlisted, and gives the curve, where one outdoes the effects named.
-pub(super) fn outdone(weighing: &Weighing, decision: &mut Decision) -> Result<Option<Modelled>, SimulateError> {
+pub(super) fn reject_for_curve(
+    weighing: &Weighing,
+    decision: &mut Decision,
+) -> Result<Option<Modelled>, SimulateError> {
     let doubtful = !decision.unlisted && !decision.after.added.is_empty() && decision.after.hold.chi2 > DOUBTFUL;
     if !doubtful || decision.left() < SHARE {
         return Ok(None);

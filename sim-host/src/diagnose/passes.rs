@@ -1,0 +1,129 @@
+//! The passes forward through the data: selected on training and validation, judged on the test; once more by a corrected clock, by a
+//! noise that was stated too large, or with half of what was held out opened.
+
+use super::judged::Decision;
+use super::options::Options;
+use super::search::Depth;
+use super::split::{Split, Weighing, reopened, split};
+use super::term::Modelled;
+use super::verdict::Conclusion;
+use super::{SEARCHED, clock, decide, overstated, region, reject_for_curve, search, term, verdict};
+use crate::identify::data::Run;
+use crate::identify::prepare::Prepared;
+use crate::plant::simulate::SimulateError;
+use crate::recording::SetUpFinding;
+
+/// Share of what was left below which a second look at the data is the better one.
+const FAR_LESS: f64 = 0.3;
+
+/// What came out, and of which cut of the data.
+pub(super) struct Concluded {
+    pub(super) whole: Prepared,
+    pub(super) conclusion: Conclusion,
+    pub(super) modelled: Option<Modelled>,
+    pub(super) held_out_shared: bool,
+    /// The sampling period, where it was found to be another.
+    pub(super) clock: Option<SetUpFinding>,
+}
+
+/// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
+pub(super) fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
+    let all: usize = whole.fit.iter().chain(&whole.holdout).map(Run::len).sum();
+    let first = with_right_clock(whole, seen, options)?;
+    if !first.conclusion.unforeseen() || all > 2 * SEARCHED {
+        return Ok(first);
+    }
+    options.say("the runs fitted do not show it: opening half of those held out", 0.9);
+    let Conclusion { after, judging, .. } = &first.conclusion;
+    let opened = reopened(&first.whole, judging, &after.hold.predicted);
+    let second = pass(opened, options)?;
+    let names = !second.conclusion.unlisted && !second.conclusion.consistent();
+    let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
+    if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {
+        return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
+    }
+    Ok(first)
+}
+
+/// Forward through the data once, with the sampling period corrected where a clock of another rate is part of what is accepted:
+/// then everything is selected anew, before anything was judged.
+fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
+    let (split_up, selected) = with_noise_as_left(&mut whole, &mut seen, options)?;
+    let dt = whole.fit.first().map_or(1.0, |run| run.dt);
+    let Some(finding) = clock::found(&selected.decision.after.fit, dt) else {
+        let mut concluded = judge(split_up, selected, options)?;
+        clock::settle(&mut concluded.whole, None);
+        return Ok(concluded);
+    };
+    options.say("correcting the sampling period", 0.1);
+    for prepared in [&mut whole, &mut seen] {
+        clock::settle(prepared, Some(&finding));
+    }
+    Ok(Concluded { clock: Some(finding), ..pass(split(whole, Some(seen)), options)? })
+}
+
+/// Cuts the data up and selects; once more where what is named leaves less than the noise of a channel and one effect more leaves
+/// still less of it: that noise is no larger than this, and what hides beneath it is weighed by it.
+pub(super) fn with_noise_as_left(
+    whole: &mut Prepared,
+    seen: &mut Prepared,
+    options: &Options,
+) -> Result<(Split, Selected), SimulateError> {
+    let cut = |whole: &Prepared, seen: &Prepared| split(whole.clone(), Some(seen.clone()));
+    let first = cut(whole, seen);
+    let selected = select(&first.weighing, options)?;
+    let Some(left) = overstated::by_names(&selected.decision) else { return Ok((first, selected)) };
+    options.say("looking beneath a noise that was stated too large", 0.1);
+    let mut lowered = [seen.clone(), whole.clone()];
+    lowered.iter_mut().for_each(|prepared| overstated::lower(prepared, &left));
+    let beneath = cut(&lowered[1], &lowered[0]).weighing;
+    let search = search::search(&beneath, Depth::OneMore, options)?;
+    let Some(least) = overstated::by_any(&beneath, &search)? else {
+        return Ok((first, selected));
+    };
+    lowered.iter_mut().for_each(|prepared| overstated::lower(prepared, &least));
+    [*seen, *whole] = lowered;
+    let second = cut(whole, seen);
+    let selected = select(&second.weighing, options)?;
+    Ok((second, selected))
+}
+
+/// Forward through the data once: fitted on training, selected on validation, judged on the test.
+fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
+    let selected = select(&split.weighing, options)?;
+    judge(split, selected, options)
+}
+
+/// What was selected, and the curve that outdoes it.
+pub(super) struct Selected {
+    pub(super) decision: Decision,
+    pub(super) modelled: Option<Modelled>,
+}
+
+/// Fits hypotheses to the training and weighs them on the validation.
+pub(super) fn select(weighing: &Weighing, options: &Options) -> Result<Selected, SimulateError> {
+    let search = search::search(weighing, Depth::Explained, options)?;
+    options.say("weighing what was found", 0.9);
+    let decision = decide::decide(weighing, &search)?;
+    options.say("looking for effects that act in a part of time or state", 0.92);
+    let mut decision = region::region(weighing, &search, decision)?;
+    let modelled = reject_for_curve::reject_for_curve(weighing, &mut decision)?;
+    Ok(Selected { decision, modelled })
+}
+
+/// Models what is unlisted and judges all on the test.
+fn judge(split: Split, selected: Selected, options: &Options) -> Result<Concluded, SimulateError> {
+    let Split { weighing, whole, test } = split;
+    let Selected { mut decision, mut modelled } = selected;
+    if modelled.is_none() && decision.unlisted {
+        options.say("modelling what the library does not hold", 0.93);
+        let beside = decision.partial.as_ref().unwrap_or(&decision.before);
+        modelled = term::unlisted(&weighing, &decision.before, beside)?;
+    }
+    let explain = |m: &&Modelled| decision.explain_a_part(&m.judged.added);
+    if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed).filter(explain) {
+        decision.name_beside_more(&modelled.judged.added);
+    }
+    let conclusion = verdict::verdict(&whole, weighing.fitted(), decision, modelled.as_ref(), test)?;
+    Ok(Concluded { whole, conclusion, modelled, held_out_shared: false, clock: None })
+}
