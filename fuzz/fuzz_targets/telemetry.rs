@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use serde::ser::{Serialize, SerializeTuple as _, Serializer};
-use shakedown::device::{Sheet, Talker, Telemetry};
+use shakedown::device::{LinkClient, Sheet, Telemetry};
 use shakedown_core::link::{MAX_FRAME, Report, encode};
 use shakedown_firmware::defaults;
 
@@ -20,7 +20,7 @@ impl Serialize for Content<'_> {
 }
 
 fuzz_target!(|bytes: &[u8]| {
-    let (mut talker, mut telemetry) = (Talker::new(), Telemetry::default());
+    let (mut talker, mut telemetry) = (LinkClient::new(), Telemetry::default());
     let mut rest = bytes;
     while let Some((&length, after)) = rest.split_first() {
         let (content, after) = after.split_at(usize::from(length).min(after.len()));

@@ -75,13 +75,17 @@ pub(super) fn with_noise_as_left(
     let Some(left) = overstated::by_names(&selected.decision) else { return Ok((first, selected)) };
     options.say("looking beneath a noise that was stated too large", 0.1);
     let mut lowered = [seen.clone(), whole.clone()];
-    lowered.iter_mut().for_each(|prepared| overstated::lower(prepared, &left));
+    for prepared in &mut lowered {
+        overstated::lower(prepared, &left);
+    }
     let beneath = cut(&lowered[1], &lowered[0]).weighing;
     let search = search::search(&beneath, Depth::OneMore, options)?;
     let Some(least) = overstated::by_any(&beneath, &search)? else {
         return Ok((first, selected));
     };
-    lowered.iter_mut().for_each(|prepared| overstated::lower(prepared, &least));
+    for prepared in &mut lowered {
+        overstated::lower(prepared, &least);
+    }
     [*seen, *whole] = lowered;
     let second = cut(whole, seen);
     let selected = select(&second.weighing, options)?;
