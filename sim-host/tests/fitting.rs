@@ -125,7 +125,7 @@ fn the_spectrum_of_kobe_is_kept() {
     let (x, v, _) = found.motion.peaks();
     assert!(v <= VELOCITY * (1.0 + 1e-4) && x <= STROKE * (1.0 + 1e-4), "{v} m/s, {x} m");
     assert!(found.motion.displacement[found.motion.len() - 1].abs() < 1e-4);
-    // ScoredModel by the independent spectrum, at periods the fit was not told.
+    // Judged by the independent spectrum, at periods the fit was not told.
     let periods = spectrum::periods(0.05, 0.5, 101);
     let of = |m: &Motion| spectrum::response_spectrum(&m.acceleration, m.dt, 0.05, &periods).unwrap().s_a;
     let (asked, got) = (of(&motion), of(&found.motion));

@@ -223,7 +223,7 @@ mod tests {
         let found = design(&oil(), &demand, |_, _| ()).unwrap();
         assert_eq!(found.corners, 17);
         assert!(found.worst.reach(demand.margins) && found.nominal.reach(found_of(&found)), "{found:?}");
-        // ScoredModel again, it is the same.
+        // Judged again, it is the same.
         let again = judge(&oil(), &found.settings, &demand).unwrap().unwrap();
         assert_eq!(again, [found.nominal, found.worst]);
     }

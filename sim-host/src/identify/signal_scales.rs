@@ -38,7 +38,7 @@ impl SignalScales {
         line: 50.0,
     };
 
-    /// The size that one signal_scale stands for.
+    /// The size that one scale stands for.
     pub fn size(&self, signal_scale: SignalScale) -> f64 {
         match signal_scale {
             SignalScale::One => 1.0,

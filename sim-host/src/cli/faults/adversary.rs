@@ -86,7 +86,10 @@ fn section(found: &[(&'static Class, Search)], beside: Beside) -> Section {
     let table = Table {
         columns: columns.map(String::from).to_vec(),
         rows: found.iter().map(row).collect(),
-        caption: format!("The worst case found of each class, {switches}; above 1 a promise is broken"),
+        caption: format!(
+            "The worst case found of each class, {switches}; what is used of a promise is the largest share of a way, a time or an \
+             acceleration. Above 1 it is broken, but for times below 1 kHz, which may be some ticks longer: see the column `broken`"
+        ),
     };
     Section { heading: "Adversarial search".into(), items: vec![Item::Table(table)] }
 }
