@@ -25,12 +25,21 @@ pub struct ScoredModel {
     pub(super) departure: Departure,
 }
 
+/// chi2 up to which what is left is coloured as the noise is.
+const LITTLE_LEFT: f64 = 1.3;
+
 impl ScoredModel {
     /// Scores a fitted model on the stretches that weigh.
     pub(super) fn of(fit: Fit, weighing: &Weighing) -> Result<Self, SimulateError> {
         let added = fit.model.ids_beside(&weighing.model().ids());
         let departure = Departure::of(weighing.model(), &fit);
         Ok(Self { hold: weighing.score(&fit)?, fit, added, probability: 0.0, departure })
+    }
+
+    /// By how much samples that are not independent overstate what a gain of squares is worth: where little is left its colour is the
+    /// noise's own; a misfit's colour is no noise.
+    pub(super) fn colour_of_noise(&self) -> f64 {
+        if self.hold.chi2 < LITTLE_LEFT { self.hold.colour } else { 1.0 }
     }
 
     /// The model without some of its effects, its other values as they were fitted.
@@ -80,6 +89,14 @@ impl Decision {
         let share = (1.0 - belief) / (1.0 - self.unlisted_probability).max(1e-9);
         self.candidates.iter_mut().for_each(|c| c.probability *= share.min(1.0));
         self.unlisted_probability = self.unlisted_probability.max(belief);
+    }
+
+    /// Moves belief from names that nothing speaks for to the stated model.
+    pub(super) fn fall_back(&mut self, belief: f64) {
+        self.candidates.iter_mut().for_each(|c| c.probability *= 1.0 - belief);
+        let none = self.candidates.iter_mut().filter(|c| c.added.is_empty());
+        none.for_each(|c| c.probability = belief);
+        self.unlisted_probability *= 1.0 - belief;
     }
 
     /// Share of the stated model's excess on the validation that the model handed on leaves.

@@ -2,6 +2,7 @@
 //! for those that promise most, the best to the end; then pairs around the best singles, then triples around the best pairs.
 
 mod candidate_starts;
+mod details;
 
 use super::Options;
 use super::calibration::CALIBRATION;
@@ -14,6 +15,8 @@ use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
 pub(super) use candidate_starts::{CandidateStart, candidate_starts};
 use candidate_starts::{screen_by_fit, screen_by_secant};
+use details::detail;
+pub(super) use details::{detailed, refined};
 use rayon::prelude::*;
 
 /// Everything the search found.
@@ -52,9 +55,6 @@ pub(super) const CHANCE: f64 = 30.0;
 const BENT: f64 = 4.0;
 /// What is left of the baseline's excess when growing stops.
 const SETTLED: f64 = 0.008;
-
-/// Share of the squares that a form with its details fitted must leave at most to be worth them.
-const DETAILED: f64 = 0.8;
 
 /// The same on the stretches that weigh.
 const FORESEEN: f64 = 0.03;
@@ -113,41 +113,6 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
         }
     }
     Ok(search)
-}
-
-/// Frees the details of the forms of the best models of the last size: a right effect in its simplest form may leave more than
-/// a stranger does.
-fn detail(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), SimulateError> {
-    let Some(last) = grown.last_mut() else { return Ok(()) };
-    let effort = Effort { steps: 8, tolerance: 1e-4 };
-    let finer = |fit: &Fit| if explains(fit) { Ok(None) } else { detailed(fit, runs, effort) };
-    let finer = last.par_iter().take(FINALISTS).map(finer).collect::<Result<Vec<_>, _>>()?;
-    last.extend(finer.into_iter().flatten());
-    best_of_each_set(last);
-    Ok(())
-}
-
-/// A model with the details of its effects' forms fitted too; none where it has none or they are not worth it.
-pub(super) fn detailed(fit: &Fit, runs: &[Run], effort: Effort) -> Result<Option<Fit>, SimulateError> {
-    let finer = refined(fit, runs, effort)?;
-    Ok(finer.filter(|finer| finer.squares < DETAILED * fit.squares - CHANCE))
-}
-
-/// The same, worth it or not, from whichever start leads further.
-pub(super) fn refined(fit: &Fit, runs: &[Run], effort: Effort) -> Result<Option<Fit>, SimulateError> {
-    let free = |model: &Model| model.values().filter(|v| v.free).count();
-    let mut best: Option<Fit> = None;
-    for model in fit.model.refined() {
-        if free(&model) == free(&fit.model) {
-            return Ok(None);
-        }
-        let mut finer = Fit::resume(model, fit.locals.clone(), runs)?;
-        finer.improve(runs, effort)?;
-        if best.as_ref().is_none_or(|best| finer.squares < best.squares) {
-            best = Some(finer);
-        }
-    }
-    Ok(best)
 }
 
 /// Takes effects out of the best models of the last size, one at a time: a companion may have led the other to where it

@@ -46,8 +46,7 @@ pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: 
     let left = (present.hold.chi2 - 1.0).max(0.0);
     let excess = (before.hold.chi2 - 1.0).max(0.0);
     let (better, worse) = gains(&present.hold.blocks, &larger.hold.blocks);
-    // Where little is left its colour is the noise's own; a misfit's colour is no noise.
-    let colour = if larger.hold.chi2 < 1.3 { larger.hold.colour } else { 1.0 };
+    let colour = larger.colour_of_noise();
     // What values far from those stated hide on the runs fitted shows on the hold-out runs.
     let shown_there = gained > -CHANCE && better - worse > OVERWHELMING * colour;
     // One that explains as much with values near those stated stands against one that bends them.

@@ -5,12 +5,12 @@ use super::calibration::CALIBRATION;
 use super::judged::{Decision, ScoredModel, explains_a_channel};
 use super::leftover::{Followed, more_is_missing};
 use super::split::Test;
-use super::standing::{accounted, beyond, outside};
+use super::standing::{SURE, accounted, beyond, outside};
 use super::term::Modelled;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::Local;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::{Score, score, score_beside};
+use crate::identify::judge::{Score, gains, score, score_beside};
 use crate::identify::prepare::Prepared;
 use crate::identify::quantity::quantities;
 use crate::plant::effects::remainder as curves;
@@ -112,14 +112,14 @@ impl Conclusion {
         (self.after.hold.chi2 - 1.0).max(0.0) / (self.before.hold.chi2 - 1.0).max(1e-9)
     }
 
-    /// True where the runs held out miss much that the runs fitted do not show, or refuse what those showed.
+    /// True where the runs held out miss what the runs fitted do not show, or refuse what those showed.
     pub(super) fn unforeseen(&self) -> bool {
         let (fit, held) = (self.after.fit.chi2() - 1.0, self.after.hold.chi2 - 1.0);
         let hidden = outside(&self.before, &self.after).0 && fit < NOTHING * held;
         let refused =
             matches!(self.refusal, Some(Refusal::Worse { .. } | Refusal::NoSkill { .. } | Refusal::NoGain { .. }));
         // However little of the mismatch it is: a form that leaves a share of what its effect does leaves it on all runs alike.
-        let more = (self.more_missing || self.after.hold.chi2 > CALIBRATION.modest) && fit < NOTHING * held;
+        let more = (self.more_missing || rest_beyond_noise(&self.after)) && fit < NOTHING * held;
         self.held_out && (hidden || refused || more)
     }
 }
@@ -141,13 +141,16 @@ pub(super) fn verdict(
     // Names that stand beside a curve are judged with it, and where that fails without it: the curve may be what fails.
     let beside = modelled.filter(|_| decision.more_missing && selected.is_none());
     let with_curve = if beside.is_some() { curve.clone() } else { None };
-    let refused = |named: &ScoredModel| refusal(&before, named, &judging, decision.more_missing);
+    let refused = |named: &ScoredModel| -> Result<Option<Refusal>, SimulateError> {
+        let failed = refusal(&before, named, &judging, decision.more_missing);
+        if failed.is_some() { Ok(failed) } else { untold(&before, named, whole, &judging) }
+    };
     let mut named = selected.or(with_curve);
-    let mut refusal = named.as_ref().and_then(refused);
+    let mut refusal = named.as_ref().map(refused).transpose()?.flatten();
     if (named.is_none() || refusal.is_some())
         && let Some(names) = beside.and_then(|modelled| decision.weighed(&modelled.judged.added).next())
         && let alone = last(names)?
-        && refused(&alone).is_none()
+        && refused(&alone)?.is_none()
     {
         (named, refusal) = (Some(alone), None);
     }
@@ -155,6 +158,12 @@ pub(super) fn verdict(
     let mut after = before.clone();
     match named {
         Some(named) if refusal.is_none() => after = named,
+        // Nothing is missing there, and nothing there speaks for the names.
+        Some(named) if matches!(refusal, Some(Refusal::NotTold { .. })) && !rest_beyond_noise(&before) => {
+            (unlisted, more_missing) = (false, false);
+            decision.fall_back(CALIBRATION.failed);
+            partial = Some(named);
+        }
         Some(named) => {
             (unlisted, more_missing) = (true, false);
             decision.take_back(CALIBRATION.failed);
@@ -270,26 +279,51 @@ fn refusal(before: &ScoredModel, named: &ScoredModel, judging: &[Run], beside_mo
     if lacks && share_left > most_left {
         return Some(Refusal::NoGain { share_left });
     }
-    // One effect that removes half of the misfit is needed, however its parameters correlate with the others.
-    if named.added.len() == 1 && lacks && share_left < LARGER_PART {
-        return None;
-    }
-    // Beside a curve an effect's size is not distinguished from the curve's: that it is needed was.
-    if named.fit.model.effects.iter().any(|p| curves::entries().any(|e| e.id == p.entry.id)) {
-        return None;
-    }
-    not_told(named)
+    None
 }
 
-/// The first effect none of whose parameters is significantly different from zero.
-fn not_told(named: &ScoredModel) -> Option<Refusal> {
+/// The first effect that nothing shows to be there: none of its parameters is significantly different from zero, and the runs that
+/// judge are predicted as well without it.
+fn untold(
+    before: &ScoredModel,
+    named: &ScoredModel,
+    whole: &Prepared,
+    judging: &[Run],
+) -> Result<Option<Refusal>, SimulateError> {
+    // Beside a curve an effect's size is not distinguished from the curve's: that it is needed was.
+    if named.fit.model.effects.iter().any(|p| curves::entries().any(|e| e.id == p.entry.id)) {
+        return Ok(None);
+    }
+    for id in indistinct(named) {
+        let needed = if let [_] = named.added[..] {
+            is_needed(before, named)
+        } else {
+            let mut fit = Fit::resume(named.fit.model.without(id), named.fit.locals.clone(), &whole.fit)?;
+            fit.improve(&whole.fit, LAST)?;
+            is_needed(&ScoredModel { hold: score_beside(&fit, &whole.fit, judging)?, fit, ..named.clone() }, named)
+        };
+        if !needed {
+            return Ok(Some(Refusal::NotTold { id }));
+        }
+    }
+    Ok(None)
+}
+
+/// Whether the runs that judge are predicted better with an effect than without by more than chance.
+fn is_needed(without: &ScoredModel, with: &ScoredModel) -> bool {
+    let (better, worse) = gains(&without.hold.blocks, &with.hold.blocks);
+    better - worse > SURE * with.colour_of_noise()
+}
+
+/// The effects none of whose parameters is significantly different from zero.
+fn indistinct(named: &ScoredModel) -> Vec<&'static str> {
     let quantities = quantities(&named.fit);
-    let told = |id: &&'static str| {
+    let told = |id: &str| {
         let prefix = format!("{id}.");
         let mut own = quantities.iter().filter(|(key, _)| key.starts_with(&prefix)).peekable();
         own.peek().is_none() || own.any(|(_, q)| q.std.is_none_or(|std| q.value.abs() > SIZE * std))
     };
-    named.added.iter().find(|id| !told(id)).map(|&id| Refusal::NotTold { id })
+    named.added.iter().copied().filter(|id| !told(id)).collect()
 }
 
 #[cfg(test)]

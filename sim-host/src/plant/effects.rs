@@ -235,6 +235,8 @@ pub struct Flow<S> {
     pub negative: S,
     /// Sharpness of the limit; none is a hard limit.
     pub sharpness: Option<S>,
+    /// Limit towards which a soft one bends, over the limit that holds, 1.
+    pub knee: S,
 }
 
 /// How the actuator yields to load.
@@ -244,11 +246,40 @@ pub struct Compliance<S> {
     pub oil: Option<(S, S)>,
     /// Velocity lost per load acceleration, s.
     pub leakage: Option<S>,
+    /// Power of the load with which it leaks, where that is not the first.
+    pub leakage_exponent: Option<S>,
     /// Load acceleration at which the flow stalls, m/s2.
     pub stall_acceleration: Option<S>,
     /// Seconds that pass in a stated second, 1; none for a clock that is right.
     pub pace: Option<S>,
 }
+
+impl<S: Scalar> Compliance<S> {
+    /// Stiff oil that leaks nowhere, and a clock that is right.
+    pub(super) const STIFF: Self =
+        Self { oil: None, leakage: None, leakage_exponent: None, stall_acceleration: None, pace: None };
+
+    /// Whether the actuator yields in proportion to load.
+    pub(super) fn is_linear(&self) -> bool {
+        self.stall_acceleration.is_none() && self.leakage_exponent.is_none()
+    }
+
+    /// Velocity that leaks per load, under this load (m/s2), s.
+    pub(super) fn leaks_under(&self, load: S) -> S {
+        let leakage = self.leakage.unwrap_or(S::from(0.0));
+        self.leakage_exponent.map_or(leakage, |n| leakage * (load.abs() + LEAST_LOAD).pow(n - 1.0))
+    }
+
+    /// The same under the load that lets this velocity leak (m/s).
+    pub(super) fn leaks_to(&self, velocity: S) -> S {
+        let leakage = self.leakage.unwrap_or(S::from(0.0));
+        self.leakage_exponent
+            .map_or(leakage, |n| leakage * (velocity.abs() / leakage + LEAST_LOAD).pow((n - 1.0) / n))
+    }
+}
+
+/// Load below which the power of a leakage is not asked, m/s2.
+const LEAST_LOAD: f64 = 1e-6;
 
 /// Which hooks an effect uses, so that a simulation calls no other.
 #[derive(Debug, Clone, Copy, Default)]

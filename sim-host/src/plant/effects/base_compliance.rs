@@ -1,4 +1,5 @@
-//! The reaction mass moves on its springs: the accelerometer shows absolute motion, the LVDT motion relative to it.
+//! The reaction mass moves on its springs: the accelerometer shows absolute motion, the LVDT motion relative to it. Its springs may
+//! change with its travel: soil that slips and cracks softens, a gap that closes stiffens.
 
 use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
@@ -7,7 +8,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub(crate) const ENTRY: Entry = Entry {
     id: "base_compliance",
-    equation: "(1 + mu) x_b'' = -w_b^2 x_b - 2 zeta_b w_b x_b' - mu x''",
+    equation: "(1 + mu) x_b'' = -w_b^2 k(x_b) x_b - 2 zeta_b w_b x_b' - mu x'', k = 1 + h x_b^2/(1 + |h| x_b^2)",
     stage: Stage::Table,
     family: Family::Structure,
     parameters: &[
@@ -50,6 +51,19 @@ pub(crate) const ENTRY: Entry = Entry {
             simple: Ends::Low,
             role: Role::Shared,
         },
+        Parameter {
+            key: "hardening",
+            unit: "1/m2",
+            rigid_unit: "1/m2",
+            meaning: "relative change of stiffness per square of the base's displacement: h",
+            signal_scale: SignalScale::One,
+            low: -1e10,
+            high: 1e10,
+            starts: &[0.0],
+            positive: false,
+            simple: Ends::Neither,
+            role: Role::Refined,
+        },
     ],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
@@ -67,13 +81,14 @@ pub(crate) struct BaseCompliance<S> {
     frequency: S,
     damping: S,
     mass_ratio: S,
+    hardening: S,
 }
 
 impl<S: Scalar> BaseCompliance<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
-        let &[hertz, damping, mass_ratio] = parameters else { return None };
-        Some(Self { frequency: hertz * std::f64::consts::TAU, damping, mass_ratio })
+        let &[hertz, damping, mass_ratio, hardening] = parameters else { return None };
+        Some(Self { frequency: hertz * std::f64::consts::TAU, damping, mass_ratio, hardening })
     }
 
     /// The base's velocity from its momentum-like state: the table's velocity jumps with the command, and this form
@@ -85,7 +100,9 @@ impl<S: Scalar> BaseCompliance<S> {
 
 impl<S: Scalar> Effect<S> for BaseCompliance<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { follow: true, velocity: true, linear: true, ..Hooks::default() }
+        // A derivative by the hardening is not linear in the state even where the hardening is nothing.
+        let linear = (0..S::PARTS).all(|i| self.hardening.part(i) == 0.0);
+        Hooks { follow: true, velocity: true, linear, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
         self.frequency.value()
@@ -97,7 +114,8 @@ impl<S: Scalar> Effect<S> for BaseCompliance<S> {
         if let (&[place, momentum], [place_rate, momentum_rate]) = (y, dy) {
             let speed = self.base_velocity(momentum, at.velocity);
             *place_rate = speed;
-            let spring = place * self.frequency * self.frequency;
+            let bent = self.hardening * place * place;
+            let spring = place * (bent / (bent.abs() + 1.0) + 1.0) * self.frequency * self.frequency;
             *momentum_rate = -(spring + speed * self.damping * self.frequency * 2.0) / (self.mass_ratio + 1.0);
         }
     }

@@ -1,4 +1,7 @@
 //! The orifice softens the velocity limit: flow bends over before it reaches it.
+//!
+//! What bends it may have a limit of its own beyond the one that holds it: a line in series with the valve takes a share of the
+//! pressure that grows with the square of the flow (n = 2), long before spool or pump end it.
 
 use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
@@ -7,22 +10,10 @@ use crate::scalar::Scalar;
 /// What it is.
 pub(crate) const ENTRY: Entry = Entry {
     id: "flow_softening",
-    equation: "w / (1 + abs(w/v_max)^n)^(1/n)",
+    equation: "w / (1 + abs(w/(k v_max))^n)^(1/n), at most v_max",
     stage: Stage::Flow,
     family: Family::Flow,
-    parameters: &[Parameter {
-        key: "sharpness",
-        unit: "1",
-        rigid_unit: "1",
-        meaning: "exponent n; the hard limit is n to infinity",
-        signal_scale: SignalScale::One,
-        low: 1.2,
-        high: 40.0,
-        starts: &[25.0, 8.0, 3.0],
-        positive: true,
-        simple: Ends::High,
-        role: Role::Shared,
-    }],
+    parameters: &[SHARPNESS, KNEE],
     kinds: &[Kind::Servo],
     frees: &["velocity_limit"],
     signature: "gain falls well below the velocity limit; odd harmonics",
@@ -31,23 +22,55 @@ pub(crate) const ENTRY: Entry = Entry {
     order: Order::Fourth,
     contains: &[],
     counter: Some(|parameters, countered| {
-        if let &[sharpness] = parameters {
+        // The law inverts a flow that bends towards its limit, not one that is cut off.
+        if let &[sharpness, knee] = parameters
+            && knee <= TOGETHER
+        {
             countered.sharpness = sharpness;
         }
     }),
+};
+
+/// Share by which the flow's own limit may lie beyond the velocity limit and be one with it.
+const TOGETHER: f64 = 1.05;
+
+const SHARPNESS: Parameter = Parameter {
+    key: "sharpness",
+    unit: "1",
+    rigid_unit: "1",
+    meaning: "exponent n; the hard limit is n to infinity",
+    signal_scale: SignalScale::One,
+    low: 1.2,
+    high: 40.0,
+    starts: &[25.0, 8.0, 3.0],
+    positive: true,
+    simple: Ends::High,
+    role: Role::Shared,
+};
+
+const KNEE: Parameter = Parameter {
+    key: "knee",
+    meaning: "limit towards which the flow bends, over the velocity limit: k",
+    low: 1.0,
+    high: 20.0,
+    starts: &[1.0],
+    simple: Ends::Low,
+    role: Role::Refined,
+    ..SHARPNESS
 };
 
 /// A softened velocity limit.
 #[derive(Debug, Clone)]
 pub(crate) struct FlowSoftening<S> {
     sharpness: S,
+    knee: S,
 }
 
 impl<S: Scalar> FlowSoftening<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
-        let &[sharpness] = parameters else { return None };
-        Some(Self { sharpness })
+        let &[sharpness, knee] = parameters else { return None };
+        Some(Self { sharpness, knee })
     }
 }
 
@@ -57,5 +80,6 @@ impl<S: Scalar> Effect<S> for FlowSoftening<S> {
     }
     fn flow(&self, _at: &Instant<S>, _y: &[S], flow: &mut Flow<S>) {
         flow.sharpness = Some(self.sharpness);
+        flow.knee = self.knee;
     }
 }

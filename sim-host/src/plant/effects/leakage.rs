@@ -1,4 +1,5 @@
-//! Oil leaks past the piston in proportion to load pressure.
+//! Oil leaks past the piston, in a narrow gap in proportion to load pressure, in a wide one with its root, past a seal that lifts with
+//! more than its first power.
 
 use super::{Compliance, Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
@@ -7,22 +8,10 @@ use crate::scalar::Scalar;
 /// What it is.
 pub(crate) const ENTRY: Entry = Entry {
     id: "leakage",
-    equation: "q/A - C (A p_L/m)",
+    equation: "q/A - C a abs(a/a_1)^(n - 1), a = A p_L/m, a_1 = 1 m/s2",
     stage: Stage::Actuator,
     family: Family::OilColumn,
-    parameters: &[Parameter {
-        key: "coefficient",
-        unit: "s",
-        rigid_unit: "s",
-        meaning: "velocity lost per load acceleration A p_L/m",
-        signal_scale: SignalScale::One,
-        low: 1e-5,
-        high: 0.2,
-        starts: &[3e-4, 0.005],
-        positive: true,
-        simple: Ends::Low,
-        role: Role::Shared,
-    }],
+    parameters: &[COEFFICIENT, EXPONENT],
     kinds: &[Kind::Servo],
     frees: &[],
     signature: "velocity sags while force is needed; creep under a held load",
@@ -33,25 +22,55 @@ pub(crate) const ENTRY: Entry = Entry {
     counter: None,
 };
 
+const COEFFICIENT: Parameter = Parameter {
+    key: "coefficient",
+    unit: "s",
+    rigid_unit: "s",
+    meaning: "velocity lost per load acceleration a, at 1 m/s2: C",
+    signal_scale: SignalScale::One,
+    low: 1e-5,
+    high: 0.2,
+    starts: &[3e-4, 0.005],
+    positive: true,
+    simple: Ends::Low,
+    role: Role::Shared,
+};
+
+const EXPONENT: Parameter = Parameter {
+    key: "exponent",
+    unit: "1",
+    rigid_unit: "1",
+    meaning: "power of the load with which the oil leaks, 1 in a narrow gap, 1/2 through an orifice: n",
+    low: 0.5,
+    high: 4.0,
+    starts: &[1.0],
+    simple: Ends::Both,
+    role: Role::Refined,
+    ..COEFFICIENT
+};
+
 /// Leakage past the piston.
 #[derive(Debug, Clone)]
 pub(crate) struct Leakage<S> {
     coefficient: S,
+    exponent: Option<S>,
 }
 
 impl<S: Scalar> Leakage<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
-        let &[coefficient] = parameters else { return None };
-        Some(Self { coefficient })
+        let &[coefficient, exponent] = parameters else { return None };
+        let laminar = exponent.value() == 1.0 && (1..S::PARTS).all(|i| exponent.part(i) == 0.0);
+        Some(Self { coefficient, exponent: (!laminar).then_some(exponent) })
     }
 }
 
 impl<S: Scalar> Effect<S> for Leakage<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { linear: true, ..Hooks::default() }
+        Hooks { linear: self.exponent.is_none(), ..Hooks::default() }
     }
     fn yields(&self, compliance: &mut Compliance<S>) {
         compliance.leakage = Some(self.coefficient);
+        compliance.leakage_exponent = self.exponent;
     }
 }

@@ -263,7 +263,7 @@ impl<S: Scalar> Effect<S> for Regional<S> {
         }
     }
     fn leakage(&self) -> Option<S> {
-        let none = Compliance { oil: None, leakage: None, stall_acceleration: None, pace: None };
+        let none = Compliance::STIFF;
         let mut own = none;
         self.inner.yields(&mut own);
         own.leakage.map(|leakage| leakage * self.share)

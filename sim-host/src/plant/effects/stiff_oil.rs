@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn the_softer_oil_counts_and_the_stiffest_does_not() {
-        let mut compliance = Compliance { oil: None, leakage: None, stall_acceleration: None, pace: None };
+        let mut compliance = Compliance::STIFF;
         beneath(STIFF, 0.2, &mut compliance);
         assert!(compliance.oil.is_none());
         for frequency in [200.0, 100.0, 300.0, STIFF] {

@@ -110,7 +110,7 @@ impl<S: Scalar> EffectInstance<S> {
         first: impl Fn(&Compliance<S>) -> usize,
         most: usize,
     ) -> Result<(Vec<Self>, usize, Compliance<S>), SimulateError> {
-        let mut compliance = Compliance { oil: None, leakage: None, stall_acceleration: None, pace: None };
+        let mut compliance = Compliance::STIFF;
         let mut mounted = Vec::new();
         for (id, parameters) in effects {
             let unknown = || SimulateError::UnknownEffect { id: id.to_owned(), count: parameters.len() };
@@ -227,11 +227,12 @@ impl<S: Scalar> Dynamics<S> {
 
     /// The fastest rate at which a load gives way, 1/s: beyond what its steps resolve the rule runs away.
     pub(super) fn stiffest(&self) -> f64 {
-        let Compliance { oil, leakage, stall_acceleration, .. } = &self.compliance;
+        let Compliance { oil, leakage, leakage_exponent, stall_acceleration, .. } = &self.compliance;
         let leakage = leakage.map_or(0.0, Scalar::value);
         match oil {
             // A leakage that comes and goes with the motion leaves stiff oil where it is not.
-            _ if stall_acceleration.is_some() || (leakage > 0.0 && self.any.observes) => STIFFEST,
+            _ if stall_acceleration.is_some() || leakage_exponent.is_some() => STIFFEST,
+            _ if leakage > 0.0 && self.any.observes => STIFFEST,
             Some((stiffness, damping)) => (leakage * stiffness.value() + damping.value()).min(STIFFEST),
             None if leakage > 0.0 => (1.0 / leakage).min(STIFFEST),
             None => 0.0,
@@ -247,7 +248,7 @@ impl<S: Scalar> Dynamics<S> {
     pub(super) fn is_linear(&self) -> bool {
         // A sensor behind lost motion follows it with a share that changes from step to step.
         let shared = self.whole_steps() && self.mounted.iter().any(|m| m.hooks.follow && m.hooks.velocity);
-        self.mounted.iter().all(|m| m.hooks.linear) && self.compliance.stall_acceleration.is_none() && !shared
+        self.mounted.iter().all(|m| m.hooks.linear) && self.compliance.is_linear() && !shared
     }
 
     /// Takes the command through what has memory, for a step of `h` seconds.
@@ -495,14 +496,14 @@ impl<S: Scalar> Dynamics<S> {
                 let limits = (flow.positive.value() * factor, flow.negative.value() * factor);
                 self.limited(demand, limits, positive, negative)
             }
-            Some(n) if demand.value() >= 0.0 => soften(demand, positive(), n),
-            Some(n) => -soften(-demand, negative(), n),
+            Some(n) if demand.value() >= 0.0 => soften(demand, positive() * flow.knee, n).min(positive()),
+            Some(n) => -soften(-demand, negative() * flow.knee, n).min(negative()),
         }
     }
 
     fn shaped(&self, at: &Instant<S>, y: &[S]) -> Flow<S> {
         let (one, limit) = (S::from(1.0), self.velocity_limit);
-        let mut flow = Flow { gain: one, limit: one, positive: limit, negative: limit, sharpness: None };
+        let mut flow = Flow { gain: one, limit: one, positive: limit, negative: limit, sharpness: None, knee: one };
         for m in self.mounted.iter().filter(|m| m.hooks.flow) {
             m.effect.flow(at, &y[m.first..m.last], &mut flow);
         }
@@ -549,10 +550,10 @@ impl<S: Scalar> Dynamics<S> {
     /// Velocity and load of an actuator that yields, driven by `flow`.
     fn yielding(&self, flow: S, force: S, y: &[S], dy: &mut [S]) {
         let (velocity, load) = (y[TABLE], y[LOAD]);
-        let leakage = self.compliance.leakage.unwrap_or(S::from(0.0));
         if let Some((stiffness, damping)) = self.compliance.oil {
             let available = self.compliance.stall_acceleration.map_or(flow, |stall| flow * drop(flow, load, stall));
             // Load goes fast where flow gives way to it: no faster than [`STIFFEST`], which leaves where it goes to.
+            let leakage = self.compliance.leaks_under(load);
             let gives = self.compliance.stall_acceleration.map_or(leakage, |stall| leakage + flow.abs() / stall * 0.5);
             let rate = gives * stiffness + damping;
             let shown = (S::from(STIFFEST) / rate).min(S::from(1.0));
@@ -562,7 +563,7 @@ impl<S: Scalar> Dynamics<S> {
         }
         // Stiff oil: the load follows from the flow balance, q sqrt(1 - p/p_s) - C p = v, and the table obeys v' = p - f.
         // Where the balance is stiffer, as with no flow it is without end, its time constant is held.
-        let mut time_constant = leakage;
+        let mut time_constant = self.compliance.leaks_to(flow - velocity);
         if let Some(stall) = self.compliance.stall_acceleration {
             let sum = flow.abs() + velocity.abs() + 1e-9;
             time_constant += flow * flow / (stall * sum);

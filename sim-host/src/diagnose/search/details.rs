@@ -1,0 +1,68 @@
+//! The details of the effects' forms, which a search leaves at their simplest until it knows which effects they belong to.
+
+use super::{CHANCE, FINALISTS, HOPEFUL, best_of_each_set, explains};
+use crate::identify::data::Run;
+use crate::identify::fit::{Effort, Fit};
+use crate::identify::model::Model;
+use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
+
+/// Share of the squares that a form with its details fitted must leave at most to be worth them.
+const DETAILED: f64 = 0.8;
+
+/// Frees the details of the forms of the best models of the last size, and of those others that promise most with them: a right effect
+/// in its simplest form may leave more than a stranger does.
+pub(super) fn detail(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), SimulateError> {
+    let Some(last) = grown.last_mut() else { return Ok(()) };
+    let effort = Effort { steps: 8, tolerance: 1e-4 };
+    let finer = |fit: &Fit| if explains(fit) { Ok(None) } else { detailed(fit, runs, effort) };
+    let (best, others) = last.split_at(FINALISTS.min(last.len()));
+    let others = if best.first().is_none_or(explains) { Vec::new() } else { promising(others, runs)? };
+    let finer = best.par_iter().chain(&others).map(finer).collect::<Result<Vec<_>, _>>()?;
+    last.extend(finer.into_iter().flatten());
+    best_of_each_set(last);
+    Ok(())
+}
+
+/// The models that promise most once the details of their forms are fitted too.
+fn promising(fits: &[Fit], runs: &[Run]) -> Result<Vec<Fit>, SimulateError> {
+    let promise = |fit: &Fit| -> Result<(f64, Fit), SimulateError> {
+        let mut least = f64::INFINITY;
+        for model in fit.model.refined().into_iter().filter(|model| free(model) > free(&fit.model)) {
+            least = least.min(Fit::resume(model, fit.locals.clone(), runs)?.promised());
+        }
+        Ok((least, fit.clone()))
+    };
+    let mut promises = fits.par_iter().map(promise).collect::<Result<Vec<_>, _>>()?;
+    promises.retain(|(least, fit)| *least < DETAILED * fit.squares);
+    promises.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    promises.truncate(HOPEFUL);
+    Ok(promises.into_iter().map(|(_, fit)| fit).collect())
+}
+
+/// Parameters that are fitted.
+fn free(model: &Model) -> usize {
+    model.values().filter(|v| v.free).count()
+}
+
+/// A model with the details of its effects' forms fitted too; none where it has none or they are not worth it.
+pub(in crate::diagnose) fn detailed(fit: &Fit, runs: &[Run], effort: Effort) -> Result<Option<Fit>, SimulateError> {
+    let finer = refined(fit, runs, effort)?;
+    Ok(finer.filter(|finer| finer.squares < DETAILED * fit.squares - CHANCE))
+}
+
+/// The same, worth it or not, from whichever start leads further.
+pub(in crate::diagnose) fn refined(fit: &Fit, runs: &[Run], effort: Effort) -> Result<Option<Fit>, SimulateError> {
+    let mut best: Option<Fit> = None;
+    for model in fit.model.refined() {
+        if free(&model) == free(&fit.model) {
+            return Ok(None);
+        }
+        let mut finer = Fit::resume(model, fit.locals.clone(), runs)?;
+        finer.improve(runs, effort)?;
+        if best.as_ref().is_none_or(|best| finer.squares < best.squares) {
+            best = Some(finer);
+        }
+    }
+    Ok(best)
+}
