@@ -1,5 +1,7 @@
 //! A one-storey structure on the table, reacting on it, whose stiffness may change with its drift: joints that crack and
-//! open soften, columns that go into tension stiffen, and its frequency moves with the size of the motion.
+//! open soften, columns that go into tension stiffen, and its frequency moves with the size of the motion. A second storey adds a
+//! second mode, which acts on the table as a one-storey structure of its own beside the first (A. K. Chopra, "Dynamics of
+//! Structures", chapter 13, effective modal masses).
 
 use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
@@ -8,7 +10,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub(crate) const ENTRY: Entry = Entry {
     id: "payload_resonance",
-    equation: "f = mu (w_s^2 k(d) d + 2 zeta_s w_s d'), d = x - x_s, k = 1 + h d^2/(1 + |h| d^2); x_s'' = f/mu",
+    equation: "f = mu (w_s^2 k(d) d + 2 zeta_s w_s d'), d = x - x_s, k = 1 + h d^2/(1 + |h| d^2); x_s'' = f/mu; a second mode of m_2 mu and r w_s beside it",
     stage: Stage::Payload,
     family: Family::Structure,
     parameters: &[
@@ -64,6 +66,33 @@ pub(crate) const ENTRY: Entry = Entry {
             simple: Ends::Neither,
             role: Role::Refined,
         },
+        Parameter {
+            key: "second_mass",
+            unit: "1",
+            rigid_unit: "1",
+            meaning: "mass of the second mode over that of the first, up to 0.001 none: m_2",
+            signal_scale: SignalScale::One,
+            low: NO_SECOND,
+            high: 1.0,
+            starts: &[NO_SECOND],
+            positive: true,
+            simple: Ends::Low,
+            role: Role::Refined,
+        },
+        Parameter {
+            key: "second_frequency",
+            unit: "1",
+            rigid_unit: "1",
+            meaning: "frequency of the second mode over that of the first: r",
+            signal_scale: SignalScale::One,
+            low: 1.2,
+            high: 10.0,
+            // Two equal storeys have 2.62.
+            starts: &[2.6],
+            positive: true,
+            simple: Ends::Neither,
+            role: Role::Refined,
+        },
     ],
     kinds: &[Kind::Servo, Kind::RigidMass, Kind::ForceBalance],
     frees: &[],
@@ -82,13 +111,31 @@ pub(crate) struct PayloadResonance<S> {
     frequency: S,
     damping: S,
     hardening: S,
+    /// Mass over that of the first mode and frequency over its.
+    second: Option<(S, S)>,
 }
+
+/// Share of the first mode's mass up to which there is no second mode.
+const NO_SECOND: f64 = 1e-3;
 
 impl<S: Scalar> PayloadResonance<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
-        let &[mass_ratio, hertz, damping, hardening] = parameters else { return None };
-        Some(Self { mass_ratio, frequency: hertz * std::f64::consts::TAU, damping, hardening })
+        let &[mass_ratio, hertz, damping, hardening, second_mass, ratio] = parameters else { return None };
+        let second = (second_mass.value() > NO_SECOND).then_some((second_mass, ratio));
+        Some(Self { mass_ratio, frequency: hertz * std::f64::consts::TAU, damping, hardening, second })
+    }
+
+    /// What a mode does to the table per its own mass, m/s2; the drift bends the spring of the first.
+    fn mode(&self, at: &Instant<S>, &[place, speed]: &[S; 2], frequency: S, bends: bool) -> S {
+        let drift = at.displacement - place;
+        let straight = drift * frequency * frequency;
+        let dashpot = (at.velocity - speed) * self.damping * frequency * 2.0;
+        if !bends {
+            return straight + dashpot;
+        }
+        let bent = self.hardening * drift * drift;
+        straight * (bent / (bent.abs() + 1.0) + 1.0) + dashpot
     }
 }
 
@@ -99,24 +146,27 @@ impl<S: Scalar> Effect<S> for PayloadResonance<S> {
         Hooks { force: true, linear, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
-        self.frequency.value()
+        self.frequency.value() * self.second.map_or(1.0, |(_, ratio)| ratio.value())
     }
     fn states(&self) -> usize {
-        2
+        if self.second.is_some() { 4 } else { 2 }
     }
     fn rest(&self, displacement: S, y: &mut [S]) {
-        if let Some(first) = y.first_mut() {
-            *first = displacement;
-        }
+        y.iter_mut().step_by(2).for_each(|place| *place = displacement);
     }
     fn force(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) -> S {
-        let (&[place, speed], [place_rate, speed_rate]) = (y, dy) else { return S::from(0.0) };
-        let drift = at.displacement - place;
-        let bent = self.hardening * drift * drift;
-        let spring = drift * (bent / (bent.abs() + 1.0) + 1.0) * self.frequency * self.frequency;
-        let dashpot = (at.velocity - speed) * self.damping * self.frequency * 2.0;
-        *place_rate = speed;
-        *speed_rate = spring + dashpot;
-        (spring + dashpot) * self.mass_ratio
+        let Some((first, further)) = y.split_first_chunk::<2>() else { return S::from(0.0) };
+        let mut push = |i: usize, mode: &[S; 2], frequency: S| {
+            let push = self.mode(at, mode, frequency, i == 0);
+            if let Some([place_rate, speed_rate]) = dy.get_mut(2 * i..2 * i + 2) {
+                (*place_rate, *speed_rate) = (mode[1], push);
+            }
+            push
+        };
+        let mut sum = push(0, first, self.frequency);
+        if let (Some((mass, ratio)), Some(second)) = (self.second, further.first_chunk::<2>()) {
+            sum = sum + push(1, second, self.frequency * ratio) * mass;
+        }
+        sum * self.mass_ratio
     }
 }
