@@ -407,6 +407,13 @@ pub fn entry(id: &str) -> Option<&'static Entry> {
     library.or_else(|| own::found(id).map(|(_, entry)| entry))
 }
 
+/// An effect's parameters, the details of its form that are left out being what the library starts from.
+pub(super) fn with_details<S: Scalar>(entry: &Entry, stated: &[S]) -> Vec<S> {
+    let left_out = entry.parameters.iter().skip(stated.len()).take_while(|p| p.role == Role::Refined);
+    let details = left_out.filter_map(|p| p.starts.first().map(|&start| S::from(start)));
+    stated.iter().copied().chain(details).collect()
+}
+
 /// Every identifier, in signal-path order.
 pub fn identifiers() -> Vec<&'static str> {
     ENTRIES.iter().map(|entry| entry.id).collect()
@@ -419,13 +426,16 @@ macro_rules! registry {
         /// Every effect, in signal-path order.
         pub const ENTRIES: &[&Entry] = &[$(&$module::ENTRY),+];
 
-        /// An effect with its parameters, in the order of its entry; none where the identifier is unknown.
+        /// An effect with its parameters, in the order of its entry, of which details of its form may be left out; none where the
+        /// identifier is unknown.
         pub fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
             if let Some(effect) = regional::placed(id, parameters) {
                 return Some(effect);
             }
             match id {
-                $(id if id == $module::ENTRY.id => Some(Box::new($module::$kind::<S>::new(parameters)?)),)+
+                $(id if id == $module::ENTRY.id => {
+                    Some(Box::new($module::$kind::<S>::new(&with_details(&$module::ENTRY, parameters))?))
+                })+
                 _ => remainder::build(id, parameters)
                     .or_else(|| clock_rate::build(id, parameters))
                     .or_else(|| own::build(id, parameters)),

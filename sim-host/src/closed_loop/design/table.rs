@@ -186,8 +186,7 @@ impl Table {
     ) -> Result<Stepped, TableError> {
         let mut effects = self.linear_effects(corner);
         let mut place = |here: bool, entry: &Entry, parameters: &[f64]| {
-            effects
-                .extend(here.then(|| EffectParameters { id: entry.id, parameters: with_details(entry, parameters) }));
+            effects.extend(here.then(|| EffectParameters { id: entry.id, parameters: parameters.to_vec() }));
         };
         let root = corner.supply.sqrt();
         let (positive, (depth, recovery)) = (self.velocity_limit * root, self.droop);
@@ -246,11 +245,6 @@ fn stated(effect: &StatedEffect, entry: &'static Entry) -> Result<EffectParamete
 /// What the library starts a detail of an effect's form from.
 fn detail(parameter: &Parameter) -> f64 {
     parameter.starts.first().copied().unwrap_or(0.0)
-}
-
-/// An effect's parameters, the details of its form that a table does not state being what the library starts from.
-fn with_details(entry: &Entry, stated: &[f64]) -> Vec<f64> {
-    stated.iter().copied().chain(entry.parameters.iter().skip(stated.len()).map(detail)).collect()
 }
 
 #[cfg(test)]

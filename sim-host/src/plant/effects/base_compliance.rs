@@ -123,3 +123,23 @@ impl<S: Scalar> Effect<S> for BaseCompliance<S> {
         y.get(1).map_or(velocity, |&momentum| velocity + self.base_velocity(momentum, velocity))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What its travel takes of the stiffness or gives to it, up to none left and twice as much.
+    #[test]
+    fn springs_change_with_travel() {
+        let pull = |hardening: f64, place: f64| {
+            let base = BaseCompliance::<f64>::new(&[1.0, 0.0, 0.0, hardening]).unwrap();
+            let at = Instant { time: 0.0, displacement: 0.0, velocity: 0.0, sensed_velocity: 0.0, velocity_limit: 1.0 };
+            let mut rate = [0.0; 2];
+            base.follow(&at, &[place, 0.0], &mut rate);
+            -rate[1] / (std::f64::consts::TAU.powi(2) * place)
+        };
+        assert!((pull(0.0, 1e-3) - 1.0).abs() < 1e-12);
+        assert!((pull(1e6, 1e-3) - 1.5).abs() < 1e-12 && (pull(-1e6, 1e-3) - 0.5).abs() < 1e-12);
+        assert!((pull(1e10, 1e-3) - 2.0).abs() < 1e-3 && pull(-1e10, 1e-3).abs() < 1e-3);
+    }
+}

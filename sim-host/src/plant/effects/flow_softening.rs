@@ -83,3 +83,30 @@ impl<S: Scalar> Effect<S> for FlowSoftening<S> {
         flow.knee = self.knee;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::plant::model::Baseline;
+    use crate::plant::simulate::EffectParameters;
+    use crate::plant::{Plant as _, stepped::Stepped};
+
+    /// A line in series with the valve bends the flow as its own limit says, and the velocity limit cuts it off.
+    #[test]
+    fn a_flow_bends_towards_its_own_limit_and_is_cut_off_at_the_other() {
+        let table = Baseline::Servo { b1: 0.0, b0: 138.0, a1: 60.0, velocity_limit: 0.25 };
+        let at_rest = |command: f64, knee: f64| {
+            let parameters = vec![2.0, knee];
+            let placed = EffectParameters { id: super::ENTRY.id, parameters };
+            let mut plant = Stepped::new(&table, &[placed], 5e-4, 0.0).unwrap();
+            plant.advance(command, 1000);
+            plant.velocity(command)
+        };
+        for (command, knee) in [(0.05f64, 1.0), (0.05, 2.0), (0.1, 2.0)] {
+            let asked = 2.3 * command;
+            let bent = asked / (1.0 + (asked / (knee * 0.25)).powi(2)).sqrt();
+            assert!((at_rest(command, knee) - bent).abs() < 1e-4, "{command}, {knee}: {}", at_rest(command, knee));
+        }
+        assert!((at_rest(0.4, 2.0) - 0.25).abs() < 1e-9);
+        assert!(at_rest(0.4, 1.0) < 0.245);
+    }
+}

@@ -74,3 +74,24 @@ impl<S: Scalar> Effect<S> for Leakage<S> {
         compliance.leakage_exponent = self.exponent;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What leaks under the load that lets a velocity leak is that velocity, whatever the power; with the first it is in proportion.
+    #[test]
+    fn a_load_lets_leak_what_asks_for_it() {
+        for exponent in [0.5, 1.0, 2.5] {
+            let mut compliance = Compliance::STIFF;
+            Leakage::<f64>::new(&[4e-3, exponent]).unwrap().yields(&mut compliance);
+            for velocity in [1e-3, 0.02, -0.3] {
+                let load = velocity / compliance.leaks_to(velocity);
+                let leaks = compliance.leaks_under(load) * load;
+                assert!((leaks - velocity).abs() < 1e-3 * velocity.abs(), "{exponent}: {leaks} for {velocity}");
+            }
+            let [one, four] = [1.0, 4.0].map(|load| compliance.leaks_under(load) * load);
+            assert!((four / one - 4f64.powf(exponent)).abs() < 1e-4, "{exponent}: {}", four / one);
+        }
+    }
+}

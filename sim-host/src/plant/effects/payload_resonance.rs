@@ -170,3 +170,28 @@ impl<S: Scalar> Effect<S> for PayloadResonance<S> {
         sum * self.mass_ratio
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A frame of two equal storeys acts on the table as two structures: 0.947 and 0.053 of its mass at 0.618 and 1.618 times a storey's
+    /// frequency (Chopra, example 13.2 by its shares).
+    #[test]
+    fn two_storeys_are_two_structures() {
+        let at = Instant { time: 0.0, displacement: 1e-3, velocity: 0.02, sensed_velocity: 0.0, velocity_limit: 1.0 };
+        let y = [2e-4, 0.01, 7e-4, -0.03];
+        let force = |parameters: &[f64], y: &[f64]| {
+            let payload = PayloadResonance::<f64>::new(parameters).unwrap();
+            let mut dy = vec![0.0; payload.states()];
+            (payload.force(&at, y, &mut dy), dy)
+        };
+        let ratio = 1.618 / 0.618;
+        let (both, rates) = force(&[0.947, 3.0, 0.02, 0.0, 0.053 / 0.947, ratio], &y);
+        let (first, first_rates) = force(&[0.947, 3.0, 0.02, 0.0, NO_SECOND, 2.6], &y[..2]);
+        let (second, second_rates) = force(&[0.053, 3.0 * ratio, 0.02, 0.0, NO_SECOND, 2.6], &y[2..]);
+        assert!((both - first - second).abs() < 1e-12 * both.abs());
+        assert_eq!(rates[..2], first_rates[..]);
+        assert!(rates[2..].iter().zip(&second_rates).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
+}
