@@ -9,9 +9,10 @@ use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
-use super::standing::{Alone, accounted, at_bound, beyond, is_justified};
+use super::standing::{Alone, LEAST_GAIN, accounted, at_bound, beyond, is_justified};
 use crate::identify::fit::Fit;
-use crate::plant::effects::{Stage, entry};
+use crate::identify::model::ModelEffect;
+use crate::plant::effects::{SignalScale, Stage, entry};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -60,15 +61,13 @@ fn best_of_its_size(before: &ScoredModel, less: ScoredModel, sizes: &[Vec<Scored
 /// The largest model that stands, each against the one before it.
 fn choose(before: &ScoredModel, sizes: &[Vec<ScoredModel>], alone: &Alone) -> ScoredModel {
     let mut after = before.clone();
-    // What already leaves less than the noise has nothing to explain, however surely a line stands within it.
     let believed = before.departure.disbelief() < CHANCE;
-    if believed && before.hold.chi2 < 1.0 && before.fit.squares < before.fit.rows as f64 {
-        return after;
-    }
+    let beneath = believed && before.hold.chi2 < 1.0 && before.fit.squares < before.fit.rows as f64;
     let mut skipped = false;
     for size in sizes {
         let Some(best) = size.first() else { break };
-        if is_justified(before, &after, best, alone.tell_apart(&after.added, &best.added)) {
+        let justified = is_justified(before, &after, best, alone.tell_apart(&after.added, &best.added));
+        if justified && (!beneath || follows_motion(before, best)) {
             after = best.clone();
             skipped = false;
         } else if skipped {
@@ -78,6 +77,13 @@ fn choose(before: &ScoredModel, sizes: &[Vec<ScoredModel>], alone: &Alone) -> Sc
         }
     }
     after
+}
+
+/// True where a model explains what noise does not, beneath a noise that was stated too large: more than noise that is not quite white
+/// seems to gain, and no line, which stands in any noise for sure.
+fn follows_motion(before: &ScoredModel, model: &ScoredModel) -> bool {
+    let line = |p: &ModelEffect| p.entry.parameters.iter().any(|p| p.signal_scale == SignalScale::Line);
+    before.hold.chi2 - model.hold.chi2 > LEAST_GAIN && !model.fit.model.effects.iter().any(line)
 }
 
 /// Weighs the accepted model against all others and against what no library holds.

@@ -17,7 +17,7 @@ const LOST: f64 = 0.5;
 /// Excess of chi2 on the runs fitted that speaks for itself where the hold-out runs are silent.
 const SHOWN: f64 = 1.0;
 /// Least gain of chi2 for a further effect: less than this is not distinguished from noise that is not quite white.
-const LEAST_GAIN: f64 = 0.015;
+pub(super) const LEAST_GAIN: f64 = 0.015;
 
 /// How much of what the stated model leaves each effect explains alone.
 pub(super) struct Alone(Vec<(&'static str, f64)>);
