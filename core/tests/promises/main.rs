@@ -6,11 +6,15 @@ mod any_input;
 #[cfg(test)]
 mod blocks;
 #[cfg(test)]
+mod creep;
+#[cfg(test)]
 mod guard;
 #[cfg(test)]
 mod link_shape;
 #[cfg(test)]
 mod modes;
+#[cfg(test)]
+mod noise;
 #[cfg(test)]
 mod plain_law;
 #[cfg(test)]
