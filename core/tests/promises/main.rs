@@ -10,6 +10,8 @@ mod creep;
 #[cfg(test)]
 mod guard;
 #[cfg(test)]
+mod guard_limits;
+#[cfg(test)]
 mod link_shape;
 #[cfg(test)]
 mod modes;
