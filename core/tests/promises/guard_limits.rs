@@ -57,3 +57,25 @@ fn an_innovation_that_is_half_one_sided_is_noise() {
     assert_eq!(said(1.001 * second), Some(Trip::SensorsDisagree));
     assert_eq!(said(0.999 * second), Some(Trip::DisplacementNoisy));
 }
+
+/// Two fades make the weight: one rises by the tick from the start on, the other falls by the tick from the stop on, and neither waits for
+/// the other.
+#[test]
+fn fades_rise_and_fall_by_the_tick() {
+    let ramps = Ramps::new(&RampSettings { test: 8.0, safe: 1.0 }, 1.0).unwrap();
+    let mut supervisor = Supervisor::off();
+    assert_eq!(supervisor.fades(), (0.0, 1.0));
+    supervisor.request(OperatorRequest::Arm).unwrap();
+    supervisor.request(OperatorRequest::Start).unwrap();
+    for tick in 1..=6_u8 {
+        supervisor.advance(ramps);
+        assert_eq!(supervisor.fades(), (f32::from(tick) / 8.0, 1.0));
+    }
+    supervisor.request(OperatorRequest::Stop).unwrap();
+    for tick in 1..=7_u8 {
+        supervisor.advance(ramps);
+        assert_eq!(supervisor.fades(), (f32::from(6 + tick).min(8.0) / 8.0, 1.0 - f32::from(tick) / 8.0));
+    }
+    supervisor.advance(ramps);
+    assert_eq!(supervisor.fades(), (0.0, 1.0));
+}
