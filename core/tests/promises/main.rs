@@ -31,3 +31,5 @@ mod tracking;
 mod units;
 #[cfg(test)]
 mod wiring;
+#[cfg(test)]
+mod witness;
