@@ -85,3 +85,16 @@ fn a_test_may_begin_anywhere() {
         }
     }
 }
+
+/// A witness may be as fast as an observer: a twentieth of the rate, whatever the rate.
+#[test]
+fn the_highest_frequency_is_a_twentieth_of_the_rate() {
+    for rate in [200.0_f32, 1000.0, 8000.0] {
+        let refused = |frequency: f32| {
+            let settings = WitnessSettings { frequency, ..WitnessSettings::default() };
+            DisplacementWitness::new(&settings, 0.242, 1.0 / rate).err().map(|error| error.field)
+        };
+        assert_eq!(refused(0.0499 * rate), None);
+        assert_eq!(refused(0.0501 * rate), Some("guard.witness.frequency"));
+    }
+}
