@@ -6,11 +6,17 @@ mod any_input;
 #[cfg(test)]
 mod blocks;
 #[cfg(test)]
+mod creep;
+#[cfg(test)]
 mod guard;
+#[cfg(test)]
+mod guard_limits;
 #[cfg(test)]
 mod link_shape;
 #[cfg(test)]
 mod modes;
+#[cfg(test)]
+mod noise;
 #[cfg(test)]
 mod plain_law;
 #[cfg(test)]
@@ -25,3 +31,5 @@ mod tracking;
 mod units;
 #[cfg(test)]
 mod wiring;
+#[cfg(test)]
+mod witness;

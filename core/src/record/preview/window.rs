@@ -277,7 +277,7 @@ mod tests {
 
         /// A window that has counted as far as it can shows what one shows that has begun anew.
         #[test]
-        fn the_count_wraps_unnoticed(steps in prop::collection::vec(-1.0..1.0f32, 2 * N..4 * N), early in 0..2 * N as u32) {
+        fn the_count_wraps_unnoticed(steps in prop::collection::vec(-1.0..1.0f32, 2 * N..4 * N), early in 1..=2 * N as u32) {
             let (mut old, mut young) = (Small::at_rest(), Small::at_rest());
             (old.count, young.count) = (Small::WRAP - early, Small::FULL - early);
             for &step in &steps {
