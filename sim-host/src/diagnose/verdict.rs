@@ -1,82 +1,27 @@
 //! The last fit and the only look at the runs held out: what was selected is fitted to every sample that may be fitted and
 //! judged on data that nothing was chosen by. Names that do not hold there are taken back; nothing is chosen anew.
 
+mod refusal;
+
 use super::calibration::CALIBRATION;
-use super::judged::{Decision, ScoredModel, explains_a_channel};
+use super::judged::{Decision, ScoredModel};
 use super::leftover::{Followed, more_is_missing};
 use super::split::Test;
-use super::standing::{SURE, accounted, beyond, outside};
+use super::standing::{accounted, beyond, outside};
 use super::term::Modelled;
-use crate::identify::data::{Channel, Run};
+use crate::identify::data::Run;
 use crate::identify::evaluate::Local;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::{Score, gains, score, score_beside};
+use crate::identify::judge::{score, score_beside};
 use crate::identify::prepare::Prepared;
-use crate::identify::quantity::quantities;
-use crate::plant::effects::remainder as curves;
 use crate::plant::simulate::SimulateError;
-use serde::Serialize;
+pub(crate) use refusal::Refusal;
+use refusal::{refusal, rest_beyond_noise, untold};
 
 /// How far the last fit goes: it starts from the values found on two thirds of its samples.
 const LAST: Effort = Effort { steps: 12, tolerance: 1e-6 };
-/// Standard errors by which a channel may be worse by chance.
-const CHANCE: f64 = 4.0;
-/// R2 of a channel, its noise apart, that a model must reach for names to be believed.
-const LEAST_SKILL: f64 = 0.5;
-/// Share of a channel's power from which it is too noisy to be asked.
-const NOISY: f64 = 0.5;
-/// Deviations that an effect's size must be away from none.
-const SIZE: f64 = 2.0;
-/// What is more than one half is the larger part.
-const LARGER_PART: f64 = 0.5;
 /// Share of the misfit on the runs held out, below which what is left of the runs fitted is nothing to speak of.
 const NOTHING: f64 = 0.1;
-
-/// Why names that were selected do not stand on the runs held out.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "check")]
-#[non_exhaustive]
-pub enum Refusal {
-    /// A judged channel is predicted worse than by the stated model.
-    Worse {
-        /// The channel.
-        channel: &'static str,
-        /// Its residual power over that of the stated model.
-        ratio: f64,
-    },
-    /// A judged channel is predicted little better than by its own mean.
-    NoSkill {
-        /// The channel.
-        channel: &'static str,
-        /// 1 - nrmse^2.
-        r2: f64,
-    },
-    /// What the runs held out lack is not explained there.
-    NoGain {
-        /// Share of the stated model's excess that is left.
-        share_left: f64,
-    },
-    /// An effect's size is not significantly different from zero.
-    NotTold {
-        /// The effect.
-        id: &'static str,
-    },
-}
-
-impl std::fmt::Display for Refusal {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Worse { channel, ratio } => {
-                write!(f, "the residual of {channel} has {ratio:.2} times the power that the stated model's has")
-            }
-            Self::NoSkill { channel, r2 } => {
-                write!(f, "{channel} is predicted little better than by its mean, R2 {r2:.3}")
-            }
-            Self::NoGain { share_left } => write!(f, "it leaves {:.0} % of the excess", 100.0 * share_left),
-            Self::NotTold { id } => write!(f, "the size of {id} is not significantly different from zero"),
-        }
-    }
-}
 
 /// What came out, as judged on the runs held out, or on those fitted where none is.
 #[derive(Debug, Clone)]
@@ -233,97 +178,6 @@ fn last(
     let mut fit = Fit::resume(model, locals, &whole.fit)?;
     fit.improve(&whole.fit, LAST)?;
     Ok(ScoredModel { hold: score_beside(&fit, &whole.fit, judging)?, fit, ..judged.clone() })
-}
-
-/// Whether a model leaves more of the runs that judge than noise does.
-fn rest_beyond_noise(judged: &ScoredModel) -> bool {
-    let blur = CHANCE * (2.0 / judged.hold.samples.max(1) as f64).sqrt();
-    judged.hold.chi2 - 1.0 > CALIBRATION.negligible + blur
-}
-
-/// Why these names cannot stand; those beside which more is missing need to explain the larger part alone, or nearly all of one channel.
-fn refusal(before: &ScoredModel, named: &ScoredModel, judging: &[Run], beside_more: bool) -> Option<Refusal> {
-    let channel_explained =
-        explains_a_channel(before, named).filter(|_| beside_more && named.hold.chi2 < before.hold.chi2);
-    let channels = judging.iter().flat_map(|run| run.measured.iter().filter(|m| m.judged).map(|m| m.channel));
-    let mut channels: Vec<Channel> = channels.collect();
-    channels.sort_unstable();
-    channels.dedup();
-    let nrmse = |score: &Score, channel| score.nrmse.iter().find(|(c, _)| *c == channel).map(|&(_, value)| value);
-    let ratio = |channel: Channel| {
-        let ratio = (nrmse(&named.hold, channel)? / nrmse(&before.hold, channel)?).powi(2);
-        ratio.is_finite().then_some((channel, ratio))
-    };
-    let ratios: Vec<(Channel, f64)> = channels.iter().filter_map(|&channel| ratio(channel)).collect();
-    // Each channel has its say: what predicts one far better may be a little wrong about another.
-    let worse_in_all = ratios.iter().map(|(_, ratio)| ratio.max(f64::MIN_POSITIVE).ln()).sum::<f64>() > 0.0;
-    for (channel, ratio) in ratios {
-        let samples: usize = judging.iter().filter_map(|r| r.channel(channel)).map(|m| m.values.len()).sum();
-        let chance = CHANCE * (2.0 * named.hold.colour / samples.max(1) as f64).sqrt();
-        if ratio > 1.0 + chance && worse_in_all && channel_explained.is_none() {
-            return Some(Refusal::Worse { channel: channel.name(), ratio });
-        }
-        // Share of the channel's power that is noise: what it leaves of the rest is what a model can be asked for.
-        let found = nrmse(&named.hold, channel).unwrap_or(0.0);
-        let misfit = named.hold.channels.iter().find(|(c, ..)| *c == channel).map_or(1.0, |&(_, chi2, _)| chi2);
-        let noise = found * found / misfit.max(f64::MIN_POSITIVE);
-        let lack = (found * found - noise) / (1.0 - noise);
-        if noise < NOISY && lack > 1.0 - LEAST_SKILL {
-            return Some(Refusal::NoSkill { channel: channel.name(), r2: 1.0 - found * found });
-        }
-    }
-    let lacks = rest_beyond_noise(before);
-    let in_all = (named.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9);
-    let share_left = channel_explained.map_or(in_all, |(_, left)| left.min(in_all));
-    let most_left = if beside_more { LARGER_PART } else { 1.0 - CALIBRATION.credible };
-    if lacks && share_left > most_left {
-        return Some(Refusal::NoGain { share_left });
-    }
-    None
-}
-
-/// The first effect that nothing shows to be there: none of its parameters is significantly different from zero, and the runs that
-/// judge are predicted as well without it.
-fn untold(
-    before: &ScoredModel,
-    named: &ScoredModel,
-    whole: &Prepared,
-    judging: &[Run],
-) -> Result<Option<Refusal>, SimulateError> {
-    // Beside a curve an effect's size is not distinguished from the curve's: that it is needed was.
-    if named.fit.model.effects.iter().any(|p| curves::entries().any(|e| e.id == p.entry.id)) {
-        return Ok(None);
-    }
-    for id in indistinct(named) {
-        let needed = if let [_] = named.added[..] {
-            is_needed(before, named)
-        } else {
-            let mut fit = Fit::resume(named.fit.model.without(id), named.fit.locals.clone(), &whole.fit)?;
-            fit.improve(&whole.fit, LAST)?;
-            is_needed(&ScoredModel { hold: score_beside(&fit, &whole.fit, judging)?, fit, ..named.clone() }, named)
-        };
-        if !needed {
-            return Ok(Some(Refusal::NotTold { id }));
-        }
-    }
-    Ok(None)
-}
-
-/// Whether the runs that judge are predicted better with an effect than without by more than chance.
-fn is_needed(without: &ScoredModel, with: &ScoredModel) -> bool {
-    let (better, worse) = gains(&without.hold.blocks, &with.hold.blocks);
-    better - worse > SURE * with.colour_of_noise()
-}
-
-/// The effects none of whose parameters is significantly different from zero.
-fn indistinct(named: &ScoredModel) -> Vec<&'static str> {
-    let quantities = quantities(&named.fit);
-    let told = |id: &str| {
-        let prefix = format!("{id}.");
-        let mut own = quantities.iter().filter(|(key, _)| key.starts_with(&prefix)).peekable();
-        own.peek().is_none() || own.any(|(_, q)| q.std.is_none_or(|std| q.value.abs() > SIZE * std))
-    };
-    named.added.iter().copied().filter(|id| !told(id)).collect()
 }
 
 #[cfg(test)]

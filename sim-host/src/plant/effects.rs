@@ -273,8 +273,7 @@ impl<S: Scalar> Compliance<S> {
     /// The same under the load that lets this velocity leak (m/s).
     pub(super) fn leaks_to(&self, velocity: S) -> S {
         let leakage = self.leakage.unwrap_or(S::from(0.0));
-        self.leakage_exponent
-            .map_or(leakage, |n| leakage * (velocity.abs() / leakage + LEAST_LOAD).pow((n - 1.0) / n))
+        self.leakage_exponent.map_or(leakage, |n| leakage * (velocity.abs() / leakage + LEAST_LOAD).pow((n - 1.0) / n))
     }
 }
 

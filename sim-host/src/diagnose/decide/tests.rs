@@ -86,3 +86,20 @@ fn an_effect_that_explains_one_channel_is_seen_in_it() {
     assert!(channel == Channel::Acceleration && left < 0.1, "{channel:?}: {left}");
     assert_eq!(explains_a_channel(&humming, &stated), None);
 }
+
+/// Beneath a noise that was stated too large an effect is seen by what it gains; a line stands in any noise, and what gains next to
+/// nothing is the noise's own colour.
+#[test]
+fn what_is_named_beneath_a_noise_follows_the_motion() {
+    let mut hum = ModelEffect::start(entry("mains_hum").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
+    hum.values.iter_mut().zip([50.0, 0.0, 0.02, 0.0]).for_each(|(slot, value)| slot.value = value);
+    let drag = viscous(6.0, 0.0, (-0.2, 2.0));
+    let truth = model(TRUTH).with(drag.clone()).with(hum.clone());
+    let mut runs: Vec<Run> = (1..4).map(|seed| recorded(&truth, seed)).collect();
+    runs.iter_mut().flat_map(|run| &mut run.measured).for_each(|measured| measured.noise *= 2.0);
+    let [stated, dragged, humming] =
+        [model(TRUTH), model(TRUTH).with(drag), model(TRUTH).with(hum)].map(|model| judged(model, &runs));
+    assert!(stated.hold.chi2 < 1.0, "{}", stated.hold.chi2);
+    assert!(follows_motion(&stated, &dragged), "{} to {}", stated.hold.chi2, dragged.hold.chi2);
+    assert!(!follows_motion(&stated, &humming) && !follows_motion(&stated, &stated));
+}

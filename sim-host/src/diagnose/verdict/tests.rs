@@ -1,6 +1,8 @@
 use super::super::decide::tests::viscous;
 use super::super::split::{Weighing, split};
+use super::refusal::is_needed;
 use super::*;
+use crate::identify::data::Channel;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::entry;
@@ -171,4 +173,25 @@ fn an_excerpt_begins_elsewhere_than_its_run() {
     assert_eq!(conclusion.after.added, ["viscous_friction"]);
     assert!(conclusion.after.fit.chi2() < 1.1, "{}", conclusion.after.fit.chi2());
     assert!(conclusion.after.hold.chi2 < 1.1, "{}", conclusion.after.hold.chi2);
+}
+
+/// Where nothing is missing and a name's size is nothing, the verdict is that nothing is missing: not that what is has no name.
+#[test]
+fn a_name_of_no_size_leaves_the_stated_model_standing() {
+    let mut bias = ModelEffect::start(entry("null_bias").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
+    bias.values[0].value = 1e-5;
+    let conclusion = concluded(&model(TRUTH), &model(TRUTH), model(TRUTH).with(bias));
+    assert_eq!(conclusion.refusal, Some(Refusal::NotTold { id: "null_bias" }));
+    assert!(conclusion.consistent());
+    let none = conclusion.decision.candidates.iter().filter(|c| c.added.is_empty());
+    assert!(none.map(|c| c.probability).all(|p| p > 0.5) && conclusion.decision.unlisted_probability < 0.05);
+}
+
+/// However its values lean on each other, an effect is needed where the runs that judge are predicted better with it.
+#[test]
+fn what_the_judging_runs_need_is_there() {
+    let truth = with_viscous(20.0);
+    let conclusion = concluded(&truth, &truth, with_viscous(10.0));
+    assert!(is_needed(&conclusion.before, &conclusion.after), "{}", conclusion.before.hold.chi2);
+    assert!(!is_needed(&conclusion.after, &conclusion.before) && !is_needed(&conclusion.after, &conclusion.after));
 }

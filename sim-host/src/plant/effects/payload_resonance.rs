@@ -165,7 +165,7 @@ impl<S: Scalar> Effect<S> for PayloadResonance<S> {
         };
         let mut sum = push(0, first, self.frequency);
         if let (Some((mass, ratio)), Some(second)) = (self.second, further.first_chunk::<2>()) {
-            sum = sum + push(1, second, self.frequency * ratio) * mass;
+            sum += push(1, second, self.frequency * ratio) * mass;
         }
         sum * self.mass_ratio
     }

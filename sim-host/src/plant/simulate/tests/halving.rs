@@ -106,7 +106,9 @@ fn the_limit_converges_at_second_order() {
 /// as to short ones, within what the short ones differ by among themselves.
 #[test]
 fn equations_do_not_depend_on_the_step() {
-    for (id, parameters) in [("load_dependent_flow", vec![12.0, 1000.0, 0.2]), ("leakage", vec![1e-4]), ("leakage", vec![1e-3, 1.7])] {
+    for (id, parameters) in
+        [("load_dependent_flow", vec![12.0, 1000.0, 0.2]), ("leakage", vec![1e-4]), ("leakage", vec![1e-3, 1.7])]
+    {
         let effects = [EffectParameters { id, parameters }];
         let [long, short, fine] = [8, 32, 256].map(|steps| moved(&effects, steps, (0.3, 1.0)));
         let apart = |a: &[[f64; 2]]| a.iter().zip(&fine).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
