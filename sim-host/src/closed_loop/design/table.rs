@@ -186,7 +186,10 @@ impl Table {
     ) -> Result<Stepped, TableError> {
         let mut effects = self.linear_effects(corner);
         let mut place = |here: bool, entry: &Entry, parameters: &[f64]| {
-            effects.extend(here.then(|| EffectParameters { id: entry.id, parameters: parameters.to_vec() }));
+            // What a table does not state of friction's or an orifice's form is what the library starts from.
+            let form = entry.parameters.iter().skip(parameters.len()).map(detail);
+            let parameters = parameters.iter().copied().chain(form).collect();
+            effects.extend(here.then_some(EffectParameters { id: entry.id, parameters }));
         };
         let root = corner.supply.sqrt();
         let (positive, (depth, recovery)) = (self.velocity_limit * root, self.droop);
