@@ -235,8 +235,6 @@ pub struct Flow<S> {
     pub negative: S,
     /// Sharpness of the limit; none is a hard limit.
     pub sharpness: Option<S>,
-    /// Limit towards which a soft one bends, over the limit that holds, 1.
-    pub knee: S,
 }
 
 /// How the actuator yields to load.

@@ -88,7 +88,7 @@ mod tests {
     fn gain(settling: f64, time: f64) -> f64 {
         let drift = GainDrift::<f64>::new(&[0.01, settling]).unwrap();
         let at = Instant { time, displacement: 0.0, velocity: 0.0, sensed_velocity: 0.0, velocity_limit: 1.0 };
-        let mut flow = Flow { gain: 1.0, limit: 1.0, positive: 1.0, negative: 1.0, sharpness: None, knee: 1.0 };
+        let mut flow = Flow { gain: 1.0, limit: 1.0, positive: 1.0, negative: 1.0, sharpness: None };
         drift.flow(&at, &[], &mut flow);
         flow.gain
     }

@@ -496,14 +496,14 @@ impl<S: Scalar> Dynamics<S> {
                 let limits = (flow.positive.value() * factor, flow.negative.value() * factor);
                 self.limited(demand, limits, positive, negative)
             }
-            Some(n) if demand.value() >= 0.0 => soften(demand, positive() * flow.knee, n).min(positive()),
-            Some(n) => -soften(-demand, negative() * flow.knee, n).min(negative()),
+            Some(n) if demand.value() >= 0.0 => soften(demand, positive(), n),
+            Some(n) => -soften(-demand, negative(), n),
         }
     }
 
     fn shaped(&self, at: &Instant<S>, y: &[S]) -> Flow<S> {
         let (one, limit) = (S::from(1.0), self.velocity_limit);
-        let mut flow = Flow { gain: one, limit: one, positive: limit, negative: limit, sharpness: None, knee: one };
+        let mut flow = Flow { gain: one, limit: one, positive: limit, negative: limit, sharpness: None };
         for m in self.mounted.iter().filter(|m| m.hooks.flow) {
             m.effect.flow(at, &y[m.first..m.last], &mut flow);
         }
