@@ -53,6 +53,11 @@ pub trait Scalar:
         self
     }
 
+    /// True for zero of which no derivative is asked: what is multiplied by it is not there.
+    fn is_nothing(&self) -> bool {
+        (0..Self::PARTS).all(|i| self.part(i) == 0.0)
+    }
+
     /// `self + a b`.
     #[inline]
     fn plus_product(self, a: Self, b: Self) -> Self {

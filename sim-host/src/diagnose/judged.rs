@@ -117,5 +117,5 @@ pub(super) fn explains_a_channel(without: &ScoredModel, with: &ScoredModel) -> O
 
 /// Parameters that were fitted.
 pub(super) fn parameters(judged: &ScoredModel) -> f64 {
-    judged.fit.model.values().filter(|v| v.free).count() as f64
+    judged.fit.model.free_values() as f64
 }

@@ -177,7 +177,7 @@ impl Fit {
 
     /// The part of a matrix over all coordinates that belongs to the free shared values.
     fn shared(&self, all: &DMatrix<f64>) -> DMatrix<f64> {
-        let count = self.model.values().filter(|v| v.free).count();
+        let count = self.model.free_values();
         all.view((0, 0), (count, count)).into_owned()
     }
 
@@ -244,7 +244,7 @@ pub(crate) fn squares(model: &Model, locals: &[Local], runs: &[Run]) -> Result<f
 
 /// The normal equations over all runs: shared parameters first, then each run's own.
 fn assemble(model: &Model, locals: &[Local], runs: &[Run]) -> Result<Normal, SimulateError> {
-    let shared = model.values().filter(|v| v.free).count();
+    let shared = model.free_values();
     let counts: Vec<usize> = locals.iter().map(|l| l.values().filter(|v| v.free).count()).collect();
     let parts: Vec<_> = runs.par_iter().zip(locals).map(|(run, local)| normal(model, run, local, None)).collect();
     let mut sum = Normal::zeros(shared + counts.iter().sum::<usize>());

@@ -219,6 +219,11 @@ impl Model {
         self.own.iter_mut().chain(&mut self.scale).chain(self.effects.iter_mut().flat_map(|p| &mut p.values))
     }
 
+    /// How many of the shared values are fitted.
+    pub fn free_values(&self) -> usize {
+        self.values().filter(|v| v.free).count()
+    }
+
     /// The names of the shared values, in the order of [`Model::values`]: `b0`, `scale`, `coulomb_friction.force`.
     pub fn names(&self) -> Vec<String> {
         let own = self.kind.parameters().iter().map(|p| p.key.to_owned());

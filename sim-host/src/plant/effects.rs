@@ -13,6 +13,7 @@
 //!                    displacement <--displacement-- x   v --velocity--> d/dt --acceleration--> accelerometer
 //! ```
 
+mod bent_spring;
 mod bristle;
 pub(crate) mod clock_rate;
 mod countered;
@@ -113,6 +114,13 @@ pub struct Parameter {
     pub simple: Ends,
     /// Whether all runs share it.
     pub role: Role,
+}
+
+impl Parameter {
+    /// What the library starts from first: none of a detail of form.
+    pub(crate) fn first_start(&self) -> f64 {
+        self.starts.first().copied().unwrap_or(0.0)
+    }
 }
 
 /// Ends of a parameter's range at which its effect is none or a simpler one: little of it, a rigid contact, a hard corner.
@@ -407,7 +415,7 @@ pub fn entry(id: &str) -> Option<&'static Entry> {
 /// An effect's parameters, the details of its form that are left out being what the library starts from.
 pub(super) fn with_details<S: Scalar>(entry: &Entry, stated: &[S]) -> Vec<S> {
     let left_out = entry.parameters.iter().skip(stated.len()).take_while(|p| p.role == Role::Refined);
-    let details = left_out.filter_map(|p| p.starts.first().map(|&start| S::from(start)));
+    let details = left_out.map(|p| S::from(p.first_start()));
     stated.iter().copied().chain(details).collect()
 }
 

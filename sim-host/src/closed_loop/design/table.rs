@@ -187,7 +187,7 @@ impl Table {
         let mut effects = self.linear_effects(corner);
         let mut place = |here: bool, entry: &Entry, parameters: &[f64]| {
             // What a table does not state of friction's or an orifice's form is what the library starts from.
-            let form = entry.parameters.iter().skip(parameters.len()).map(detail);
+            let form = entry.parameters.iter().skip(parameters.len()).map(Parameter::first_start);
             let parameters = parameters.iter().copied().chain(form).collect();
             effects.extend(here.then_some(EffectParameters { id: entry.id, parameters }));
         };
@@ -239,15 +239,12 @@ impl Table {
 fn stated(effect: &StatedEffect, entry: &'static Entry) -> Result<EffectParameters<f64>, TableError> {
     let value = |parameter: &Parameter| match (effect.parameters.get(parameter.key), parameter.signal_scale) {
         (Some(&value), _) => Ok(value),
-        (None, SignalScale::One) if parameter.low > 0.0 || parameter.role != Role::Shared => Ok(detail(parameter)),
+        (None, SignalScale::One) if parameter.low > 0.0 || parameter.role != Role::Shared => {
+            Ok(parameter.first_start())
+        }
         (None, _) => Err(TableError::Missing { effect: entry.id, key: parameter.key }),
     };
     Ok(EffectParameters { id: entry.id, parameters: entry.parameters.iter().map(value).collect::<Result<_, _>>()? })
-}
-
-/// What the library starts a detail of an effect's form from.
-fn detail(parameter: &Parameter) -> f64 {
-    parameter.starts.first().copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

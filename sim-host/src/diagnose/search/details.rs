@@ -3,7 +3,6 @@
 use super::{CHANCE, FINALISTS, HOPEFUL, best_of_each_set, explains};
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::model::Model;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -28,7 +27,7 @@ pub(super) fn detail(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), Simulat
 fn promising(fits: &[Fit], runs: &[Run]) -> Result<Vec<Fit>, SimulateError> {
     let promise = |fit: &Fit| -> Result<(f64, Fit), SimulateError> {
         let mut least = f64::INFINITY;
-        for model in fit.model.refined().into_iter().filter(|model| free(model) > free(&fit.model)) {
+        for model in fit.model.refined().into_iter().filter(|model| model.free_values() > fit.model.free_values()) {
             least = least.min(Fit::resume(model, fit.locals.clone(), runs)?.promised());
         }
         Ok((least, fit.clone()))
@@ -38,11 +37,6 @@ fn promising(fits: &[Fit], runs: &[Run]) -> Result<Vec<Fit>, SimulateError> {
     promises.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     promises.truncate(HOPEFUL);
     Ok(promises.into_iter().map(|(_, fit)| fit).collect())
-}
-
-/// Parameters that are fitted.
-fn free(model: &Model) -> usize {
-    model.values().filter(|v| v.free).count()
 }
 
 /// A model with the details of its effects' forms fitted too; none where it has none or they are not worth it.
@@ -55,7 +49,7 @@ pub(in crate::diagnose) fn detailed(fit: &Fit, runs: &[Run], effort: Effort) -> 
 pub(in crate::diagnose) fn refined(fit: &Fit, runs: &[Run], effort: Effort) -> Result<Option<Fit>, SimulateError> {
     let mut best: Option<Fit> = None;
     for model in fit.model.refined() {
-        if free(&model) == free(&fit.model) {
+        if model.free_values() == fit.model.free_values() {
             return Ok(None);
         }
         let mut finer = Fit::resume(model, fit.locals.clone(), runs)?;

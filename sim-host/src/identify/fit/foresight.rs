@@ -24,7 +24,7 @@ impl Fit {
 
     /// What the runs fitted so far know of the shared values: the inverse of their covariance.
     fn information(&self) -> Option<DMatrix<f64>> {
-        let shared = self.model.values().filter(|v| v.free).count();
+        let shared = self.model.free_values();
         let inverse = self.normal.inverse()?.view((0, 0), (shared, shared)).into_owned();
         inverse.try_inverse()
     }

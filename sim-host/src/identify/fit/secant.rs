@@ -110,7 +110,7 @@ impl<'a> Base<'a> {
     /// Sums up what changes each run's rows.
     fn change<R: AsRef<[f64]>>(&self, of: impl Fn(usize) -> Result<R, SimulateError>) -> Result<Change, SimulateError> {
         let mut change = Change { squares: 0.0, towards: 0.0, along: DVector::zeros(self.step.len()) };
-        let shared = self.fit.model.values().filter(|v| v.free).count();
+        let shared = self.fit.model.free_values();
         let mut first = shared;
         for (i, rows) in self.rows.iter().enumerate() {
             let width = rows.jacobian.len() / rows.residuals.len().max(1);

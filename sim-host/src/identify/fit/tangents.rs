@@ -87,7 +87,7 @@ impl<'a> Tangents<'a> {
     }
 
     fn shared(&self) -> usize {
-        self.fit.model.values().filter(|v| v.free).count()
+        self.fit.model.free_values()
     }
 
     /// Calls `each` with the range of rows of every stretch of every run, and where the run's own parameters begin.

@@ -1,6 +1,7 @@
 //! The reaction mass moves on its springs: the accelerometer shows absolute motion, the LVDT motion relative to it. Its springs may
 //! change with its travel: soil that slips and cracks softens, a gap that closes stiffens.
 
+use super::bent_spring::bent;
 use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
@@ -101,7 +102,7 @@ impl<S: Scalar> BaseCompliance<S> {
 impl<S: Scalar> Effect<S> for BaseCompliance<S> {
     fn hooks(&self) -> Hooks {
         // A derivative by the hardening is not linear in the state even where the hardening is nothing.
-        let linear = (0..S::PARTS).all(|i| self.hardening.part(i) == 0.0);
+        let linear = self.hardening.is_nothing();
         Hooks { follow: true, velocity: true, linear, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
@@ -114,8 +115,7 @@ impl<S: Scalar> Effect<S> for BaseCompliance<S> {
         if let (&[place, momentum], [place_rate, momentum_rate]) = (y, dy) {
             let speed = self.base_velocity(momentum, at.velocity);
             *place_rate = speed;
-            let bent = self.hardening * place * place;
-            let spring = place * (bent / (bent.abs() + 1.0) + 1.0) * self.frequency * self.frequency;
+            let spring = place * bent(self.hardening, place) * self.frequency * self.frequency;
             *momentum_rate = -(spring + speed * self.damping * self.frequency * 2.0) / (self.mass_ratio + 1.0);
         }
     }

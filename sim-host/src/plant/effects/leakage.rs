@@ -60,7 +60,7 @@ impl<S: Scalar> Leakage<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[coefficient, exponent] = parameters else { return None };
-        let laminar = exponent.value() == 1.0 && (1..S::PARTS).all(|i| exponent.part(i) == 0.0);
+        let laminar = (exponent - 1.0).is_nothing();
         Some(Self { coefficient, exponent: (!laminar).then_some(exponent) })
     }
 }

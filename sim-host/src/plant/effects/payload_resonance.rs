@@ -3,6 +3,7 @@
 //! second mode, which acts on the table as a one-storey structure of its own beside the first (A. K. Chopra, "Dynamics of
 //! Structures", chapter 13, effective modal masses).
 
+use super::bent_spring::bent;
 use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
@@ -131,18 +132,15 @@ impl<S: Scalar> PayloadResonance<S> {
         let drift = at.displacement - place;
         let straight = drift * frequency * frequency;
         let dashpot = (at.velocity - speed) * self.damping * frequency * 2.0;
-        if !bends {
-            return straight + dashpot;
-        }
-        let bent = self.hardening * drift * drift;
-        straight * (bent / (bent.abs() + 1.0) + 1.0) + dashpot
+        let spring = if bends { straight * bent(self.hardening, drift) } else { straight };
+        spring + dashpot
     }
 }
 
 impl<S: Scalar> Effect<S> for PayloadResonance<S> {
     fn hooks(&self) -> Hooks {
         // A derivative by the hardening is not linear in the state even where the hardening is nothing.
-        let linear = (0..S::PARTS).all(|i| self.hardening.part(i) == 0.0);
+        let linear = self.hardening.is_nothing();
         Hooks { force: true, linear, ..Hooks::default() }
     }
     fn fastest(&self) -> f64 {
@@ -176,7 +174,7 @@ mod tests {
     use super::*;
 
     /// A frame of two equal storeys acts on the table as two structures: 0.947 and 0.053 of its mass at 0.618 and 1.618 times a storey's
-    /// frequency (Chopra, example 13.2 by its shares).
+    /// frequency.
     #[test]
     fn two_storeys_are_two_structures() {
         let at = Instant { time: 0.0, displacement: 1e-3, velocity: 0.02, sensed_velocity: 0.0, velocity_limit: 1.0 };

@@ -61,7 +61,7 @@ impl<S: Scalar> Spring<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[stiffness, hardening] = parameters else { return None };
-        let straight = (0..S::PARTS).all(|i| hardening.part(i) == 0.0);
+        let straight = hardening.is_nothing();
         Some(Self { stiffness, hardening, straight })
     }
 }

@@ -76,7 +76,7 @@ impl<S: Scalar> ValveLag<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[hertz, damping, weakness] = parameters else { return None };
-        let linear = (0..S::PARTS).all(|i| weakness.part(i) == 0.0);
+        let linear = weakness.is_nothing();
         Some(Self { frequency: hertz * std::f64::consts::TAU, damping, weakness, linear })
     }
 }

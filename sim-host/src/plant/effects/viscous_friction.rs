@@ -87,9 +87,8 @@ impl<S: Scalar> ViscousFriction<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[coefficient, thinning, warming] = parameters else { return None };
-        let none = |detail: S| (0..S::PARTS).all(|i| detail.part(i) == 0.0);
-        let warms = !none(warming);
-        Some(Self { coefficient, thinning, warming, plain: none(thinning) && !warms, warms })
+        let warms = !warming.is_nothing();
+        Some(Self { coefficient, thinning, warming, plain: thinning.is_nothing() && !warms, warms })
     }
 }
 
