@@ -235,12 +235,13 @@ impl Monitors {
 
     /// Whether the LVDT has crept, or the table may be where it must not if it has.
     fn judge_creep(&self, config: &MonitorConfig, guard: &GuardConfig, readings: &Sample) -> Option<Trip> {
-        let crept = match guard.valve.as_ref()?.creep(&self.valve) {
+        let (below, above) = match guard.valve.as_ref()?.creep(&self.valve) {
             Creep::None => return None,
             Creep::Certain => return Some(Trip::ValveStuck),
-            Creep::Possible(crept) => crept,
+            Creep::Possible { below, above } => (below, above),
         };
-        let left = guard.envelope.left_by(readings.displacement - crept, self.velocity(config, readings));
+        let (x, v) = (readings.displacement, self.velocity(config, readings));
+        let left = guard.envelope.left_by(x - below, v).or(guard.envelope.left_by(x + above, v));
         left.and(Some(Trip::ValveStuck))
     }
 

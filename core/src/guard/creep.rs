@@ -15,7 +15,8 @@
 //! spoils g: a loop that carries the table along under a reading that stands makes it look a slow table, which explains the creep.
 //! So it has crept where `d3 > mismatch`, half of that where no g that is only an estimate had a part in it, and where `d1 > mismatch`,
 //! which no gain explains; and however far it has, the table is nowhere beyond x - d2. It trips where the envelope, with its stopping
-//! distance, would not let the table be there.
+//! distance, would not let the table be there. Both directions are judged: an LVDT that creeps up and part of the way back is still
+//! too high if it was right at first, and too low if it was right where it turned.
 //! Up to that, and up to an even 2 n, a creep is not distinguished from the errors of model and null.
 //!
 //! Where `d3 > 2 mismatch` it trips wherever the table may be, if s says so under the limit in force as well: a table that does less
@@ -43,8 +44,14 @@ const NULL: f32 = 0.04;
 pub enum Creep {
     /// It does not.
     None,
-    /// It may have, this far, m: the table would be so far below its reading.
-    Possible(f32),
+    /// It may have: the table is at most `below` under its reading and at most `above` over it, m. One that creeps up and part of the
+    /// way back may be either, for nobody knows where it was right; 0 where it is not.
+    Possible {
+        /// How far the table may be under its reading, m.
+        below: f32,
+        /// How far it may be over it, m.
+        above: f32,
+    },
     /// It has.
     Certain,
 }
@@ -161,12 +168,11 @@ impl CreepWitness {
         let [up_in_force, down_in_force] = state.in_force;
         if certain(up_in_force, up.as_learned()) || certain(down_in_force, down.as_learned()) {
             Creep::Certain
-        } else if let Some(crept) = up.farthest(self.mismatch).filter(|_| up.way > down.way) {
-            Creep::Possible(crept)
-        } else if let Some(crept) = down.farthest(self.mismatch) {
-            Creep::Possible(-crept)
         } else {
-            Creep::None
+            match (up.farthest(self.mismatch), down.farthest(self.mismatch)) {
+                (None, None) => Creep::None,
+                (below, above) => Creep::Possible { below: below.unwrap_or(0.0), above: above.unwrap_or(0.0) },
+            }
         }
     }
 }

@@ -22,6 +22,12 @@ fn at_rest(readings: &[f32]) -> Creep {
     monitor.creep(&state)
 }
 
+/// How far the table may be from its reading on the `side` (1 below, -1 above) of a possible creep, and on the other, m.
+fn of_a_side(creep: Creep, side: f32) -> (f32, f32) {
+    let Creep::Possible { below, above } = creep else { panic!("{creep:?}") };
+    if side > 0.0 { (below, above) } else { (above, below) }
+}
+
 /// The largest reading that a table at rest at zero with an unknown null makes `way` (m) of, to the last bit.
 fn largest_reading(way: f32) -> f32 {
     let mut reading = way + NULL;
@@ -41,9 +47,9 @@ fn at_its_limit_a_creep_is_not_said() {
     for side in [1.0, -1.0] {
         let possible = largest_reading(0.5 * MISMATCH);
         assert_eq!(at_rest(&[0.0, side * possible]), Creep::None);
-        assert!(matches!(at_rest(&[0.0, side * possible.next_up()]), Creep::Possible(_)));
+        assert!(matches!(at_rest(&[0.0, side * possible.next_up()]), Creep::Possible { .. }));
         let certain = largest_reading(2.0 * MISMATCH);
-        assert!(matches!(at_rest(&[0.0, side * certain]), Creep::Possible(_)));
+        assert!(matches!(at_rest(&[0.0, side * certain]), Creep::Possible { .. }));
         assert_eq!(at_rest(&[0.0, side * certain.next_up()]), Creep::Certain);
     }
 }
@@ -53,14 +59,12 @@ fn at_its_limit_a_creep_is_not_said() {
 fn an_unknown_null_hides_nothing_before_a_creep() {
     let step = 0.75 * MISMATCH;
     for side in [1.0, -1.0] {
-        let (Creep::Possible(at_once), Creep::Possible(after)) =
-            (at_rest(&[0.0, 0.0, side * step]), at_rest(&[0.0, side * NULL, side * (NULL + step)]))
-        else {
-            panic!("not seen");
-        };
+        let (at_once, other) = of_a_side(at_rest(&[0.0, 0.0, side * step]), side);
+        let after = of_a_side(at_rest(&[0.0, side * NULL, side * (NULL + step)]), side);
         // What it may be is the step less one null, and the two that may have hidden some of it.
-        assert!((at_once - side * (step + NULL)).abs() < 0.01 * NULL, "{at_once}");
-        assert!((after - at_once).abs() < 0.01 * NULL, "{after} for {at_once}");
+        assert!((at_once - (step + NULL)).abs() < 0.01 * NULL, "{at_once}");
+        assert!((after.0 - at_once).abs() < 0.01 * NULL, "{after:?} for {at_once}");
+        assert_eq!((other, after.1), (0.0, 0.0));
     }
 }
 
@@ -81,8 +85,8 @@ fn a_creep_that_no_gain_explains_is_seen() {
             asked += TURN * velocity;
             monitor.advance(&mut state, side * velocity, 0.242, side * velocity, side * x);
             match monitor.creep(&state) {
-                Creep::Possible(way) => Some((f32::from(turn) * TURN, side * way, asked)),
-                _ => None,
+                Creep::None => None,
+                creep => Some((f32::from(turn) * TURN, of_a_side(creep, side).0, asked)),
             }
         });
         let (t, way, asked) = found.unwrap();
@@ -91,5 +95,20 @@ fn a_creep_that_no_gain_explains_is_seen() {
         assert!((least - 0.02).abs() < 0.001 && asked > 0.002, "{least} m, {asked} m asked for");
         let farthest = gained * t + 2.0 * null * t + asked - 0.65 * asked;
         assert!((way - farthest).abs() < 0.001, "{way} m for {farthest} m");
+    }
+}
+
+/// An LVDT that creeps away and part of the way back may be wrong to either side: to the first by what is left, to the other by what
+/// it came back. Neither hides the other, whichever is longer.
+#[test]
+fn a_creep_that_turns_back_is_judged_on_both_sides() {
+    // Steps that the witness follows within a turn, m; allowance 15.6 mm, of which half is possible and twice certain.
+    let (away, back) = (1.5 * MISMATCH, [0.6 * MISMATCH, 0.9 * MISMATCH]);
+    for side in [1.0, -1.0] {
+        for back in back {
+            let (first, other) = of_a_side(at_rest(&[0.0, side * away, side * (away - back)]), side);
+            assert!((first - (away - back)).abs() < 4.0 * NULL, "{first} m for {} m", away - back);
+            assert!((other - back).abs() < 4.0 * NULL, "{other} m for {back} m");
+        }
     }
 }

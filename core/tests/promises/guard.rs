@@ -489,6 +489,38 @@ fn a_creep_that_is_only_possible_trips_where_it_would_matter() {
     }
 }
 
+/// How far an LVDT that creeps at `speed` (m/s) has crept when it trips a table that swings 30 mm about `hold` (m) in a loop over it, and
+/// how far that table went, m.
+fn crept_at(mode: Mode, hold: f64, speed: f64) -> (f64, f64) {
+    let mut rig = Rig::running(&settings(mode));
+    while rig.t < 12.0 && rig.tripped.is_none() {
+        let reached = hold * (1.0 - (std::f64::consts::PI * ((rig.t - 3.0) / 3.0).clamp(0.0, 1.0)).cos()) / 2.0;
+        let reference = reached + 0.03 * (3.0 * rig.t).sin();
+        let crept = speed * (rig.t - 7.0).max(0.0);
+        rig.tick(reference, |s| {
+            s.displacement += crept as f32;
+            s.external = (10.0 * (reference - f64::from(s.displacement))) as f32;
+        });
+        assert!(rig.t > 7.0 || rig.tripped.is_none(), "{:?} while healthy", rig.tripped);
+    }
+    assert_eq!(rig.tripped.map(|(_, cause)| cause), Some(Trip::ValveStuck), "{mode:?} {hold} m {speed} m/s");
+    ((speed * (rig.t - 7.0)).abs(), rig.farthest)
+}
+
+/// A creep that is only possible trips where it carries the table toward the near end of its stroke, and not where it carries it away.
+#[test]
+fn a_possible_creep_is_judged_on_the_side_that_it_is_on() {
+    for mode in [Mode::Guard, Mode::Controller] {
+        for (hold, speed) in [(0.055, 0.03), (0.055, -0.03), (-0.055, 0.03), (-0.055, -0.03)] {
+            let (crept, farthest) = crept_at(mode, hold, speed);
+            // One that reads too low is carried up.
+            let toward = (hold < 0.0) == (speed > 0.0);
+            let right = if toward { farthest < 0.115 } else { farthest < 0.09 && crept > 0.055 };
+            assert!(right, "{mode:?} {hold} {speed}: {crept} {farthest}");
+        }
+    }
+}
+
 /// A swing of which `length` ticks from the fourth second on lack `fault`'s reading: how far the modified reference strays, m.
 fn strays(mode: Mode, length: u32, fault: impl Fn(&mut Sample)) -> f64 {
     let (mut whole, mut gapped) = (Rig::running(&settings(mode)), Rig::running(&settings(mode)));
@@ -924,7 +956,7 @@ fn the_hazard_table_names_real_tests() {
         eprintln!("skipped: no docs/hazards.md beside the package");
         return;
     };
-    let here = ["guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs", "wiring.rs"];
+    let here = ["creep.rs", "guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs", "wiring.rs"];
     let here = here.map(|file| root.join("tests/promises").join(file));
     let explored = root.join("tests/state_machine.rs");
     let parts = root.join("tests/guard_parts.rs");

@@ -49,7 +49,7 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     let mut found = best.collect::<Result<Vec<_>, _>>()?;
     let ranking = Ranking::new(&decision.before, &found);
     if let Some(leader) = found.iter().min_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b))) {
-        found.extend(doubles(weighing, search, leader)?);
+        found.extend(doubles(weighing, search, (leader, &found))?);
     }
     accept(weighing, decision, &mut found)
 }

@@ -21,6 +21,15 @@ pub enum SignalFault {
     Noisy(f64),
     /// Moves away at this rate, per second.
     Drifting(f64),
+    /// Moves away and part of the way back, both at the same rate.
+    Returning {
+        /// Rate, per second.
+        rate: f64,
+        /// How far it goes.
+        most: f64,
+        /// Share of that at which it stays in the end, 1.
+        left: f64,
+    },
     /// Off by this much.
     Offset(f64),
     /// Spikes of a height that last so long, so far apart.
@@ -139,6 +148,11 @@ impl Spoiled {
             SignalFault::Detached(deviation) => self.held + deviation * dice.normal(),
             SignalFault::Noisy(deviation) => value + deviation * dice.normal(),
             SignalFault::Drifting(rate) => value + rate * time,
+            SignalFault::Returning { rate, most, left } => {
+                let way = rate.abs() * time;
+                let off = if way < most { way } else { (2.0 * most - way).max(left * most) };
+                value + rate.signum() * off
+            }
             SignalFault::Offset(offset) => value + offset,
             SignalFault::Spikes { height, length, period } => {
                 value + if ms % period.max(1) < length { height } else { 0.0 }
@@ -175,6 +189,10 @@ mod tests {
         assert_eq!(passed(SignalFault::Clipped(1.5), &v), [1.0, 1.5, -1.5]);
         assert_eq!(passed(SignalFault::Stuck, &v), [1.0; 3]);
         assert_eq!(passed(SignalFault::Drifting(2.0), &v), [1.0, 3.0, -1.0]);
+        let returning = SignalFault::Returning { rate: -2.0, most: 1.5, left: 0.8 };
+        assert_eq!(passed(returning, &[0.0; 4]), [0.0, -1.0, -1.2000000000000002, -1.2000000000000002]);
+        let returning = SignalFault::Returning { rate: 1.0, most: 1.25, left: 0.25 };
+        assert_eq!(passed(returning, &[0.0; 6]), [0.0, 0.5, 1.0, 1.0, 0.5, 0.3125]);
         assert_eq!(passed(SignalFault::Offset(1.0), &v), [2.0, 3.0, -2.0]);
         assert_eq!(passed(SignalFault::Spikes { height: 5.0, length: 400, period: 1000 }, &v), [6.0, 2.0, 2.0]);
         let flicker = passed(SignalFault::Flicker { length: 400, period: 1000 }, &v);

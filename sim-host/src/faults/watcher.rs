@@ -6,10 +6,10 @@ mod reach;
 
 use super::case::Case;
 use super::class::{Clock, Fault, HIDDEN, OUTRUN, Promise, ROOM};
-use super::rig::{self, AFTER, Pair, RigError, Seen};
-use measures::{Lately, Outrun, Shaken, Unexplained};
-use reach::farthest;
+use super::rig::{self, Pair, RigError, Seen};
+use measures::{Lately, Outrun, Shaken, Stands, Unexplained};
 pub(super) use reach::softened;
+use reach::{farthest, knocks};
 use serde::{Deserialize, Serialize};
 use shakedown_core::{Mode, Relay, State};
 
@@ -21,8 +21,6 @@ pub const MARGIN: f64 = 0.005;
 pub const ROUGH: f64 = 30.0;
 /// Ticks by which a rate below 1 kHz may make a report later: three until a monitor's next turn, and one.
 const TURNS: f64 = 4.0;
-/// A table stands a while after a trip when it is slower than this, m/s.
-const STAND: f64 = 0.01;
 
 /// What became of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -97,7 +95,7 @@ struct Watcher<'a> {
     mean_error: f64,
     alarm: bool,
     ended: bool,
-    moving: bool,
+    stands: Stands,
     now: f64,
 }
 
@@ -144,7 +142,7 @@ impl<'a> Watcher<'a> {
             mean_error: 0.0,
             alarm: false,
             ended: false,
-            moving: false,
+            stands: Stands::default(),
             now: 0.0,
         }
     }
@@ -186,10 +184,7 @@ impl<'a> Watcher<'a> {
             self.relay.get_or_insert(seen.time);
         }
         match (&self.reported, seen.trip) {
-            (Some((at, _)), Some(_)) if seen.time - at > AFTER - 0.01 => {
-                self.moving = seen.v.abs() > STAND;
-                false
-            }
+            (Some((at, _)), Some(_)) => self.stands.see(seen, seen.time - at),
             _ => true,
         }
     }
@@ -282,7 +277,7 @@ impl<'a> Watcher<'a> {
             Promise::Harmless(most) if self.beyond_null > most => broken.push(Violation::Unreported),
             _ => {}
         }
-        if self.moving {
+        if self.stands.moving(knocks(self.case)) {
             broken.push(Violation::Moving);
         }
         if self.shaken.acceleration > ROUGH && softened(self.case) {

@@ -52,6 +52,14 @@ fn signal(f: &mut Formatter<'_>, channel: Channel, spoil: SignalFault) -> Result
         SignalFault::Detached(noise) => write!(f, "stands where it stood, with noise of {noise:.6} {unit}"),
         SignalFault::Noisy(noise) => write!(f, "white noise of {noise:.6} {unit}"),
         SignalFault::Drifting(rate) => write!(f, "moves away at {rate:.5} {unit} a second"),
+        SignalFault::Returning { rate, most, left } => {
+            let (most, left) = (most * rate.signum(), left * most * rate.signum());
+            write!(
+                f,
+                "moves away at {:.5} {unit} a second to {most:.4} {unit}, and back to {left:.4} {unit}",
+                rate.abs()
+            )
+        }
         SignalFault::Offset(offset) => write!(f, "off by {offset:.4} {unit}"),
         SignalFault::Spikes { height, length, period: u32::MAX } => {
             write!(f, "a spike of {height:.4} {unit} that lasts {length} ms")

@@ -106,12 +106,12 @@ fn shifted(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
     if least < first { Fit::resume(model, fit.locals, runs) } else { Ok(fit) }
 }
 
-/// What a regional effect is mistaken for, in the same region: what explains little of whole runs, and was not looked at for that,
-/// may be the law of a part.
+/// What the best of what was found in a region is mistaken for, in the same region, but for what was found itself: what explains little of
+/// whole runs, and was not looked at for that, may be the law of a part.
 pub(super) fn doubles(
     weighing: &Weighing,
     search: &Search,
-    leader: &ScoredModel,
+    (leader, found): (&ScoredModel, &[ScoredModel]),
 ) -> Result<Vec<ScoredModel>, SimulateError> {
     let stated = search.baseline.model.ids();
     let own = leader.fit.model.effects.iter().find(|p| !stated.contains(&p.entry.id));
@@ -123,10 +123,12 @@ pub(super) fn doubles(
         let look = |placed| fitted(weighing, &search.baseline, placed);
         let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
         let best = looks.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares));
-        best.map(|fit| finished(weighing, fit)).transpose()
+        let half = search.baseline.squares - 0.5 * (search.baseline.squares - search.baseline.rows as f64);
+        best.filter(|fit| fit.squares < half).map(|fit| finished(weighing, fit)).transpose()
     };
     let known = search.baseline.model.candidates();
-    let doubles: Vec<&'static Entry> = known.into_iter().filter(|other| alike(own.entry, other)).collect();
+    let new = |other: &&Entry| alike(own.entry, other) && found.iter().all(|judged| !judged.added.contains(&other.id));
+    let doubles: Vec<&'static Entry> = known.into_iter().filter(new).collect();
     let fits = doubles.into_par_iter().map(double).collect::<Result<Vec<_>, _>>()?;
     Ok(fits.into_iter().flatten().collect())
 }

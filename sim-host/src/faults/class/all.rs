@@ -34,6 +34,11 @@ fn spikes(dice: &mut FaultRng, low: f64, high: f64) -> SignalFault {
     SignalFault::Spikes { height: dice.sign() * dice.scale(low, high), length, period }
 }
 
+fn returning(dice: &mut FaultRng) -> SignalFault {
+    let rate = dice.sign() * dice.scale(0.02, 0.15);
+    SignalFault::Returning { rate, most: dice.scale(0.01, 0.06), left: dice.uniform(0.0, 0.9) }
+}
+
 fn gain(dice: &mut FaultRng) -> SignalFault {
     SignalFault::Gain { left: dice.uniform(0.5, 1.5), over: dice.scale(1.0, 20.0) }
 }

@@ -3,7 +3,7 @@
 
 use crate::faults::case::Case;
 use crate::faults::class::{HIDDEN, WINDOW};
-use crate::faults::rig::Seen;
+use crate::faults::rig::{AFTER, Seen};
 use shakedown_core::Trip;
 use std::collections::VecDeque;
 
@@ -14,6 +14,42 @@ const SHAKEN: f64 = 0.029;
 const LATELY: f64 = 0.05;
 /// How long an acceleration that was not read goes on to contradict the LVDT, s: the window of `guard.witness`.
 const UNREAD: f64 = 0.6;
+
+/// A table stands a while after a trip when it is slower than this, m/s.
+const STAND: f64 = 0.01;
+/// Over which a table that a payload knocks on has to be as slow, s: it rings, and goes nowhere.
+const RINGS: f64 = 0.1;
+
+/// Whether the table stands when [`AFTER`] a trip is over.
+#[derive(Debug, Default)]
+pub(super) struct Stands {
+    /// Time after the trip (s) and place (m) [`RINGS`] before that.
+    before: Option<(f64, f64)>,
+    /// Speed at the end, and the mean since then, m/s.
+    speed: f64,
+    mean: f64,
+}
+
+impl Stands {
+    /// One tick, so long (s) after the trip; whether the run goes on.
+    pub(super) fn see(&mut self, seen: &Seen, after: f64) -> bool {
+        let end = AFTER - 0.01;
+        if after > end - RINGS {
+            self.before.get_or_insert((after, seen.x));
+        }
+        if after <= end {
+            return true;
+        }
+        self.speed = seen.v.abs();
+        self.mean = self.before.map_or(self.speed, |(then, x)| (seen.x - x).abs() / (after - then).max(0.5 * RINGS));
+        false
+    }
+
+    /// Whether it moves; one that a payload `knocks` on is judged by where it goes.
+    pub(super) fn moving(&self, knocks: bool) -> bool {
+        (if knocks { self.mean } else { self.speed }) > STAND
+    }
+}
 
 /// How hard the specimen is shaken, before the trip and after it: what is left to ring on when it comes is the table's own.
 #[derive(Debug, Default)]

@@ -20,9 +20,13 @@ pub(super) fn farthest(case: &Case) -> f64 {
     if disobeyed { STROKE } else { STROKE - MARGIN }
 }
 
+/// Whether a payload knocks on the table, before a trip and after it.
+pub(super) fn knocks(case: &Case) -> bool {
+    matches!(case.fault, Fault::Table(PlantFault::Payload { .. }))
+}
+
 /// Whether a command softens what the specimen feels: none does where the loop behind the device follows a broken wire, the valve
 /// nothing, or a payload knocks.
 pub(in crate::faults) fn softened(case: &Case) -> bool {
-    let knocks = matches!(case.fault, Fault::Table(PlantFault::Payload { .. }));
-    !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !knocks
+    !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !knocks(case)
 }

@@ -1,8 +1,9 @@
-//! The spool cannot move faster than its pilot stage lets it.
+//! The spool cannot move faster than its pilot stage lets it, either way, or faster one way than the other.
 //!
 //! The pilot's flow grows with the distance that the spool has still to go, up to what its orifice passes: far from its
 //! command the spool moves at its greatest rate, close to it as a first-order lag (Merritt, *Hydraulic Control Systems*,
-//! 1967, section 7-5).
+//! 1967, section 7-5). A pilot that works against a supply of its own on one side alone, or a piston of unequal areas, moves the spool
+//! at another rate back than forth.
 
 use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
@@ -11,7 +12,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub(crate) const ENTRY: Entry = Entry {
     id: "valve_rate_limit",
-    equation: "s' = clamp((u - s)/tau, -R, R)",
+    equation: "s' = clamp((u - s)/tau, -k R, R)",
     stage: Stage::Valve,
     family: Family::Valve,
     parameters: &[
@@ -19,7 +20,7 @@ pub(crate) const ENTRY: Entry = Entry {
             key: "rate",
             unit: "unit of u per s",
             rigid_unit: "unit of u per s",
-            meaning: "fastest change of the command the spool follows",
+            meaning: "fastest rise of the command that the spool follows: R",
             signal_scale: SignalScale::CommandRate,
             low: 0.002,
             high: 20.0,
@@ -42,6 +43,19 @@ pub(crate) const ENTRY: Entry = Entry {
             simple: Ends::Low,
             role: Role::Refined,
         },
+        Parameter {
+            key: "fall",
+            unit: "1",
+            rigid_unit: "1",
+            meaning: "fastest fall of it over its fastest rise: k",
+            signal_scale: SignalScale::One,
+            low: 0.1,
+            high: 10.0,
+            starts: &[1.0],
+            positive: true,
+            simple: Ends::Both,
+            role: Role::Refined,
+        },
     ],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
@@ -56,7 +70,8 @@ pub(crate) const ENTRY: Entry = Entry {
 /// A limit on the spool's speed.
 #[derive(Debug, Clone)]
 pub(crate) struct ValveRateLimit<S> {
-    rate: S,
+    rise: S,
+    fall: S,
     time: S,
     spool: S,
 }
@@ -64,8 +79,8 @@ pub(crate) struct ValveRateLimit<S> {
 impl<S: Scalar> ValveRateLimit<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
-        let &[rate, time] = parameters else { return None };
-        Some(Self { rate, time, spool: S::from(0.0) })
+        let &[rise, time, fall] = parameters else { return None };
+        Some(Self { rise, fall: rise * fall, time, spool: S::from(0.0) })
     }
 }
 
@@ -76,10 +91,10 @@ impl<S: Scalar> Effect<S> for ValveRateLimit<S> {
     /// Exact for a command held over the step: first the ramp, then the exponential.
     fn command(&mut self, u: S, h: f64) -> S {
         let away = self.spool - u;
-        let side = if away.value() < 0.0 { -1.0 } else { 1.0 };
-        let near = self.rate * self.time;
-        let ramp = ((away * side - near) / self.rate).clamp(S::from(0.0), S::from(h));
-        let travel = self.rate * ramp * side;
+        let (side, rate) = if away.value() < 0.0 { (-1.0, self.rise) } else { (1.0, self.fall) };
+        let near = rate * self.time;
+        let ramp = ((away * side - near) / rate).clamp(S::from(0.0), S::from(h));
+        let travel = rate * ramp * side;
         let left = away - travel;
         let rest = -ramp + h;
         let decay = (-(rest / self.time)).exp();
@@ -96,7 +111,7 @@ mod tests {
     /// A step of 1 at a rate of 10 and 2 ms: a ramp to 0.98 in 98 ms, then an exponential.
     #[test]
     fn a_step_is_a_ramp_and_then_an_exponential() {
-        let mut valve = ValveRateLimit::new(&[10.0, 2e-3]).unwrap();
+        let mut valve = ValveRateLimit::new(&[10.0, 2e-3, 1.0]).unwrap();
         let (h, mut mean) = (7e-3, 0.0);
         for k in 0..20 {
             mean += valve.command(1.0, h) * h;
@@ -109,10 +124,23 @@ mod tests {
         assert!((0.14 - mean - missed).abs() < 1e-9, "{mean}");
     }
 
+    /// At a rate of 10 up and 4 down, without a lag to speak of, half a second up and half a second down end at 5 - 2 = 3.
+    #[test]
+    fn a_spool_falls_at_another_rate_than_it_rises() {
+        let mut valve = ValveRateLimit::new(&[10.0, 1e-6, 0.4]).unwrap();
+        let h = 1e-3;
+        for (command, spool) in [(100.0, 5.0), (-100.0, 3.0)] {
+            for _ in 0..500 {
+                valve.command(command, h);
+            }
+            assert!((valve.spool - spool).abs() < 1e-9, "{}", valve.spool);
+        }
+    }
+
     /// What is slow enough passes with no more than the pilot's own lag.
     #[test]
     fn a_limit_out_of_reach_leaves_a_short_lag() {
-        let mut valve = ValveRateLimit::new(&[1e6, 1e-5]).unwrap();
+        let mut valve = ValveRateLimit::new(&[1e6, 1e-5, 1.0]).unwrap();
         assert!((valve.command(0.3, 1e-3) - 0.3).abs() < 0.3 * 0.011);
         assert!((valve.command(0.3, 1e-3) - 0.3).abs() < 1e-12);
     }

@@ -3,7 +3,7 @@
 use super::super::Channel::{Acceleration, Displacement};
 use super::super::Promise::{Aided, Harmless, Inside, Reported, Roomy};
 use super::super::{Channel, Class, Clock};
-use super::{bit, flicker, gain, hum, second, signal, spikes};
+use super::{bit, flicker, gain, hum, returning, second, signal, spikes};
 use crate::faults::spoil::SignalFault;
 
 /// Lengths in m, accelerations in m/s2.
@@ -35,6 +35,12 @@ pub(super) const SENSORS: &[Class] = &[
     Class::new("lvdt-creeping", "LVDT: moves away at 0.5 to 20 mm/s", Aided, |d| {
         signal(Displacement, SignalFault::Drifting(d.sign() * d.scale(5e-4, 0.02)))
     }),
+    Class::new(
+        "lvdt-returning",
+        "LVDT: moves away by 10 to 60 mm at 20 to 150 mm/s, and part of the way back",
+        Roomy,
+        |d| signal(Displacement, returning(d)),
+    ),
     Class::new("lvdt-spikes", "LVDT: spikes of 1 to 200 mm, 1 to 20 ms", Harmless(0.03), |d| {
         signal(Displacement, spikes(d, 1e-3, 0.2))
     }),
