@@ -13,10 +13,9 @@
 //! table's gain as learned since arming, V the velocity limit that is set, n the largest even speed that an error of the null bias
 //! makes, g1 and g2 the least and the largest gain of a table that the model is still good for. An LVDT that creeps while g is learned
 //! spoils g: a loop that carries the table along under a reading that stands makes it look a slow table, which explains the creep.
-//! So it has crept where `d3 > mismatch`, half of that where no g that is only an estimate had a part in it, and where `d1 > mismatch`,
-//! which no gain explains; and however far it has, the table is nowhere beyond x - d2. It trips where the envelope, with its stopping
-//! distance, would not let the table be there. Both directions are judged: an LVDT that creeps up and part of the way back is still
-//! too high if it was right at first, and too low if it was right where it turned.
+//! So it may have crept where `d3 > mismatch / 2`, and where `d1 > mismatch`, which no gain explains; and by what s has counted, the table
+//! is nowhere beyond x - d2. It trips where the envelope, with its stopping distance, would not let the table be there. Both directions are judged: an LVDT that
+//! creeps up and part of the way back is still too high if it was right at first, and too low if it was right where it turned.
 //! Up to that, and up to an even 2 n, a creep is not distinguished from the errors of model and null.
 //!
 //! Where `d3 > 2 mismatch` it trips wherever the table may be, if s says so under the limit in force as well: a table that does less
@@ -124,15 +123,14 @@ impl Beyond {
         self.way + self.blind - max(BELIEVED.0 * self.blind, BELIEVED.1 * self.blind)
     }
 
-    /// How far the LVDT may have crept, m, if it has at all: if the gain as learned leaves more than the `mismatch` (m) unexplained,
-    /// half of it where no estimate of the gain had a part in it, or whatever gain the model is still good for does.
+    /// How far the LVDT may have crept, m, if it has at all: if the gain as learned leaves more than half of the `mismatch` (m)
+    /// unexplained, or whatever gain the model is still good for leaves all of it.
     #[inline]
     fn farthest(&self, mismatch: f32) -> Option<f32> {
         let (low, high) = (BELIEVED.0 * self.asked, BELIEVED.1 * self.asked);
         let way = self.way + self.learned;
         let whatever = way - max(low, high);
-        let enough = if self.asked == self.blind { 0.5 * mismatch } else { mismatch };
-        (whatever > mismatch || self.as_learned() > enough).then_some(self.hidden + way - min(low, high))
+        (whatever > mismatch || self.as_learned() > 0.5 * mismatch).then_some(self.hidden + way - min(low, high))
     }
 }
 

@@ -75,7 +75,7 @@ fn an_unknown_null_hides_nothing_before_a_creep() {
 fn a_creep_that_no_gain_explains_is_seen() {
     const TURN: f32 = 0.003;
     // Allowance 20 mm, null 4 mm/s; the LVDT gains 40 mm/s on command and null.
-    let (speed, null, gained) = (0.1_f32, 0.004_f32, 0.04_f32);
+    let (speed, null, gained) = (0.2_f32, 0.004_f32, 0.04_f32);
     let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch: 0.02, memory: 0.2 }, 0.0, 0.242, TURN).unwrap();
     for side in [1.0, -1.0] {
         let (mut state, mut x, mut asked) = (ValveMonitorState::default(), 0.0, 0.0);

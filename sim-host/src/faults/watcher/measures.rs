@@ -17,37 +17,36 @@ const UNREAD: f64 = 0.6;
 
 /// A table stands a while after a trip when it is slower than this, m/s.
 const STAND: f64 = 0.01;
-/// Over which a table that a payload knocks on has to be as slow, s: it rings, and goes nowhere.
+/// Over which the mean place of a table that a payload knocks on is taken, s: it rings, and goes nowhere.
 const RINGS: f64 = 0.1;
 
 /// Whether the table stands when [`AFTER`] a trip is over.
 #[derive(Debug, Default)]
 pub(super) struct Stands {
-    /// Time after the trip (s) and place (m) [`RINGS`] before that.
-    before: Option<(f64, f64)>,
-    /// Speed at the end, and the mean since then, m/s.
+    /// Sums of its place and their counts, over the last [`RINGS`] but one and over the last, m.
+    places: [(f64, f64); 2],
+    /// Speed at the end, m/s.
     speed: f64,
-    mean: f64,
 }
 
 impl Stands {
     /// One tick, so long (s) after the trip; whether the run goes on.
     pub(super) fn see(&mut self, seen: &Seen, after: f64) -> bool {
-        let end = AFTER - 0.01;
-        if after > end - RINGS {
-            self.before.get_or_insert((after, seen.x));
+        let left = AFTER - 0.01 - after;
+        if left < 0.0 {
+            self.speed = seen.v.abs();
+        } else if left < 2.0 * RINGS {
+            let (sum, count) = &mut self.places[usize::from(left < RINGS)];
+            *sum += seen.x;
+            *count += 1.0;
         }
-        if after <= end {
-            return true;
-        }
-        self.speed = seen.v.abs();
-        self.mean = self.before.map_or(self.speed, |(then, x)| (seen.x - x).abs() / (after - then).max(0.5 * RINGS));
-        false
+        left >= 0.0
     }
 
     /// Whether it moves; one that a payload `knocks` on is judged by where it goes.
     pub(super) fn moving(&self, knocks: bool) -> bool {
-        (if knocks { self.mean } else { self.speed }) > STAND
+        let [before, last] = self.places.map(|(sum, count)| sum / count.max(1.0));
+        (if knocks { (last - before).abs() / RINGS } else { self.speed }) > STAND
     }
 }
 
