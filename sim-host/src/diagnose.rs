@@ -23,6 +23,7 @@ pub(crate) mod change;
 mod clock;
 pub(crate) mod decide;
 mod departure;
+mod far;
 mod finish;
 pub(crate) mod judged;
 mod leftover;
@@ -53,9 +54,8 @@ pub(crate) mod verdict;
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::prepare::{PrepareError, Prepared, prepare};
-use crate::identify::quantity::{quantities, stated_with};
+use crate::identify::quantity::stated_with;
 use crate::identify::stated::expect_near_stated;
-use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
@@ -66,10 +66,6 @@ use split::{Split, split};
 use std::path::Path;
 use verdict::Conclusion;
 
-/// Distance of a fitted value from the stated one, as a logarithm, from which the model is said to be of another table.
-const FAR: f64 = 0.4;
-/// Standard deviations from which it is distinguished from the stated one.
-const CERTAIN: f64 = 3.0;
 /// Samples that a search fits at most, and the last fit: of longer recordings the stretches with the most motion.
 const SEARCHED: usize = 120_000;
 const FITTED: usize = 400_000;
@@ -156,33 +152,13 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
         diagnosis.location.block = Some(term.place);
     }
     diagnosis.set_up = set_up.findings;
-    diagnosis.set_up.extend(far_from_stated(experiment, &conclusion.after.fit));
+    diagnosis.set_up.extend(far::far_from_stated(experiment, &whole, &conclusion)?);
     for noise in &conclusion.decision.noise {
         diagnosis.set_up.retain(|f| f.what != noise.what || f.channel != noise.channel);
         diagnosis.set_up.push(noise.clone());
     }
     noise_left::report(experiment, &whole, &conclusion, &mut diagnosis.set_up)?;
     Ok(Examined { diagnosis, prepared: whole, conclusion })
-}
-
-/// Stated values of the model that the data place far away, by name.
-fn far_from_stated(experiment: &Experiment, fit: &Fit) -> Vec<SetUpFinding> {
-    let fitted = quantities(fit);
-    let kind = fit.model.kind;
-    // Masses and dashpots may be stated in any way: residuals depend on them almost linearly.
-    if kind != Kind::Servo {
-        return Vec::new();
-    }
-    let far = |(name, stated): (&'static str, f64)| {
-        let unit = kind.parameters().iter().find(|p| p.key == name)?.unit;
-        let quantity = fitted.get(name).filter(|_| experiment.model.fits(name))?;
-        // A value of the other sign has no logarithm.
-        let away = (quantity.value / stated).ln().abs();
-        let told = quantity.std.is_some_and(|std| (quantity.value - stated).abs() > CERTAIN * std);
-        (told && (away.is_nan() || away >= FAR))
-            .then(|| SetUpFinding::model_value(name, stated, quantity.value, quantity.std, unit))
-    };
-    experiment.model.baseline.parameters().into_iter().filter_map(far).collect()
 }
 
 /// What is said of recordings that cannot be believed: the stated model's standing and nothing more.

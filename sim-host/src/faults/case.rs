@@ -38,6 +38,9 @@ pub enum Beside {
     Nothing,
 }
 
+/// Velocity that the settings' model makes of a steady command, 1/s: `b0 / a1` of the paper.
+pub const MODEL_GAIN: f64 = 138.0 / 57.65;
+
 /// A run.
 #[derive(Debug, Clone)]
 pub struct Case {

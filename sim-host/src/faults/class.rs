@@ -88,6 +88,13 @@ pub const WINDOW: f64 = 0.2;
 /// `valve.mismatch`.
 pub const OUTRUN: f64 = 0.02;
 
+/// How far a table's gain may be from that of its model, as a share of it, for the valve command to tell an LVDT that goes wrong before
+/// the table has moved for [`LEARNED`].
+pub const NEAR_MODEL: f64 = 0.15;
+
+/// How long a table has to have moved at more than a tenth of its speed for its gain to be learned, s.
+pub const LEARNED: f64 = 2.0;
+
 /// What the hazard table promises of a class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Promise {
@@ -99,8 +106,8 @@ pub enum Promise {
     Harmless(f64),
     /// The table obeys, and stays inside its stroke.
     Inside,
-    /// The same, by the valve command and the model alone where the reference leaves [`ROOM`] at either end and the LVDT goes wrong so
-    /// fast that they can tell.
+    /// The same, by the valve command and the model alone where the reference leaves [`ROOM`] at either end, the LVDT goes wrong so
+    /// fast that they can tell, and the table's gain is near its model's or was learned before.
     Roomy,
     /// The same where limit switches or a second displacement sensor are fitted: nothing else that the device reads contradicts
     /// the LVDT. Without them what becomes of it is measured.
@@ -156,10 +163,12 @@ impl std::fmt::Display for Promise {
             Self::Roomy => {
                 write!(
                     f,
-                    "stays inside its stroke; the guard alone where the reference leaves {:.0} mm and the LVDT outruns {:.0} mm/s by {:.0} mm",
+                    "stays inside its stroke; the guard alone where the reference leaves {:.0} mm, the LVDT outruns {:.0} mm/s by {:.0} mm, and the table's gain is within {:.0} % of its model's or the table moved for {:.0} s before",
                     1e3 * ROOM,
                     1e3 * HIDDEN,
-                    1e3 * OUTRUN
+                    1e3 * OUTRUN,
+                    1e2 * NEAR_MODEL,
+                    LEARNED
                 )
             }
             Self::Aided => f.write_str("stays inside its stroke with limit switches or a second displacement sensor"),

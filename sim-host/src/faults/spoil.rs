@@ -189,8 +189,8 @@ mod tests {
         assert_eq!(passed(SignalFault::Clipped(1.5), &v), [1.0, 1.5, -1.5]);
         assert_eq!(passed(SignalFault::Stuck, &v), [1.0; 3]);
         assert_eq!(passed(SignalFault::Drifting(2.0), &v), [1.0, 3.0, -1.0]);
-        let returning = SignalFault::Returning { rate: -2.0, most: 1.5, left: 0.8 };
-        assert_eq!(passed(returning, &[0.0; 4]), [0.0, -1.0, -1.2000000000000002, -1.2000000000000002]);
+        let returning = SignalFault::Returning { rate: -2.0, most: 1.5, left: 0.75 };
+        assert_eq!(passed(returning, &[0.0; 4]), [0.0, -1.0, -1.125, -1.125]);
         let returning = SignalFault::Returning { rate: 1.0, most: 1.25, left: 0.25 };
         assert_eq!(passed(returning, &[0.0; 6]), [0.0, 0.5, 1.0, 1.0, 0.5, 0.3125]);
         assert_eq!(passed(SignalFault::Offset(1.0), &v), [2.0, 3.0, -2.0]);

@@ -5,11 +5,11 @@ mod measures;
 mod reach;
 
 use super::case::Case;
-use super::class::{Clock, Fault, HIDDEN, OUTRUN, Promise, ROOM};
+use super::class::{Clock, Fault, HIDDEN, Promise};
 use super::rig::{self, Pair, RigError, Seen};
 use measures::{Lately, Outrun, Shaken, Stands, Unexplained};
 pub(super) use reach::softened;
-use reach::{farthest, knocks};
+use reach::{farthest, knocks, told_by_command};
 use serde::{Deserialize, Serialize};
 use shakedown_core::{Mode, Relay, State};
 
@@ -96,6 +96,8 @@ struct Watcher<'a> {
     alarm: bool,
     ended: bool,
     stands: Stands,
+    /// How long the table moved at more than a tenth of its speed before the fault, s.
+    moved: f64,
     now: f64,
 }
 
@@ -143,6 +145,7 @@ impl<'a> Watcher<'a> {
             alarm: false,
             ended: false,
             stands: Stands::default(),
+            moved: 0.0,
             now: 0.0,
         }
     }
@@ -153,6 +156,8 @@ impl<'a> Watcher<'a> {
         self.now = seen.time;
         self.lately.see(seen, self.case);
         if seen.tick < self.case.onset {
+            let moves = seen.v.abs() > 0.1 * self.case.table.limit;
+            self.moved += if moves { seen.time - before } else { 0.0 };
             self.ended = seen.trip.is_some_and(|trip| self.lately.bears_out(trip, self.case));
             self.alarm = seen.trip.is_some() && !self.ended;
             self.reported = seen.trip.map(|trip| (seen.time, format!("{trip:?}")));
@@ -262,7 +267,7 @@ impl<'a> Watcher<'a> {
         }
         let promised = match promise {
             Promise::Aided => self.case.aided(),
-            Promise::Roomy => self.case.aided() || self.case.peak() <= STROKE - ROOM && self.outrun.farthest > OUTRUN,
+            Promise::Roomy => self.case.aided() || told_by_command(self.case, &self.outrun, self.moved),
             _ => true,
         };
         if outside && promised {

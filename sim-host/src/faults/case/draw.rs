@@ -1,6 +1,6 @@
 //! What a run is dealt: table, mode, gains, settings, record.
 
-use super::{Fault, POINTS};
+use super::{Fault, MODEL_GAIN, POINTS};
 use crate::faults::dice::FaultRng;
 use crate::faults::machine::{Oil, PlantFault, Table};
 use crate::faults::motions::{Motions, RATE};
@@ -18,7 +18,7 @@ pub(in crate::faults) fn table(dice: &mut FaultRng, oil: bool) -> Table {
         .then(|| Oil { omega: std::f64::consts::TAU * dice.scale(10.0, 60.0), damping: dice.uniform(0.1, 0.3) });
     Table {
         b1: 0.69 * gain,
-        b0: 138.0 / 57.65 * a1 * gain,
+        b0: MODEL_GAIN * a1 * gain,
         a1,
         limit: 0.242 * dice.uniform(0.95, 1.0),
         null: 0.001 * dice.uniform(-1.0, 1.0),

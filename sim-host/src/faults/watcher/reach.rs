@@ -1,8 +1,9 @@
 //! What a run's faults leave to a command: how far the table may come, and whether its stop can be a soft one.
 
+use super::measures::Outrun;
 use super::{MARGIN, STROKE};
-use crate::faults::case::Case;
-use crate::faults::class::{Fault, Promise};
+use crate::faults::case::{Case, MODEL_GAIN};
+use crate::faults::class::{Fault, LEARNED, NEAR_MODEL, OUTRUN, Promise, ROOM};
 use crate::faults::machine::PlantFault;
 
 /// How far the table may come from the middle, m. A valve that does not obey is stopped by the block alone: the stroke itself is
@@ -18,6 +19,14 @@ pub(super) fn farthest(case: &Case) -> f64 {
     };
     let disobeyed = disobeys(case.fault) || case.second.is_some_and(|(fault, _)| disobeys(fault));
     if disobeyed { STROKE } else { STROKE - MARGIN }
+}
+
+/// Whether the valve command can tell where the table is, by [`Promise::Roomy`]: the LVDT has outrun what is hidden so far, and the table
+/// moved for so long (s) before the fault.
+pub(super) fn told_by_command(case: &Case, outrun: &Outrun, moved: f64) -> bool {
+    let off = case.table.b0 / case.table.a1 / MODEL_GAIN - 1.0;
+    let known = off.abs() <= NEAR_MODEL || moved > LEARNED;
+    known && case.peak() <= STROKE - ROOM && outrun.farthest > OUTRUN
 }
 
 /// Whether a payload knocks on the table, before a trip and after it.
