@@ -13,9 +13,10 @@
 //! table's gain as learned since arming, V the velocity limit that is set, n the largest even speed that an error of the null bias
 //! makes, g1 and g2 the least and the largest gain of a table that the model is still good for. An LVDT that creeps while g is learned
 //! spoils g: a loop that carries the table along under a reading that stands makes it look a slow table, which explains the creep.
-//! So it may have crept where `d3 > mismatch / 2`, and where `d1 > mismatch`, which no gain explains; and by what s has counted, the table
-//! is nowhere beyond x - d2. It trips where the envelope, with its stopping distance, would not let the table be there. Both directions are judged: an LVDT that
-//! creeps up and part of the way back is still too high if it was right at first, and too low if it was right where it turned.
+//! So it may have crept where `d3 > mismatch / 2`, and where `d1 > mismatch`, which no gain explains; and by what s has counted, the
+//! table is nowhere beyond x - d2. It trips where the envelope, with its stopping distance, would not let the table be there. Both
+//! directions are judged: an LVDT that creeps up and part of the way back is still too high if it was right at first, and too low if
+//! it was right where it turned.
 //! Up to that, and up to an even 2 n, a creep is not distinguished from the errors of model and null.
 //!
 //! Where `d3 > 2 mismatch` it trips wherever the table may be, if s says so under the limit in force as well: a table that does less

@@ -156,8 +156,9 @@ impl<'a> Watcher<'a> {
         self.now = seen.time;
         self.lately.see(seen, self.case);
         if seen.tick < self.case.onset {
-            let moves = seen.v.abs() > 0.1 * self.case.table.limit;
-            self.moved += if moves { seen.time - before } else { 0.0 };
+            if seen.v.abs() > 0.1 * self.case.table.limit {
+                self.moved += seen.time - before;
+            }
             self.ended = seen.trip.is_some_and(|trip| self.lately.bears_out(trip, self.case));
             self.alarm = seen.trip.is_some() && !self.ended;
             self.reported = seen.trip.map(|trip| (seen.time, format!("{trip:?}")));

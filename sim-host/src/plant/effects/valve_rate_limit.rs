@@ -1,4 +1,4 @@
-//! The spool cannot move faster than its pilot stage lets it, either way, or faster one way than the other.
+//! The spool cannot move faster than its pilot stage lets it, which may be another rate either way.
 //!
 //! The pilot's flow grows with the distance that the spool has still to go, up to what its orifice passes: far from its
 //! command the spool moves at its greatest rate, close to it as a first-order lag (Merritt, *Hydraulic Control Systems*,
