@@ -59,7 +59,11 @@ pub(crate) enum ModifierState {
 impl Modifier {
     /// The modifier that `settings` name, at their limits.
     pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        let limits = ReferenceLimits::new(settings.rate, settings.slower_limit(), settings.stroke);
+        let mut limits = ReferenceLimits::new(settings.rate, settings.slower_limit(), settings.stroke);
+        if let Some(guard) = &settings.guard {
+            // A reference that the guard would stop on its way is no reference.
+            limits.stroke = guard.envelope.reach(limits.stroke, limits.velocity, limits.braking);
+        }
         Ok(match settings.modification {
             Modification::Off => Self::Off,
             Modification::Clip => Self::Clip(clip::Config::new(&limits)?),

@@ -10,7 +10,7 @@
 
 use super::Trip;
 use crate::block::{BlockError, require, whole_ticks};
-use crate::math::Magnitude;
+use crate::math::{Magnitude, max, min};
 
 /// Largest force of the actuator and how it is measured.
 ///
@@ -75,6 +75,24 @@ impl Default for EnvelopeSettings {
             tracking: 0.2,
             persistence: 0.02,
         }
+    }
+}
+
+impl EnvelopeSettings {
+    /// Farthest from the middle that a reference may come which brakes with `braking` (m/s2) from at most `speed` (m/s) on a table of
+    /// this `stroke` (m), m: a table that follows it can be stopped inside the envelope at every moment. Half of the margin is left for
+    /// a table that is not quite where its reference is; never less than a tenth of the stroke.
+    ///
+    /// ```text
+    /// reach + d(v) - v^2 / (2 braking) <= stroke - margin for every v up to speed         d: stopping distance, see above
+    /// ```
+    pub(crate) fn reach(&self, stroke: f32, speed: f32, braking: f32) -> f32 {
+        // What the envelope needs beyond what the reference brakes in, v latency - bend v^2, is largest at the top of its parabola.
+        let bend = 0.5 / braking - 0.5 / self.stopping_deceleration;
+        let top = 0.5 * self.stopping_latency / bend;
+        let worst = if (0.0..speed).contains(&top) { top } else { speed };
+        let beyond = worst * (self.stopping_latency - bend * worst);
+        min(max(stroke - 1.5 * self.margin - max(beyond, 0.0), 0.1 * stroke), stroke)
     }
 }
 

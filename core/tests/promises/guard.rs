@@ -110,6 +110,29 @@ impl Rig {
     }
 }
 
+/// However far a reference goes, what is made of it is nowhere so near to the end of the stroke, at its speed, that the guard would stop
+/// the table that follows it, whatever it takes to stop that table.
+#[test]
+fn a_modified_reference_leaves_what_the_guard_needs_to_stop() {
+    let kinds = [Modification::Causal, Modification::Preview { seconds: 0.25 }];
+    let stops = [(0.05, 5.0), (0.2, 5.0), (0.02, 0.8), (0.1, 0.5)];
+    for (kind, (stopping_latency, stopping_deceleration)) in kinds.into_iter().flat_map(|k| stops.map(|s| (k, s))) {
+        let envelope = EnvelopeSettings { stopping_latency, stopping_deceleration, ..EnvelopeSettings::default() };
+        let guard = GuardSettings { envelope, ..settings(Mode::Controller).guard.unwrap() };
+        let settings = Settings { modification: kind, guard: Some(guard), ..settings(Mode::Controller) };
+        for (amplitude, omega) in [(0.3, 0.4), (0.2, 1.0), (0.13, 1.5), (0.1, 2.6), (0.4, 3.0)] {
+            let mut rig = Rig::running(&settings);
+            let mut reached = 0.0_f32;
+            while rig.t < 12.0 {
+                let way = amplitude * ((omega * rig.t).sin() + 0.3 * (2.7 * omega * rig.t).cos() - 0.3);
+                reached = reached.max(rig.tick(way, |_| ()).reference.abs());
+            }
+            assert_eq!(rig.tripped, None, "{kind:?}, {envelope:?}, {amplitude} m at {omega} rad/s");
+            assert!(reached < 0.115 && (amplitude < 0.15 || reached > 0.055), "{kind:?}, {envelope:?}: {reached} m");
+        }
+    }
+}
+
 /// Every hazard of the sensors in every mode: the causes that may be named, and the latency that the table states, s.
 fn check(mode: Mode, causes: &[Trip], latency: f64, fault: impl Fn(&mut Sample)) {
     let (cause, after, rig) = Rig::running(&settings(mode)).hazard(fault);

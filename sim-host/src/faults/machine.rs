@@ -181,6 +181,12 @@ impl Machine {
         self.x += h * self.v;
     }
 
+    /// Whether a payload that came off has a blow left.
+    pub fn knocked(&self) -> bool {
+        matches!(self.broken, Some(PlantFault::Payload { length, count, .. })
+            if self.since < length * (3.0 * f64::from(count) - 2.0))
+    }
+
     /// Moving mass before over after the payload came off, and what it does to the table on its way, m/s2.
     fn payload(&self) -> (f64, f64) {
         let Some(PlantFault::Payload { mass, blow, length, count }) = self.broken else { return (1.0, 0.0) };
@@ -241,8 +247,10 @@ mod tests {
         let mut machine = Machine::new(paper(Some(Oil { omega: 150.0, damping: 0.2 })), 0.0);
         machine.fail(PlantFault::Payload { mass: 1.0, blow: 20.0, length: 0.01, count: 1 });
         run(&mut machine, 0.0, false, 5);
-        assert!(machine.v > 0.01, "{}", machine.v);
-        run(&mut machine, 0.0, false, 1000);
+        assert!(machine.v > 0.01 && machine.knocked(), "{}", machine.v);
+        run(&mut machine, 0.0, false, 6);
+        assert!(!machine.knocked());
+        run(&mut machine, 0.0, false, 994);
         assert!(machine.x.abs() < 1e-6 && machine.payload() == (2.0, 0.0));
     }
 }

@@ -32,6 +32,8 @@ pub struct Seen {
     pub unexplained: f64,
     /// Reference after modification, m.
     pub reference: f64,
+    /// Whether a payload that came off has a blow left.
+    pub knocked: bool,
     /// What the core put out, m.
     pub output: f64,
     /// What the LVDT said, m.
@@ -92,7 +94,7 @@ pub struct Pair {
 /// From a table at a limit switch to its circuit open, s: a roller's way, and the contact's own.
 const CONTACT: f64 = 0.005;
 
-/// How long a run goes on after a trip, s.
+/// How long a run goes on after a trip, and after the last blow of a payload, s.
 pub const AFTER: f64 = 0.8;
 
 /// Runs `case` with its fault and without; they are one up to the fault.
@@ -108,7 +110,7 @@ pub fn run(case: &Case) -> Result<Pair, RigError> {
     let mut left = (AFTER * rig.rate) as usize;
     for tick in case.onset..case.ticks() {
         let seen = rig.tick(tick);
-        left -= usize::from(seen.trip.is_some());
+        left -= usize::from(seen.trip.is_some() && !seen.knocked);
         pair.push(seen, &twin.tick(tick));
         if left == 0 {
             break;
@@ -254,6 +256,7 @@ impl<'a> Rig<'a> {
             acceleration_error: errors[1],
             unexplained: self.machine.unexplained,
             reference: f64::from(command.reference),
+            knocked: self.machine.knocked(),
             output: f64::from(command.valve),
             measured: f64::from(sample.displacement),
             state: command.status.state,

@@ -9,7 +9,7 @@ use super::class::{Clock, Fault, HIDDEN, Promise};
 use super::rig::{self, Pair, RigError, Seen};
 use measures::{Lately, Outrun, Shaken, Stands, Unexplained};
 pub(super) use reach::softened;
-use reach::{farthest, knocks, told_by_command};
+use reach::{farthest, told_by_command};
 use serde::{Deserialize, Serialize};
 use shakedown_core::{Mode, Relay, State};
 
@@ -190,7 +190,7 @@ impl<'a> Watcher<'a> {
             self.relay.get_or_insert(seen.time);
         }
         match (&self.reported, seen.trip) {
-            (Some((at, _)), Some(_)) => self.stands.see(seen, seen.time - at),
+            (Some(_), Some(_)) => self.stands.see(seen),
             _ => true,
         }
     }
@@ -283,7 +283,7 @@ impl<'a> Watcher<'a> {
             Promise::Harmless(most) if self.beyond_null > most => broken.push(Violation::Unreported),
             _ => {}
         }
-        if self.stands.moving(knocks(self.case)) {
+        if self.stands.moving() {
             broken.push(Violation::Moving);
         }
         if self.shaken.acceleration > ROUGH && softened(self.case) {

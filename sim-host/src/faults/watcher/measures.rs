@@ -15,38 +15,34 @@ const LATELY: f64 = 0.05;
 /// How long an acceleration that was not read goes on to contradict the LVDT, s: the window of `guard.witness`.
 const UNREAD: f64 = 0.6;
 
-/// A table stands a while after a trip when it is slower than this, m/s.
+/// A table stands [`AFTER`] a trip when it is slower than this, m/s.
 const STAND: f64 = 0.01;
-/// Over which the mean place of a table that a payload knocks on is taken, s: it rings, and goes nowhere.
-const RINGS: f64 = 0.1;
 
-/// Whether the table stands when [`AFTER`] a trip is over.
+/// Whether the table stands when [`AFTER`] a trip, and a payload's last blow, is over.
 #[derive(Debug, Default)]
 pub(super) struct Stands {
-    /// Sums of its place and their counts, over the last [`RINGS`] but one and over the last, m.
-    places: [(f64, f64); 2],
+    /// When it was tripped, or last knocked on, s.
+    since: Option<f64>,
     /// Speed at the end, m/s.
     speed: f64,
 }
 
 impl Stands {
-    /// One tick, so long (s) after the trip; whether the run goes on.
-    pub(super) fn see(&mut self, seen: &Seen, after: f64) -> bool {
-        let left = AFTER - 0.01 - after;
-        if left < 0.0 {
-            self.speed = seen.v.abs();
-        } else if left < 2.0 * RINGS {
-            let (sum, count) = &mut self.places[usize::from(left < RINGS)];
-            *sum += seen.x;
-            *count += 1.0;
+    /// One tick after a trip; whether the run goes on.
+    pub(super) fn see(&mut self, seen: &Seen) -> bool {
+        if seen.knocked || self.since.is_none() {
+            self.since = Some(seen.time);
         }
-        left >= 0.0
+        let ends = self.since.is_some_and(|since| seen.time - since > AFTER - 0.01);
+        if ends {
+            self.speed = seen.v.abs();
+        }
+        !ends
     }
 
-    /// Whether it moves; one that a payload `knocks` on is judged by where it goes.
-    pub(super) fn moving(&self, knocks: bool) -> bool {
-        let [before, last] = self.places.map(|(sum, count)| sum / count.max(1.0));
-        (if knocks { (last - before).abs() / RINGS } else { self.speed }) > STAND
+    /// Whether it moves.
+    pub(super) fn moving(&self) -> bool {
+        self.speed > STAND
     }
 }
 

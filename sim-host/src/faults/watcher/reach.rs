@@ -9,6 +9,11 @@ use crate::faults::machine::PlantFault;
 /// How far the table may come from the middle, m. A valve that does not obey is stopped by the block alone: the stroke itself is
 /// all that is promised of it.
 pub(super) fn farthest(case: &Case) -> f64 {
+    if disobeys(case) { STROKE } else { STROKE - MARGIN }
+}
+
+/// Whether the valve moves, and not by the command.
+fn disobeys(case: &Case) -> bool {
     let disobeys = |fault: Fault| match fault {
         Fault::Table(how) | Fault::Behind(how) => match how {
             PlantFault::Stuck(at) => at != 0.0,
@@ -17,8 +22,7 @@ pub(super) fn farthest(case: &Case) -> f64 {
         },
         _ => false,
     };
-    let disobeyed = disobeys(case.fault) || case.second.is_some_and(|(fault, _)| disobeys(fault));
-    if disobeyed { STROKE } else { STROKE - MARGIN }
+    disobeys(case.fault) || case.second.is_some_and(|(fault, _)| disobeys(fault))
 }
 
 /// Whether the valve command can tell where the table is, by [`Promise::Roomy`]: the LVDT has outrun what is hidden so far, and the table
@@ -29,13 +33,9 @@ pub(super) fn told_by_command(case: &Case, outrun: &Outrun, moved: f64) -> bool 
     known && case.peak() <= STROKE - ROOM && outrun.farthest > OUTRUN
 }
 
-/// Whether a payload knocks on the table, before a trip and after it.
-pub(super) fn knocks(case: &Case) -> bool {
-    matches!(case.fault, Fault::Table(PlantFault::Payload { .. }))
-}
-
 /// Whether a command softens what the specimen feels: none does where the loop behind the device follows a broken wire, the valve
-/// nothing, or a payload knocks.
+/// does not obey, or a payload knocks.
 pub(in crate::faults) fn softened(case: &Case) -> bool {
-    !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !knocks(case)
+    let knocks = matches!(case.fault, Fault::Table(PlantFault::Payload { .. }));
+    !matches!(case.class.promise, Promise::Relay(..)) && !case.shares() && !disobeys(case) && !knocks
 }
