@@ -25,6 +25,7 @@ pub(crate) mod decide;
 mod departure;
 mod far;
 mod finish;
+mod instead;
 pub(crate) mod judged;
 mod leftover;
 mod line;
@@ -59,6 +60,7 @@ use crate::identify::stated::expect_near_stated;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
+use instead::Instead;
 pub use options::{Options, Progress};
 use passes::{Concluded, conclude};
 pub use result::{Diagnosis, Verdict};
@@ -118,8 +120,34 @@ pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, Diagno
     Ok(diagnose(&experiment, options)?.diagnosis)
 }
 
-/// Diagnoses an experiment.
+/// Diagnoses an experiment; once more by another reading of its set-up where that explains the recordings, and nothing that was found
+/// does.
 pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
+    let mut examined = examine(experiment, options)?;
+    if examined.diagnosis.verdict == Verdict::BadData {
+        return Ok(examined);
+    }
+    match instead::instead(experiment, &examined)? {
+        Instead::Nothing => {}
+        Instead::AsWell(values) => examined.diagnosis.stated_values_instead = values,
+        Instead::Better(read, finding) => {
+            options.say("another reading of the set-up explains it", 0.0);
+            let mut again = examine(&read, options)?;
+            let found: Vec<SetUpFinding> =
+                instead::others(experiment, &again.conclusion.after.fit).into_iter().chain(finding).collect();
+            again.diagnosis.set_up.retain(|said| {
+                !found.iter().any(|f| (f.what, &f.parameter, f.channel) == (said.what, &said.parameter, said.channel))
+            });
+            again.diagnosis.set_up.extend(found);
+            again.diagnosis.seconds += examined.diagnosis.seconds;
+            examined = again;
+        }
+    }
+    Ok(examined)
+}
+
+/// Diagnoses an experiment as its set-up was stated.
+fn examine(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
     let begun = std::time::Instant::now();
     options.say("checking the recordings", 0.0);
     let mut set_up = doubt(experiment);

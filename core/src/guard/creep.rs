@@ -4,7 +4,7 @@
 //! f[k] = f[k-1] + clamp(x - f[k-1], -2 dt V, +2 dt V)              the LVDT less its spikes, m
 //! s[k] = max(0, s[k-1] + (f[k] - f[k-1]) - dt clamp(g w, -V, +V) - dt n)          way beyond the command and an unknown null, m
 //! h[k] = h[k-1] + 2 dt n while s > 0, else 0                       most that such a null has hidden meanwhile, m
-//! m[k] = m[k-1] + dt w,   e[k] = e[k-1] + dt g w                   the same for s > 0 while g is not known yet, else 0, m
+//! m[k] = m[k-1] + dt w,   e[k] = e[k-1] + dt g w                   the same for s > 0, where g was not known when that began, else 0, m
 //! b[k] = b[k-1] + dt w                                             of m, while there is no g at all and 1 stands for it, m
 //! d1 = s + e - max(g1 m, g2 m),   d2 = s + h + e - min(g1 m, g2 m) least and farthest that it has crept, m
 //! d3 = s + b - max(g1 b, g2 b)                                     least if g is right as far as there is one, m
@@ -85,7 +85,9 @@ struct Beyond {
     way: f32,
     /// By an unknown null.
     hidden: f32,
-    /// What the command asked for at a gain of 1 while the gain was not known: in all, by the gain learned so far, and while there was none.
+    /// Whether the gain was not known when this began.
+    unsure: bool,
+    /// What the command asked for since then where it was not: at a gain of 1, by the gain as learned, and while there was none.
     asked: f32,
     learned: f32,
     blind: f32,
@@ -103,10 +105,12 @@ impl Beyond {
     /// One turn: `step` of the LVDT and way of an unknown `null` (m), and what the command moved the table.
     #[inline]
     fn advance(&mut self, null: f32, step: f32, Move { asked, learned, gain }: Move) {
+        // A gain that becomes known under a creep was learned of it.
+        self.unsure |= self.way <= 0.0 && !matches!(gain, Gain::Known(_));
         self.way += step - learned - null;
         if self.way > 0.0 {
             self.hidden += 2.0 * null;
-            if !matches!(gain, Gain::Known(_)) {
+            if self.unsure {
                 self.asked += asked;
                 self.learned += learned;
             }

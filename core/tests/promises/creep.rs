@@ -112,3 +112,29 @@ fn a_creep_that_turns_back_is_judged_on_both_sides() {
         }
     }
 }
+
+/// A gain that becomes known while an LVDT creeps was learned of the creep, and bounds nothing: the table is not farther from its reading
+/// than what is said, before that and after it.
+#[test]
+fn a_gain_that_was_learned_of_a_creep_bounds_nothing() {
+    const TURN: f32 = 0.003;
+    // A table that does what the model says, and an LVDT that gains 30 mm/s on it.
+    let (speed, gained) = (0.06_f32, 0.03_f32);
+    let monitor = ValveMonitor::new(&ValveMonitorSettings { mismatch: 0.02, memory: 0.2 }, 0.0, 0.242, TURN).unwrap();
+    for side in [1.0, -1.0] {
+        let (mut state, mut said) = (ValveMonitorState::default(), 0);
+        for turn in 1..=2500_u16 {
+            let t = f32::from(turn) * TURN;
+            let reading = gained - speed;
+            monitor.advance(&mut state, -side * speed, 0.242, side * reading, side * reading * t);
+            let creep = monitor.creep(&state);
+            if !matches!(creep, Creep::None | Creep::Certain) {
+                let (way, _) = of_a_side(creep, side);
+                assert!(way > gained * t, "{way} m for {} m after {t} s", gained * t);
+                said += 1;
+            }
+        }
+        // From the first second on, long past the two of motion in which a gain is learned.
+        assert!(said > 1000, "said in {said} turns");
+    }
+}

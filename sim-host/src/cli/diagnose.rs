@@ -15,6 +15,7 @@ use crate::diagnose::result::Verdict;
 use crate::diagnose::{DiagnoseError, Diagnosis, Examined, Options, diagnose};
 use crate::digits;
 use crate::recording::Experiment;
+use crate::recording::check::Finding;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -85,10 +86,35 @@ fn value(q: &crate::identify::quantity::Quantity) -> String {
     }
 }
 
+/// What is wrong with the recordings: once for each channel and remedy, with how many runs more have it.
+fn findings(findings: &[Finding]) -> String {
+    let mut text = String::new();
+    let alike = |a: &Finding, b: &Finding| (&a.channel, &a.remedy) == (&b.channel, &b.remedy);
+    for (i, finding) in findings.iter().enumerate() {
+        if findings.iter().take(i).any(|earlier| alike(earlier, finding)) {
+            continue;
+        }
+        let _ = writeln!(text, "\n  {}, {}: {}", finding.run, finding.channel, finding.problem);
+        match findings.iter().skip(i + 1).filter(|later| alike(later, finding)).count() {
+            0 => {}
+            more => _ = writeln!(text, "    the like in {more} more"),
+        }
+        let _ = writeln!(text, "    {}", finding.remedy);
+    }
+    text
+}
+
 /// The answer in a few lines.
 fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{}", page::lead(diagnosis));
+    let lines = set_up::lines(diagnosis);
+    if !lines.is_empty() {
+        let _ = writeln!(text, "\n  of the set-up, otherwise than stated:");
+        for line in lines {
+            let _ = writeln!(text, "    {line}");
+        }
+    }
     for effect in &diagnosis.effects {
         let _ = writeln!(text, "\n  {}  (probability {:.2})\n  {}", effect.id, effect.probability, effect.equation);
         for (key, q) in &effect.parameters {
@@ -98,11 +124,12 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     if let Some(term) = &diagnosis.term {
         let _ = writeln!(text, "\n  {}\n    removes {:.0} % of the misfit", term.words, 100.0 * term.share);
     }
-    for finding in &diagnosis.findings {
-        let _ = writeln!(text, "\n  {}, {}: {}\n    {}", finding.run, finding.channel, finding.problem, finding.remedy);
-    }
+    text.push_str(&findings(&diagnosis.findings));
     for tie in &diagnosis.indistinguishable {
         let _ = writeln!(text, "\n  not told apart by these runs: {}", tie.join(", "));
+    }
+    if let Some(instead) = set_up::instead(diagnosis) {
+        let _ = writeln!(text, "\n  {instead}");
     }
     if let Some(gains) = diagnosis.change.as_ref().and_then(|change| change.gains.as_ref()) {
         let _ = writeln!(text, "\n  {}", change::stand(gains));

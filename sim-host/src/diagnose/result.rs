@@ -68,6 +68,9 @@ pub struct Diagnosis {
     pub held_out_shared: bool,
     /// What of the stated set-up was found wrong; the diagnosis went on with what was found.
     pub set_up: Vec<SetUpFinding>,
+    /// Values of the model, in the place of stated ones that were not to be fitted, which explain the recordings as well as what was found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stated_values_instead: Vec<SetUpFinding>,
     /// What is wrong with the data, or worth knowing about it.
     pub findings: Vec<Finding>,
     /// Wall-clock time, s.
@@ -214,6 +217,7 @@ pub(super) fn assemble(
         term: open.term,
         held_out_shared: open.held_out_shared,
         set_up: Vec::new(),
+        stated_values_instead: Vec::new(),
         findings: findings.to_vec(),
         seconds: open.seconds,
     }

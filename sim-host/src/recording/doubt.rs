@@ -99,7 +99,7 @@ impl SetUpFinding {
         Self { run: Some(run.to_owned()), ..self }
     }
 
-    fn of_channel(self, channel: Channel) -> Self {
+    pub(crate) fn of_channel(self, channel: Channel) -> Self {
         Self { channel: Some(channel.name()), ..self }
     }
 
@@ -133,11 +133,23 @@ impl SetUpFinding {
         Self { parameter: Some(parameter.to_owned()), std, ..it }
     }
 
+    /// A channel that was recorded late by `found` (s), early where negative.
+    pub(crate) fn of_shift(found: f64) -> Self {
+        Self::new(Doubt::SampleShift, found, "s").against(0.0)
+    }
+
+    /// A gain of the controller, stated and found.
+    pub(crate) fn gain(what: Doubt, stated: f64, found: f64, unit: &str) -> Self {
+        Self::new(what, found, unit).against(stated)
+    }
+
     /// In a sentence.
     pub fn sentence(&self) -> String {
         let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
         let stated = self.stated.map_or_else(String::new, |s| format!(", stated {}{unit}", digits::stated(s)));
-        let found = digits::with_spread(self.found, self.std);
+        // A count is whole.
+        let counted = self.std.is_none() && self.found.fract() == 0.0;
+        let found = if counted { self.found.to_string() } else { digits::with_spread(self.found, self.std) };
         let place = match (&self.run, self.channel, &self.parameter) {
             (_, _, Some(parameter)) => format!(" ({parameter})"),
             (Some(run), Some(channel), None) => format!(" ({channel}, {run})"),

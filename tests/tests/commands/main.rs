@@ -2,6 +2,8 @@
 //! other processor would stand idle.
 
 mod drives;
+mod paper_table;
+mod set_up;
 mod severe_saturation;
 mod tutorial;
 mod wrong_input;

@@ -9,79 +9,18 @@
     reason = "the lint knows test functions, not helpers"
 )]
 
+use crate::paper_table::{Stated, paper, write};
 use shakedown::diagnose::{Diagnosis, Options, Verdict, diagnose_file};
-use shakedown::fit::Recipe;
-use shakedown::fit::generate::{self, NEAR_FIELD_MODERATE, NEAR_FIELD_STRONG};
-use shakedown_truth::closed_loop::{Controller, Run, simulate};
-use shakedown_truth::noise::Noise;
-use shakedown_truth::plant::{Lag, Machine, Physics};
-use std::fmt::Write as _;
-use std::path::Path;
-
-const RATE: f64 = 200.0;
-const GAINS: (f64, f64) = (3.7, 0.6);
-const NOISE: (f64, f64) = (1.5e-5, 0.1);
-
-/// A generated record as the paper prepares its own, scaled.
-fn reference(recipe: generate::Recipe, seed: u64, scale: f64) -> Vec<f64> {
-    let motion = Recipe::table1(RATE).apply(&recipe.generate(seed).unwrap()).unwrap();
-    motion.displacement.iter().take(4800).map(|x| x * scale).collect()
-}
-
-/// The experiment: two strong records and a moderate one to fit, another strong one held out.
-fn write(folder: &Path, physics: &Physics) {
-    let records = [
-        (NEAR_FIELD_STRONG, 1, 1.0),
-        (NEAR_FIELD_MODERATE, 2, 1.0),
-        (NEAR_FIELD_STRONG, 3, 0.7),
-        (NEAR_FIELD_STRONG, 4, 0.9),
-    ];
-    let mut toml = String::from(
-        "name = \"severe saturation\"\n[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n\
-         [channels]\ntime = { column = \"time\", unit = \"s\" }\nreference = { column = \"reference\", unit = \"m\" }\n\
-         command = { column = \"command\", unit = \"1\" }\n\
-         displacement = { column = \"displacement\", unit = \"m\", noise = 1.5e-5 }\n\
-         acceleration = { column = \"acceleration\", unit = \"m/s2\", noise = 0.1 }\n",
-    );
-    for (number, (recipe, seed, scale)) in records.into_iter().enumerate() {
-        let run = Run {
-            reference: reference(recipe, seed, scale),
-            dt: 1.0 / RATE,
-            controller: Controller::Pi { kp: GAINS.0, ki: GAINS.1 },
-            number: number as u64,
-        };
-        let (displacement, acceleration) = NOISE;
-        let noise = Noise { displacement, step: 0.0, acceleration, colour: 0.0, hum: None, seed: (7, 7) };
-        let traces = simulate(physics, &run, Some(&noise)).expect("a stable loop");
-        let mut csv = String::from("time,reference,displacement,acceleration,command\n");
-        for k in 0..run.reference.len() {
-            let (t, r) = (k as f64 * run.dt, run.reference[k]);
-            let (x, a, u) = (traces.displacement[k], traces.acceleration[k], traces.command[k]);
-            let _ = writeln!(csv, "{t:.3},{r:.9},{x:.9},{a:.6},{u:.9}");
-        }
-        std::fs::write(folder.join(format!("{number}.csv")), csv).unwrap();
-        let purpose = if number == 3 { "holdout" } else { "fit" };
-        let _ = writeln!(
-            toml,
-            "[[runs]]\nfile = \"{number}.csv\"\ncontroller = {{ kp = {}, ki = {} }}\nuse = \"{purpose}\"",
-            GAINS.0, GAINS.1
-        );
-    }
-    std::fs::write(folder.join("experiment.toml"), toml).unwrap();
-}
+use shakedown_truth::plant::{Lag, Physics};
 
 fn diagnosed(physics: &Physics) -> Diagnosis {
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), physics);
+    write(folder.path(), physics, &Stated::default());
     let diagnosis = diagnose_file(&folder.path().join("experiment.toml"), &Options::default()).unwrap();
     let named: Vec<&str> = diagnosis.effects.iter().map(|e| e.id).collect();
     let (before, after) = (diagnosis.judged.before.chi2, diagnosis.judged.after.chi2);
     eprintln!("{:?}: {named:?}, held-out chi2 {before:.2} -> {after:.2}", diagnosis.verdict);
     diagnosis
-}
-
-fn paper() -> Physics {
-    Physics::baseline(Machine::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 })
 }
 
 #[test]

@@ -102,6 +102,7 @@ fn advice(diagnosis: &Diagnosis) -> Vec<String> {
     if let Some(test) = &diagnosis.next_test {
         advice.push(format!("Next test: {}; {}.", test.record, test.why));
     }
+    advice.extend(set_up::instead(diagnosis));
     advice.extend(diagnosis.no_test.as_ref().map(|why| format!("{why}.")));
     if diagnosis.verdict == Verdict::Consistent && advice.is_empty() {
         advice.push("Use the model as it is stated; another recording at larger amplitude would try it harder.".into());
@@ -111,6 +112,11 @@ fn advice(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// One or two sentences that say what came out.
 pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
+    format!("{}{}", set_up::values(diagnosis), answer(diagnosis))
+}
+
+/// What the diagnosis says of the physics.
+fn answer(diagnosis: &Diagnosis) -> String {
     let names: Vec<&str> = diagnosis.effects.iter().map(|e| e.id).collect();
     match diagnosis.verdict {
         Verdict::Consistent => "The model explains the recordings to within their noise; nothing is missing.".into(),

@@ -218,8 +218,9 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
     if a.unrelated {
         return State::Broken(format!("{to} has nothing in common with the {derivative} of {from} ({band})"));
     }
-    // A sensor that is turned round is so at every frequency; one that tilts with the table only at the lowest.
-    if a.turned && (a.in_step < IN_STEP || (order == 2 && a.to_hz < TILTING)) {
+    // A sensor that is turned round is so at every frequency, and of the right size; one that tilts with the table only at the lowest,
+    // and of a size that falls with frequency.
+    if a.turned && (a.in_step < IN_STEP || (order == 2 && a.to_hz < TILTING && a.farthest > ACCURATE)) {
         return State::Unknown;
     }
     if a.turned {

@@ -1,6 +1,7 @@
 //! How one channel agrees with a derivative of another, bin by bin where both carry signal.
 
 use crate::recording::signal::{Spectra, quantile, segment_length, spectra};
+use realfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// What two channels say about each other.
@@ -12,6 +13,8 @@ pub(super) struct Agreement {
     pub(super) to_hz: f64,
     /// Size of the second against the derivative of the first.
     pub(super) gain: f64,
+    /// Farthest that it is from one at any frequency, as a logarithm.
+    pub(super) farthest: f64,
     /// Power of frequency with which that size changes.
     pub(super) slope: f64,
     /// They run against each other.
@@ -67,7 +70,7 @@ pub(in crate::recording::check) fn coherent_bins(
     order: u32,
 ) -> (Vec<Bin>, bool) {
     let longest = (10.0 / dt) as usize;
-    let spectra = spectra(first, second, dt, segment_length(first.len(), longest));
+    let spectra = spectra_of(first, second, dt, order, segment_length(first.len(), longest));
     if spectra.segments < 4 {
         return (Vec::new(), false);
     }
@@ -109,6 +112,39 @@ pub(in crate::recording::check) fn coherent_bins(
     (bins, unrelated)
 }
 
+/// Spectra of two channels, the first through its differences of the `order`: a displacement falls off so steeply that what a window
+/// leaks of its slow motion hides the rest.
+fn spectra_of(first: &[f64], second: &[f64], dt: f64, order: u32, segment: usize) -> Spectra {
+    let mut spectra = spectra(&differences(first, order), second, dt, segment);
+    // At half the sampling rate a first difference leaves nothing to divide.
+    for k in 1..spectra.frequency.len().saturating_sub(1) {
+        let angle = 2.0 * PI * spectra.frequency[k] * dt;
+        // What the differences make of a sine: j sin(w dt) for the first, -4 sin(w dt / 2)^2 for the second.
+        let (size, sign) = match order {
+            1 => (angle.sin(), Complex64::i()),
+            2 => (4.0 * (0.5 * angle).sin().powi(2), Complex64::new(-1.0, 0.0)),
+            _ => continue,
+        };
+        let size = size.max(f64::MIN_POSITIVE);
+        spectra.input[k] /= size * size;
+        spectra.cross[k] *= sign / size;
+    }
+    spectra
+}
+
+/// Central differences, samples apart; the ends as their neighbours.
+fn differences(series: &[f64], order: u32) -> Vec<f64> {
+    let difference = |w: &[f64]| match (order, w) {
+        (1, [before, _, after]) => 0.5 * (after - before),
+        (2, [before, now, after]) => before - 2.0 * now + after,
+        (_, [_, now, _]) => *now,
+        _ => f64::NAN,
+    };
+    let inner: Vec<f64> = series.windows(3).map(difference).collect();
+    let (Some(&from), Some(&to)) = (inner.first(), inner.last()) else { return series.to_vec() };
+    std::iter::once(from).chain(inner).chain([to]).collect()
+}
+
 /// Coherence that chance exceeds once in a thousand bins, and at least a half.
 fn threshold(segments: usize) -> f64 {
     let count = (0.6 * segments as f64).max(2.0);
@@ -142,6 +178,7 @@ pub(super) fn agreement(first: &[f64], second: &[f64], dt: f64, order: u32) -> O
         from_hz,
         to_hz: bins.last().map_or(0.35 / dt, |b| b.frequency),
         gain: typical_gain(&bins),
+        farthest: bins.iter().fold(0.0, |most, bin| bin.gain.ln().abs().max(most)),
         slope: slope(&bins),
         turned,
         unrelated,

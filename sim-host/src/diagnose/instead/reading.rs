@@ -1,0 +1,124 @@
+//! Another reading of what was stated of the set-up, put into the runs for a trial and into the experiment where it holds.
+
+use crate::identify::data::{Channel, Run};
+use crate::plant::simulate::Law;
+use crate::recording::{self, Doubt, Experiment, SetUpFinding};
+
+/// What may have been stated wrong.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Reading {
+    /// Values of the model that no fit may move.
+    Values(Vec<&'static str>),
+    /// The reference was recorded so many samples late, early where negative.
+    LateReference(i32),
+    /// A channel was.
+    Late(Channel, i32),
+    /// The integral gain of the controller is so many times what was stated.
+    Integral(f64),
+}
+
+impl Reading {
+    /// Numbers that it takes from the data.
+    pub(super) fn parameters(&self) -> usize {
+        match self {
+            Self::Values(names) => names.len(),
+            Self::LateReference(_) | Self::Late(..) => 0,
+            Self::Integral(_) => 1,
+        }
+    }
+
+    /// The runs by this reading.
+    pub(super) fn of(&self, runs: &[Run]) -> Vec<Run> {
+        let mut runs = runs.to_vec();
+        for run in &mut runs {
+            match self {
+                Self::Values(_) => {}
+                Self::LateReference(by) => run.input = shifted(&run.input, *by, |last| last),
+                Self::Late(channel, by) => {
+                    for measured in run.measured.iter_mut().filter(|m| m.channel == *channel) {
+                        measured.values = shifted(&measured.values, *by, |_| f64::NAN);
+                    }
+                }
+                Self::Integral(factor) => {
+                    if let Law::Pi { ki, .. } = &mut run.law {
+                        *ki *= factor;
+                    }
+                }
+            }
+        }
+        runs
+    }
+
+    /// The experiment by this reading.
+    pub(super) fn put_into(&self, experiment: &Experiment) -> Experiment {
+        let mut experiment = experiment.clone();
+        if let Self::Values(names) = self {
+            experiment.model.fit.extend(names.iter().map(|name| (*name).to_owned()));
+        }
+        for run in &mut experiment.runs {
+            match self {
+                Self::Values(_) => {}
+                Self::LateReference(by) => shift(run, recording::Channel::Reference, *by),
+                Self::Late(channel, by) => shift(run, channel.recorded(), *by),
+                Self::Integral(factor) => {
+                    if let recording::Law::ProportionalIntegral { ki, .. } = &mut run.law {
+                        *ki *= factor;
+                    }
+                }
+            }
+        }
+        experiment
+    }
+
+    /// What is said of it; of values of the model the fit has to say it.
+    pub(super) fn finding(&self, experiment: &Experiment) -> Option<SetUpFinding> {
+        let run = experiment.runs.first()?;
+        let late = |channel, by: i32| Some(SetUpFinding::of_shift(f64::from(by) * run.dt).of_channel(channel));
+        match self {
+            Self::Values(_) => None,
+            Self::LateReference(by) => late(recording::Channel::Reference, *by),
+            Self::Late(channel, by) => late(channel.recorded(), *by),
+            Self::Integral(factor) => match run.law {
+                recording::Law::ProportionalIntegral { ki, .. } => {
+                    Some(SetUpFinding::gain(Doubt::ControllerKi, ki, factor * ki, "unit of u per m s"))
+                }
+                _ => None,
+            },
+        }
+    }
+}
+
+/// A series recorded `by` samples late, at its time; what was never recorded is made of the last sample that was.
+fn shifted(series: &[f64], by: i32, beyond: impl Fn(f64) -> f64) -> Vec<f64> {
+    let last = series.len() as i64 - 1;
+    let at = |k: i64| {
+        let from = k + i64::from(by);
+        let held = series.get(from.clamp(0, last.max(0)) as usize).copied().unwrap_or(f64::NAN);
+        if (0..=last).contains(&from) { held } else { beyond(held) }
+    };
+    (0..=last).map(at).collect()
+}
+
+fn shift(run: &mut recording::Run, channel: recording::Channel, by: i32) {
+    if let Some(series) = run.channel(channel) {
+        let beyond = |held: f64| if channel == recording::Channel::Reference { held } else { f64::NAN };
+        let moved = shifted(series, by, beyond);
+        run.channels.set(channel, moved);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_recorded_late_is_at_its_time() {
+        let series = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!(shifted(&series, 1, |held| held), [2.0, 3.0, 4.0, 4.0]);
+        assert_eq!(shifted(&series, -2, |held| held), [1.0, 1.0, 1.0, 2.0]);
+        let open = shifted(&series, 2, |_| f64::NAN);
+        assert_eq!(open[..2], [3.0, 4.0]);
+        assert!(open[2..].iter().all(|v| v.is_nan()));
+        assert!(shifted(&[], 1, |held| held).is_empty());
+    }
+}
