@@ -85,9 +85,8 @@ struct Beyond {
     way: f32,
     /// By an unknown null.
     hidden: f32,
-    /// Whether the gain was not known when this began.
-    unsure: bool,
-    /// What the command asked for since then where it was not: at a gain of 1, by the gain as learned, and while there was none.
+    /// What the command asked for where the gain was not known when this began: at a gain of 1, by the gain as learned, and while there was
+    /// none.
     asked: f32,
     learned: f32,
     blind: f32,
@@ -105,12 +104,11 @@ impl Beyond {
     /// One turn: `step` of the LVDT and way of an unknown `null` (m), and what the command moved the table.
     #[inline]
     fn advance(&mut self, null: f32, step: f32, Move { asked, learned, gain }: Move) {
-        // A gain that becomes known under a creep was learned of it.
-        self.unsure |= self.way <= 0.0 && !matches!(gain, Gain::Known(_));
         self.way += step - learned - null;
         if self.way > 0.0 {
             self.hidden += 2.0 * null;
-            if self.unsure {
+            // A gain that becomes known under a creep was learned of it.
+            if !matches!(gain, Gain::Known(_)) || self.asked != 0.0 {
                 self.asked += asked;
                 self.learned += learned;
             }
