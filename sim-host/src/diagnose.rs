@@ -60,6 +60,7 @@ use crate::identify::stated::expect_near_stated;
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
+use calibration::CALIBRATION;
 use instead::Instead;
 pub use options::{Options, Progress};
 use passes::{Concluded, conclude};
@@ -103,6 +104,11 @@ impl Examined {
         &self.conclusion.judging
     }
 
+    /// What the model that came out leaves beyond the noise on the runs that judge, as an excess of chi2; what noise leaves at least.
+    fn left(&self) -> f64 {
+        (self.conclusion.after.hold.chi2 - 1.0).max(CALIBRATION.negligible)
+    }
+
     /// True where the model that came out is not the stated one refitted.
     pub fn changed(&self) -> bool {
         self.conclusion.after.fit.model.ids() != self.conclusion.before.fit.model.ids()
@@ -133,6 +139,11 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
         Instead::Better(read, finding) => {
             options.say("another reading of the set-up explains it", 0.0);
             let mut again = examine(&read, options)?;
+            let open = |examined: &Examined| examined.conclusion.unlisted || examined.conclusion.more_missing;
+            if again.left() > examined.left() || (open(&examined) && open(&again)) {
+                examined.diagnosis.seconds += again.diagnosis.seconds;
+                return Ok(examined);
+            }
             let found: Vec<SetUpFinding> =
                 instead::others(experiment, &again.conclusion.after.fit).into_iter().chain(finding).collect();
             again.diagnosis.set_up.retain(|said| {

@@ -6,37 +6,37 @@
 //! was found, the stated model without any effect is asked whether it explains the recordings by another reading of the set-up.
 
 mod reading;
+mod trial;
 
 use super::Examined;
 use super::calibration::CALIBRATION;
 use crate::identify::data::{Channel, Run};
-use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::score_beside;
-use crate::identify::model::{Model, ModelEffect};
+use crate::identify::fit::Fit;
+use crate::identify::model::ModelEffect;
 use crate::identify::quantity::quantities;
-use crate::identify::stated::expect_near_stated;
 use crate::plant::effects::{Entry, acceleration_lag, displacement_lag};
-use crate::plant::simulate::{Law, SimulateError};
+use crate::plant::simulate::SimulateError;
 use crate::recording::{Experiment, SetUpFinding};
 use rayon::prelude::*;
 use reading::Reading;
+use trial::{Base, Tried, integral, tried};
 
 /// Standard deviations from which a fitted value is another than the stated one.
 const CERTAIN: f64 = 3.0;
 /// Samples by which a channel may have been recorded late or early.
 const SHIFTS: [i32; 4] = [1, -1, 2, -2];
-/// Trials of an integral gain, as shares of it: the first two on either side of what was stated, the others from a parabola.
-const TRIALS: usize = 3;
-const TRIAL: f64 = 0.05;
-/// Share by which an integral gain may be stated wrong without a unit or a digit being the likelier fault.
-const SLIP: f64 = 0.3;
-/// How many times as fast as stated a table is tried, and the share by which one that stayed so is said to be.
-const FASTER: f64 = 4.0;
+/// Share by which a table that never came to its limit is said to be faster than stated.
 const FAST: f64 = 0.1;
+/// Share of what effects leave without a reading, below which they are better with it.
+const FAR_LESS: f64 = 0.3;
 /// Probability below which no name is likelier right than wrong.
 const EVEN: f64 = 0.5;
 /// Rows beyond which this is not asked: it costs as much as the search.
 const MOST_ROWS: usize = 240_000;
+
+/// How well a lag must be known to be a whole number of samples, and how far it may be from one beside that, samples.
+const WHOLE: f64 = 0.2;
+const ROUNDED: f64 = 0.02;
 
 /// Sensors' lags, and the channels that are late by them.
 const LAGS: [(&Entry, Channel); 2] =
@@ -52,14 +52,6 @@ pub(super) enum Instead {
     Better(Box<Experiment>, Option<SetUpFinding>),
 }
 
-/// A reading with the stated model fitted by it.
-struct Tried {
-    reading: Reading,
-    fit: Fit,
-    /// chi2 on the runs that judge, less one.
-    left: f64,
-}
-
 /// Asks that of a diagnosis of `experiment`.
 pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<Instead, SimulateError> {
     let conclusion = &examined.conclusion;
@@ -70,24 +62,46 @@ pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<In
     if let Some(reading) = sample_for_a_lag(examined)? {
         return Ok(better(experiment, &reading));
     }
-    let readings = readings(experiment, examined);
-    let tried = readings.par_iter().map(|reading| tried(reading, examined)).collect::<Result<Vec<_>, _>>()?;
-    let integral = integral(examined)?;
-    let explaining = tried.into_iter().chain(integral).filter(|tried| tried.left < CALIBRATION.negligible);
+    let explaining = all(&readings(experiment, examined), &Base::stated(examined), examined)?;
+    let explaining = explaining.into_iter().filter(|tried| tried.left < CALIBRATION.negligible);
     // Of readings that explain alike the one that takes least from the data.
     let cost = |tried: &Tried| tried.fit.squares + CALIBRATION.parameter_price * tried.reading.parameters() as f64;
-    let Some(best) = explaining.min_by(|a, b| cost(a).total_cmp(&cost(b))) else { return Ok(Instead::Nothing) };
+    let Some(best) = explaining.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
+        let beside = beside(experiment, examined)?;
+        return Ok(beside.map_or(Instead::Nothing, |reading| better(experiment, &reading)));
+    };
     let found = conclusion.after.hold.chi2 - 1.0;
     let no_name = examined.diagnosis.effects.iter().all(|effect| effect.probability < EVEN);
     let as_well = found <= best.left.max(0.0) + CALIBRATION.negligible;
     let others = others(experiment, &best.fit);
+    let price = CALIBRATION.parameter_price * taken(examined) as f64;
+    let cheaper = best.fit.squares < conclusion.after.fit.squares + price;
     Ok(match best.reading {
         // Of two accounts that explain alike the one that takes less from the data; of two that take as much, the one that leaves alone
         // what was stated.
         Reading::Values(_) if as_well && !no_name && taken(examined) <= others.len() => Instead::AsWell(others),
-        Reading::LateReference(_) | Reading::Late(..) if as_well && !no_name => Instead::Nothing,
+        Reading::LateReference(_) | Reading::Late(..) if as_well && !no_name && !cheaper => Instead::Nothing,
         reading => better(experiment, &reading),
     })
+}
+
+/// Every reading tried on a model, that of the integral gain among them.
+fn all(readings: &[Reading], base: &Base<'_>, examined: &Examined) -> Result<Vec<Tried>, SimulateError> {
+    let mut all = readings.par_iter().map(|reading| tried(reading, base, examined)).collect::<Result<Vec<_>, _>>()?;
+    all.extend(integral(base, examined)?);
+    Ok(all)
+}
+
+/// A reading beside the effects that explain a part: one by which they leave far less.
+fn beside(experiment: &Experiment, examined: &Examined) -> Result<Option<Reading>, SimulateError> {
+    let conclusion = &examined.conclusion;
+    let part = if conclusion.unlisted { conclusion.partial.as_ref() } else { Some(&conclusion.after) };
+    let Some(part) = part.filter(|_| conclusion.unlisted || conclusion.more_missing) else { return Ok(None) };
+    let mut readings = readings(experiment, examined);
+    readings.retain(|reading| reading.parameters() == 0);
+    let tried = all(&readings, &Base::fitted(part.fit.model.clone(), &part.fit), examined)?;
+    let best = tried.into_iter().min_by(|a, b| a.left.total_cmp(&b.left));
+    Ok(best.filter(|best| best.left < FAR_LESS * (part.hold.chi2 - 1.0)).map(|best| best.reading))
 }
 
 /// Numbers that the effects found take from the data.
@@ -127,98 +141,25 @@ fn unrecorded(runs: &[Run]) -> bool {
     runs.iter().all(|run| run.law.simulates_reference() && run.channel(Channel::Command).is_none())
 }
 
-/// The stated model fitted by a reading, and what it leaves on the runs that judge.
-fn tried(reading: &Reading, examined: &Examined) -> Result<Tried, SimulateError> {
-    // From what was stated: without this reading the values that may be fitted have gone wherever they hide what is missing.
-    let mut model = examined.prepared.model.clone();
-    if let Reading::Values(names) = reading {
-        for name in names {
-            if let Some(value) = model.own_mut(name) {
-                value.free = true;
-            }
-        }
-        expect_near_stated(&mut model);
-    }
-    let mut best = fitted(reading, model.clone(), None, examined)?;
-    // A limit that is far too low is not left downhill.
-    if matches!(reading, Reading::Values(_))
-        && let Some(limit) = model.own_mut("velocity_limit").filter(|limit| limit.free)
-    {
-        limit.value *= FASTER;
-        let faster = fitted(reading, model, None, examined)?;
-        best = if faster.0.squares + CALIBRATION.parameter_price < best.0.squares { faster } else { best };
-    }
-    let (fit, left) = best;
-    Ok(Tried { reading: reading.clone(), fit, left })
-}
-
-fn fitted(
-    reading: &Reading,
-    model: Model,
-    like: Option<&Fit>,
-    examined: &Examined,
-) -> Result<(Fit, f64), SimulateError> {
-    let runs = reading.of(&examined.prepared.fit);
-    let mut fit = match like {
-        Some(like) => Fit::resume(model, like.locals.clone(), &runs)?,
-        None => Fit::begin(model, &runs)?,
-    };
-    fit.improve(&runs, Effort::FULL)?;
-    let left = score_beside(&fit, &runs, &reading.of(&examined.conclusion.judging))?.chi2 - 1.0;
-    Ok((fit, left))
-}
-
-/// The stated model with the integral gain that fits best, where the command does not say what it was.
-fn integral(examined: &Examined) -> Result<Option<Tried>, SimulateError> {
-    let runs = &examined.prepared.fit;
-    let integrates = |run: &Run| matches!(run.law, Law::Pi { ki, .. } if ki != 0.0);
-    if !unrecorded(runs) || !runs.iter().all(integrates) {
-        return Ok(None);
-    }
-    let at = |share: f64| tried(&Reading::Integral(1.0 + share), examined);
-    let mut points = Vec::new();
-    for share in [-TRIAL, 0.0, TRIAL] {
-        points.push((share, at(share)?));
-    }
-    for _ in 0..TRIALS {
-        points.sort_by(|a, b| a.1.fit.squares.total_cmp(&b.1.fit.squares));
-        let of = |i: usize| points.get(i).map(|(share, tried)| (*share, tried.fit.squares));
-        let (Some(a), Some(b), Some(c)) = (of(0), of(1), of(2)) else { break };
-        let Some(share) = lowest(a, b, c).map(|share| share.clamp(-SLIP, SLIP)) else { break };
-        if points.iter().any(|(known, _)| (known - share).abs() < 1e-4) {
-            break;
-        }
-        points.push((share, at(share)?));
-    }
-    let best = points.into_iter().min_by(|a, b| a.1.fit.squares.total_cmp(&b.1.fit.squares));
-    Ok(best.filter(|(share, _)| *share != 0.0 && share.abs() < SLIP).map(|(_, tried)| tried))
-}
-
-/// Where the parabola through three points is lowest; none where it has no lowest.
-fn lowest((a, fa): (f64, f64), (b, fb): (f64, f64), (c, fc): (f64, f64)) -> Option<f64> {
-    let (left, right) = ((b - a) * (fb - fc), (b - c) * (fb - fa));
-    let bend = left - right;
-    let curved = fa * (b - c) + fb * (c - a) + fc * (a - b);
-    // The sign of the second difference, whatever the order of the points.
-    let opens_up = curved * (b - c) * (c - a) * (a - b) < 0.0;
-    (bend != 0.0 && opens_up).then(|| b - 0.5 * ((b - a) * left - (b - c) * right) / bend)
-}
-
 /// A sensor that lags by a whole number of samples is one that was recorded so many samples late, where that explains as much without a
 /// number from the data.
 fn sample_for_a_lag(examined: &Examined) -> Result<Option<Reading>, SimulateError> {
     let after = &examined.conclusion.after;
     let runs = &examined.prepared.fit;
     let Some(dt) = runs.first().map(|run| run.dt) else { return Ok(None) };
+    let quantities = quantities(&after.fit);
     for (lag, channel) in LAGS {
         let id = lag.id;
         let Some(placed) = after.fit.model.effects.iter().find(|p| p.entry.id == id) else { continue };
-        let late = (time_of(placed) / dt).round();
-        if !(1.0..=3.0).contains(&late) || !after.added.contains(&id) {
+        let (time, late) = (time_of(placed), (time_of(placed) / dt).round());
+        let std = quantities.get(&format!("{id}.time")).and_then(|q| q.std).unwrap_or(f64::INFINITY);
+        let whole = std < WHOLE * dt && (time - late * dt).abs() < 2.0 * std + ROUNDED * dt;
+        if !whole || !(1.0..=3.0).contains(&late) || !after.added.contains(&id) {
             continue;
         }
         let reading = Reading::Late(channel, late as i32);
-        let (fit, left) = fitted(&reading, after.fit.model.without(id), Some(&after.fit), examined)?;
+        let Tried { fit, left, .. } =
+            tried(&reading, &Base::fitted(after.fit.model.without(id), &after.fit), examined)?;
         let price = CALIBRATION.parameter_price * (after.fit.model.values().filter(|v| v.free).count() as f64);
         if left < after.hold.chi2 - 1.0 + 0.5 * CALIBRATION.negligible && fit.squares < after.fit.squares + price {
             return Ok(Some(reading));
@@ -247,21 +188,4 @@ pub(super) fn others(experiment: &Experiment, fit: &Fit) -> Vec<SetUpFinding> {
         (told || faster).then(|| SetUpFinding::model_value(name, stated, quantity.value, std, parameter.unit))
     };
     experiment.model.baseline.parameters().into_iter().filter_map(other).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_parabola_is_lowest_where_it_is() {
-        let f = |x: f64| (x, 3.0 + 2.0 * (x - 0.12).powi(2));
-        for [a, b, c] in [[-0.05, 0.0, 0.05], [0.05, -0.05, 0.0], [0.0, 0.05, -0.05]] {
-            let lowest = lowest(f(a), f(b), f(c)).expect("it has a lowest point");
-            assert!((lowest - 0.12).abs() < 1e-12, "{lowest}");
-        }
-        let down = |x: f64| (x, -x * x);
-        assert_eq!(lowest(down(-1.0), down(0.5), down(1.0)), None);
-        assert_eq!(lowest((0.0, 1.0), (1.0, 2.0), (2.0, 3.0)), None);
-    }
 }
