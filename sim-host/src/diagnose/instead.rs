@@ -71,7 +71,7 @@ pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<In
         return Ok(beside.map_or(Instead::Nothing, |reading| better(experiment, &reading)));
     };
     let found = conclusion.after.hold.chi2 - 1.0;
-    let no_name = examined.diagnosis.effects.iter().all(|effect| effect.probability < EVEN);
+    let no_name = conclusion.unlisted || examined.diagnosis.effects.iter().all(|effect| effect.probability < EVEN);
     let as_well = found <= best.left.max(0.0) + CALIBRATION.negligible;
     let others = others(experiment, &best.fit);
     let price = CALIBRATION.parameter_price * taken(examined) as f64;
@@ -127,6 +127,11 @@ fn readings(experiment: &Experiment, examined: &Examined) -> Vec<Reading> {
     let runs = &examined.prepared.fit;
     if unrecorded(runs) {
         readings.extend(SHIFTS.map(Reading::LateReference));
+    }
+    // What looks like a controller that acts late may be its command that was recorded late.
+    let late = runs.first().map_or(0, |run| run.shaping.late_command);
+    if late > 0 && runs.iter().all(|run| run.shaping.late_command == late) {
+        readings.push(Reading::Late(Channel::Command, late as i32));
     }
     for channel in [Channel::Displacement, Channel::Acceleration] {
         if runs.iter().all(|run| run.channel(channel).is_some_and(|measured| measured.judged)) {

@@ -38,6 +38,9 @@ impl Reading {
                     for measured in run.measured.iter_mut().filter(|m| m.channel == *channel) {
                         measured.values = shifted(&measured.values, *by, |_| f64::NAN);
                     }
+                    if *channel == Channel::Command {
+                        run.shaping.late_command = run.shaping.late_command.saturating_sub(by.unsigned_abs() as usize);
+                    }
                 }
                 Self::Integral(factor) => {
                     if let Law::Pi { ki, .. } = &mut run.law {
