@@ -21,7 +21,7 @@ const JUDGED: usize = 6;
 /// Alternatives among which one may be given as the likeliest.
 const FEW: usize = 2;
 /// Probability below which a name is likelier wrong than right.
-const EVEN: f64 = 0.5;
+pub(super) const EVEN: f64 = 0.5;
 /// Probability of physics outside the library where what is left follows nothing.
 const IRREGULAR: f64 = 0.05;
 

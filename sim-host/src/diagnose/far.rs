@@ -4,7 +4,7 @@ use super::calibration::CALIBRATION;
 use super::verdict::Conclusion;
 use crate::identify::fit::Fit;
 use crate::identify::prepare::Prepared;
-use crate::identify::quantity::quantities;
+use crate::identify::quantity::{Quantity, quantities};
 use crate::identify::stated::fit_near;
 use crate::plant::model::Kind;
 use crate::plant::simulate::SimulateError;
@@ -15,6 +15,36 @@ const FAR: f64 = 0.4;
 /// Standard deviations from which it is distinguished from the stated one.
 const CERTAIN: f64 = 3.0;
 
+/// A stated value of the model, and what a fit made of it.
+pub(super) struct ValueBesideStated {
+    pub(super) name: &'static str,
+    pub(super) stated: f64,
+    pub(super) fitted: Quantity,
+    /// Whether the experiment lists it in `fit`.
+    pub(super) listed: bool,
+}
+
+impl ValueBesideStated {
+    /// Whether the fit is another than what was stated for certain.
+    pub(super) fn is_another(&self) -> bool {
+        self.fitted.std.is_some_and(|std| (self.fitted.value - self.stated).abs() > CERTAIN * std)
+    }
+
+    /// What is said of it.
+    pub(super) fn finding(&self, std: Option<f64>) -> SetUpFinding {
+        SetUpFinding::model_value(self.name, self.stated, self.fitted.value, std, self.fitted.unit)
+    }
+}
+
+/// Every stated value of the model beside what a fit made of it.
+pub(super) fn fitted_beside_stated(experiment: &Experiment, fit: &Fit) -> Vec<ValueBesideStated> {
+    let mut fitted = quantities(fit);
+    let beside = |(name, stated): (&'static str, f64)| {
+        Some(ValueBesideStated { name, stated, fitted: fitted.remove(name)?, listed: experiment.model.fits(name) })
+    };
+    experiment.model.baseline.parameters().into_iter().filter_map(beside).collect()
+}
+
 /// Those that are far away, by name.
 pub(super) fn far_from_stated(
     experiment: &Experiment,
@@ -22,23 +52,17 @@ pub(super) fn far_from_stated(
     conclusion: &Conclusion,
 ) -> Result<Vec<SetUpFinding>, SimulateError> {
     let fit = &conclusion.after.fit;
-    let kind = fit.model.kind;
     // Masses and dashpots may be stated in any way: residuals depend on them almost linearly.
-    if kind != Kind::Servo {
+    if fit.model.kind != Kind::Servo {
         return Ok(Vec::new());
     }
-    let fitted = quantities(fit);
-    let mut found = Vec::new();
-    for (name, stated) in experiment.model.baseline.parameters() {
-        let Some(parameter) = kind.parameters().iter().find(|p| p.key == name) else { continue };
-        let Some(quantity) = fitted.get(name).filter(|_| experiment.model.fits(name)) else { continue };
-        // A value of the other sign has no logarithm.
-        let away = (quantity.value / stated).ln().abs();
-        let told = quantity.std.is_some_and(|std| (quantity.value - stated).abs() > CERTAIN * std);
-        if told && (away.is_nan() || away >= FAR) {
-            found.push(SetUpFinding::model_value(name, stated, quantity.value, quantity.std, parameter.unit));
-        }
-    }
+    // A value of the other sign has no logarithm.
+    let is_far = |value: &ValueBesideStated| {
+        let away = (value.fitted.value / value.stated).ln().abs();
+        value.is_another() && (away.is_nan() || away >= FAR)
+    };
+    let listed = fitted_beside_stated(experiment, fit).into_iter().filter(|value| value.listed);
+    let found: Vec<SetUpFinding> = listed.filter(is_far).map(|value| value.finding(value.fitted.std)).collect();
     Ok(if found.is_empty() || is_needed(fit, whole)? { found } else { Vec::new() })
 }
 

@@ -8,8 +8,11 @@
 mod reading;
 mod trial;
 
-use super::Examined;
 use super::calibration::CALIBRATION;
+use super::decide::EVEN;
+use super::far::{ValueBesideStated, fitted_beside_stated};
+use super::passes::FAR_LESS;
+use super::{Examined, SEARCHED};
 use crate::identify::data::{Channel, Run};
 use crate::identify::fit::Fit;
 use crate::identify::model::ModelEffect;
@@ -21,19 +24,12 @@ use rayon::prelude::*;
 use reading::Reading;
 use trial::{Base, Tried, integral, tried};
 
-/// Standard deviations from which a fitted value is another than the stated one.
-const CERTAIN: f64 = 3.0;
 /// Samples by which a channel may have been recorded late or early.
 const SHIFTS: [i32; 4] = [1, -1, 2, -2];
 /// Share by which a table that never came to its limit is said to be faster than stated.
 const FAST: f64 = 0.1;
-/// Share of what effects leave without a reading, below which they are better with it.
-const FAR_LESS: f64 = 0.3;
-/// Probability below which no name is likelier right than wrong.
-const EVEN: f64 = 0.5;
 /// Rows beyond which this is not asked: it costs as much as the search.
-const MOST_ROWS: usize = 240_000;
-
+const MOST_ROWS: usize = 2 * SEARCHED;
 /// How well a lag must be known to be a whole number of samples, and how far it may be from one beside that, samples.
 const WHOLE: f64 = 0.2;
 const ROUNDED: f64 = 0.02;
@@ -95,8 +91,12 @@ fn all(readings: &[Reading], base: &Base<'_>, examined: &Examined) -> Result<Vec
 /// A reading beside the effects that explain a part: one by which they leave far less.
 fn beside(experiment: &Experiment, examined: &Examined) -> Result<Option<Reading>, SimulateError> {
     let conclusion = &examined.conclusion;
-    let part = if conclusion.unlisted { conclusion.partial.as_ref() } else { Some(&conclusion.after) };
-    let Some(part) = part.filter(|_| conclusion.unlisted || conclusion.more_missing) else { return Ok(None) };
+    let part = match (conclusion.unlisted, conclusion.more_missing) {
+        (true, _) => conclusion.partial.as_ref(),
+        (false, true) => Some(&conclusion.after),
+        (false, false) => None,
+    };
+    let Some(part) = part else { return Ok(None) };
     let mut readings = readings(experiment, examined);
     readings.retain(|reading| reading.parameters() == 0);
     let tried = all(&readings, &Base::fitted(part.fit.model.clone(), &part.fit), examined)?;
@@ -156,7 +156,8 @@ fn sample_for_a_lag(examined: &Examined) -> Result<Option<Reading>, SimulateErro
     for (lag, channel) in LAGS {
         let id = lag.id;
         let Some(placed) = after.fit.model.effects.iter().find(|p| p.entry.id == id) else { continue };
-        let (time, late) = (time_of(placed), (time_of(placed) / dt).round());
+        let time = time_of(placed);
+        let late = (time / dt).round();
         let std = quantities.get(&format!("{id}.time")).and_then(|q| q.std).unwrap_or(f64::INFINITY);
         let whole = std < WHOLE * dt && (time - late * dt).abs() < 2.0 * std + ROUNDED * dt;
         if !whole || !(1.0..=3.0).contains(&late) || !after.added.contains(&id) {
@@ -181,16 +182,13 @@ fn time_of(placed: &ModelEffect) -> f64 {
 
 /// The values of a fit that are others than those stated, of those that the experiment holds.
 pub(super) fn others(experiment: &Experiment, fit: &Fit) -> Vec<SetUpFinding> {
-    let (fitted, parameters) = (quantities(fit), fit.model.kind.parameters());
-    let other = |(name, stated): (&'static str, f64)| {
-        let quantity = fitted.get(name).filter(|_| !experiment.model.fits(name))?;
-        let parameter = parameters.iter().find(|p| p.key == name)?;
-        let away = (quantity.value - stated).abs();
-        let told = quantity.std.is_some_and(|std| away > CERTAIN * std);
+    let other = |value: &ValueBesideStated| {
+        if value.is_another() {
+            return Some(value.finding(value.fitted.std));
+        }
         // A table that never came to its limit says that it is faster, and not by how much.
-        let faster = name == "velocity_limit" && quantity.value > (1.0 + FAST) * stated && !told;
-        let std = quantity.std.filter(|_| told);
-        (told || faster).then(|| SetUpFinding::model_value(name, stated, quantity.value, std, parameter.unit))
+        let faster = value.name == "velocity_limit" && value.fitted.value > (1.0 + FAST) * value.stated;
+        faster.then(|| value.finding(None))
     };
-    experiment.model.baseline.parameters().into_iter().filter_map(other).collect()
+    fitted_beside_stated(experiment, fit).iter().filter(|value| !value.listed).filter_map(other).collect()
 }

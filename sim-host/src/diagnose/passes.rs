@@ -14,7 +14,7 @@ use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
 /// Share of what was left below which a second look at the data is the better one.
-const FAR_LESS: f64 = 0.3;
+pub(super) const FAR_LESS: f64 = 0.3;
 
 /// What came out, and of which cut of the data.
 pub(super) struct Concluded {

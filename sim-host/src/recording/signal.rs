@@ -163,6 +163,12 @@ pub(crate) fn spectra(first: &[f64], second: &[f64], dt: f64, segment: usize) ->
     out
 }
 
+/// The series `by` samples later brought to now; its ends are held.
+pub(crate) fn shifted(series: &[f64], by: i32) -> Vec<f64> {
+    let last = series.len().saturating_sub(1) as i64;
+    (0..series.len() as i64).map(|k| series[(k + i64::from(by)).clamp(0, last) as usize]).collect()
+}
+
 /// A segment length that gives at least about eight averages: a power of two, at most `longest` samples.
 pub(crate) fn segment_length(samples: usize, longest: usize) -> usize {
     let wanted = (samples / 5).clamp(16, longest.max(16));

@@ -55,7 +55,7 @@ pub(crate) fn write(folder: &Path, physics: &Physics, stated: &Stated) {
         (NEAR_FIELD_STRONG, 4, 0.9),
     ];
     let mut toml = String::from(
-        "name = \"severe saturation\"\n[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n\
+        "name = \"paper table\"\n[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n\
          [channels]\ntime = { column = \"time\", unit = \"s\" }\nreference = { column = \"reference\", unit = \"m\" }\n\
          displacement = { column = \"displacement\", unit = \"m\", noise = 1.5e-5 }\n\
          acceleration = { column = \"acceleration\", unit = \"m/s2\", noise = 0.1 }\n",

@@ -28,8 +28,8 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Option<Section> {
     let rows: Vec<Vec<String>> = rows.collect();
     (!rows.is_empty()).then(|| {
         let columns = ["what", "run", "channel", "stated", "found", "std", "unit", "corrected"];
-        let text = "These are faults of what was stated, seen in the recordings without a model of the table; the diagnosis went on with \
-                    what was found where it says so.";
+        let text = "These are faults of what was stated, seen in the recordings, or found with the model where no recording shows them; the \
+                    diagnosis went on with what was found where it says so.";
         let table = traces::table(&columns, rows, "Stated and found");
         Section { heading: "The set-up".into(), items: vec![Item::Text(text.into()), Item::Table(table)] }
     })

@@ -2,6 +2,7 @@
 
 use crate::identify::data::{Channel, Run};
 use crate::plant::simulate::Law;
+use crate::recording::signal::shifted;
 use crate::recording::{self, Doubt, Experiment, SetUpFinding};
 
 /// What may have been stated wrong.
@@ -33,10 +34,10 @@ impl Reading {
         for run in &mut runs {
             match self {
                 Self::Values(_) => {}
-                Self::LateReference(by) => run.input = shifted(&run.input, *by, |last| last),
+                Self::LateReference(by) => run.input = shifted(&run.input, *by),
                 Self::Late(channel, by) => {
                     for measured in run.measured.iter_mut().filter(|m| m.channel == *channel) {
-                        measured.values = shifted(&measured.values, *by, |_| f64::NAN);
+                        measured.values = at_its_time(&measured.values, *by);
                     }
                     if *channel == Channel::Command {
                         run.shaping.late_command = run.shaping.late_command.saturating_sub(by.unsigned_abs() as usize);
@@ -61,8 +62,8 @@ impl Reading {
         for run in &mut experiment.runs {
             match self {
                 Self::Values(_) => {}
-                Self::LateReference(by) => shift(run, recording::Channel::Reference, *by),
-                Self::Late(channel, by) => shift(run, channel.recorded(), *by),
+                Self::LateReference(by) => shift(run, recording::Channel::Reference, |series| shifted(series, *by)),
+                Self::Late(channel, by) => shift(run, channel.recorded(), |series| at_its_time(series, *by)),
                 Self::Integral(factor) => {
                     if let recording::Law::ProportionalIntegral { ki, .. } = &mut run.law {
                         *ki *= factor;
@@ -91,21 +92,17 @@ impl Reading {
     }
 }
 
-/// A series recorded `by` samples late, at its time; what was never recorded is made of the last sample that was.
-fn shifted(series: &[f64], by: i32, beyond: impl Fn(f64) -> f64) -> Vec<f64> {
-    let last = series.len() as i64 - 1;
-    let at = |k: i64| {
-        let from = k + i64::from(by);
-        let held = series.get(from.clamp(0, last.max(0)) as usize).copied().unwrap_or(f64::NAN);
-        if (0..=last).contains(&from) { held } else { beyond(held) }
-    };
-    (0..=last).map(at).collect()
+/// A channel that was recorded `by` samples late, at its time; what was never recorded is no number.
+fn at_its_time(series: &[f64], by: i32) -> Vec<f64> {
+    let mut moved = shifted(series, by);
+    let (length, beyond) = (moved.len(), (by.unsigned_abs() as usize).min(moved.len()));
+    let unknown = if by > 0 { length - beyond..length } else { 0..beyond };
+    moved.iter_mut().take(unknown.end).skip(unknown.start).for_each(|value| *value = f64::NAN);
+    moved
 }
 
-fn shift(run: &mut recording::Run, channel: recording::Channel, by: i32) {
-    if let Some(series) = run.channel(channel) {
-        let beyond = |held: f64| if channel == recording::Channel::Reference { held } else { f64::NAN };
-        let moved = shifted(series, by, beyond);
+fn shift(run: &mut recording::Run, channel: recording::Channel, to_its_time: impl Fn(&[f64]) -> Vec<f64>) {
+    if let Some(moved) = run.channel(channel).map(to_its_time) {
         run.channels.set(channel, moved);
     }
 }
@@ -117,11 +114,13 @@ mod tests {
     #[test]
     fn what_was_recorded_late_is_at_its_time() {
         let series = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!(shifted(&series, 1, |held| held), [2.0, 3.0, 4.0, 4.0]);
-        assert_eq!(shifted(&series, -2, |held| held), [1.0, 1.0, 1.0, 2.0]);
-        let open = shifted(&series, 2, |_| f64::NAN);
+        assert_eq!(shifted(&series, 1), [2.0, 3.0, 4.0, 4.0]);
+        assert_eq!(shifted(&series, -2), [1.0, 1.0, 1.0, 2.0]);
+        let open = at_its_time(&series, 2);
         assert_eq!(open[..2], [3.0, 4.0]);
         assert!(open[2..].iter().all(|v| v.is_nan()));
-        assert!(shifted(&[], 1, |held| held).is_empty());
+        let early = at_its_time(&series, -1);
+        assert!(early[0].is_nan() && early[1..] == [1.0, 2.0, 3.0]);
+        assert!(shifted(&[], 1).is_empty() && at_its_time(&[], 1).is_empty());
     }
 }

@@ -10,6 +10,7 @@ use crate::recording::channel::Channel;
 use crate::recording::experiment::Experiment;
 use crate::recording::law::{Law, Shaping};
 use crate::recording::run::Run;
+use crate::recording::signal::shifted;
 use nalgebra::{DMatrix, DVector};
 
 /// Standard errors beyond which a stated gain is not the one that ran.
@@ -81,7 +82,7 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
             if shift > 0
                 && let Some(x) = run.channel(Channel::Displacement)
             {
-                let moved = super::replay::shifted(x, shift);
+                let moved = shifted(x, shift);
                 run.channels.set(Channel::Displacement, moved);
             }
         }

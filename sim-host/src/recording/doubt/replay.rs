@@ -5,7 +5,7 @@ use crate::recording::channel::Channel;
 use crate::recording::check::Ticks;
 use crate::recording::law::Law;
 use crate::recording::run::Run;
-use crate::recording::signal::filled;
+use crate::recording::signal::{filled, shifted};
 use nalgebra::{DMatrix, DVector};
 
 /// A law's recorded command and the signals that its gains multiply, the slow part of each taken off.
@@ -132,12 +132,6 @@ pub(super) fn parabola(series: &[f64], known: &[bool]) -> [f64; 3] {
         let solved = c.solve(&right);
         [solved[0], solved[1], solved[2]]
     })
-}
-
-/// The series `by` samples later brought to now; its ends are held.
-pub(super) fn shifted(series: &[f64], by: i32) -> Vec<f64> {
-    let last = series.len().saturating_sub(1) as i64;
-    (0..series.len() as i64).map(|k| series[(k + i64::from(by)).clamp(0, last) as usize]).collect()
 }
 
 fn integral(error: &[f64], dt: f64) -> Vec<f64> {
