@@ -116,7 +116,8 @@ impl Controller {
         if self.config.ramps.is_none() {
             return Err(Refused::NoGuard);
         }
-        if let (OperatorRequest::Arm, Some(cause)) = (request, self.monitors.cause()) {
+        let held = self.state() == State::Off;
+        if let (OperatorRequest::Arm, Some(cause)) = (request, self.monitors.cause(&self.config.monitors, held)) {
             return Err(Refused::Cause(cause));
         }
         let whole = self.supervisor.whole();

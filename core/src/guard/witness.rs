@@ -14,7 +14,8 @@
 //! is left to the monitor of noise.
 //!
 //! While the table is held without oil the witness follows the fast observer, so that a test begins with what that has learned
-//! of the accelerometer's zero. A reading that is missed widens B by what the table may have done meanwhile.
+//! of the accelerometer's zero. What moves evenly by then is followed as well and is seen no more: a table is not armed while its
+//! reading moves. A reading that is missed widens B by what the table may have done meanwhile.
 
 use core::f32::consts::TAU;
 
@@ -115,6 +116,13 @@ impl DisplacementWitness {
     #[inline]
     pub fn follow(&self, state: &mut WitnessState, fast: &MotionState, displacement: f32) {
         *state = WitnessState { both: *fast, displacement: MotionState::at(displacement), ..WitnessState::default() };
+    }
+
+    /// Whether so much of an even `velocity` (m/s) is already followed that the witness could miss it: a quarter of the least that it
+    /// sees begin.
+    #[inline]
+    pub(crate) fn misses(&self, velocity: f32) -> bool {
+        4.0 * self.per_velocity * velocity.abs() > self.fixed
     }
 
     /// One tick: displacement (m) and acceleration (m/s2) as read. True: they contradict each other.

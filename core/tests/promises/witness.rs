@@ -2,7 +2,8 @@
 
 use shakedown_core::blocks::filter::MotionState;
 use shakedown_core::blocks::guard::{DisplacementWitness, WitnessState};
-use shakedown_core::settings::WitnessSettings;
+use shakedown_core::settings::{GuardSettings, WitnessSettings};
+use shakedown_core::{Controller, OperatorRequest, Refused, Sample, Settings, Trip};
 
 const DT: f32 = 1e-3;
 /// Frequency of the witness, rad/s, of the settings' 0.5 Hz.
@@ -96,5 +97,25 @@ fn the_highest_frequency_is_a_twentieth_of_the_rate() {
         };
         assert_eq!(refused(0.0499 * rate), None);
         assert_eq!(refused(0.0501 * rate), Some("guard.witness.frequency"));
+    }
+}
+
+/// A table without oil stands. One whose reading moves evenly before it is armed would be followed by the witness, which sees the onset of a
+/// drift and not the drift; so it is not armed, and is as soon as the reading stands.
+#[test]
+fn a_reading_that_moves_without_oil_refuses_arming() {
+    let settings = Settings { guard: Some(GuardSettings::default()), ..Settings::default() };
+    for speed in [0.02, -0.113] {
+        let mut controller = Controller::new(&settings).unwrap();
+        let mut reading = 0.0;
+        let mut rest = |controller: &mut Controller, ticks: u16, speed: f32| {
+            for _ in 0..ticks {
+                reading += speed * DT;
+                controller.step(&Sample::new(0.0, reading, 0.0));
+            }
+            controller.request(OperatorRequest::Arm)
+        };
+        assert_eq!(rest(&mut controller, 200, speed), Err(Refused::Cause(Trip::SensorsDisagree)), "{speed} m/s");
+        assert_eq!(rest(&mut controller, 1000, 0.0), Ok(()));
     }
 }
