@@ -51,15 +51,15 @@ pub(super) const SHARED: &[Class] = &[
     ),
     Class::new(
         "shared-lvdt-drifting",
-        "an LVDT shared with the loop behind the device: moves away at 0.1 to 1 m/s",
+        "an LVDT shared with the loop behind the device: moves away at 0.15 to 1 m/s",
         Inside,
-        |d| Fault::Shared(SignalFault::Drifting(d.sign() * d.scale(0.1, 1.0))),
+        |d| Fault::Shared(SignalFault::Drifting(d.sign() * d.scale(0.15, 1.0))),
     ),
     Class::new(
         "shared-lvdt-creeping",
-        "an LVDT shared with the loop behind the device: moves away at 0.5 to 100 mm/s",
+        "an LVDT shared with the loop behind the device: moves away at 0.5 to 150 mm/s",
         Aided,
-        |d| Fault::Shared(SignalFault::Drifting(d.sign() * d.scale(5e-4, 0.1))),
+        |d| Fault::Shared(SignalFault::Drifting(d.sign() * d.scale(5e-4, 0.15))),
     ),
     Class::new(
         "shared-lvdt-gain",
