@@ -9,7 +9,7 @@ use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
-use super::standing::{Alone, LEAST_GAIN, accounted, at_bound, beyond, is_justified};
+use super::standing::{Alone, LEAST_GAIN, accounted, at_bound, beyond, explains_all, is_justified};
 use crate::identify::fit::Fit;
 use crate::identify::model::ModelEffect;
 use crate::plant::effects::{SignalScale, Stage, entry};
@@ -147,11 +147,13 @@ pub(super) fn weigh(
     Ok(decision)
 }
 
-/// Takes names back for which several others stand as well: what is missing is then not among what these data can name.
+/// Takes names back for which several others stand as well: what is missing is then not among what these data can name, unless it is
+/// explained whole. Then it is one of them.
 fn scatter(decision: &mut Decision) {
     let beliefs = decision.after.added.iter().map(|id| belief(id, &decision.candidates));
     let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
-    let one_of_many = least < EVEN && stories(&decision.ties, &decision.after.added) > FEW;
+    let many = least < EVEN && stories(&decision.ties, &decision.after.added) > FEW;
+    let one_of_many = many && !explains_all(&decision.before, &decision.after);
     if !decision.unlisted && (least < CALIBRATION.unlikely || one_of_many) {
         decision.take_back(1.0 - least);
         (decision.unlisted, decision.more_missing) = (true, false);

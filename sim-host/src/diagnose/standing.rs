@@ -43,7 +43,6 @@ pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: 
     let added = parameters(larger) - parameters(present);
     let gained = present.fit.squares - larger.fit.squares;
     let held_gain = present.hold.chi2 - larger.hold.chi2;
-    let left = (present.hold.chi2 - 1.0).max(0.0);
     let excess = (before.hold.chi2 - 1.0).max(0.0);
     let (better, worse) = gains(&present.hold.blocks, &larger.hold.blocks);
     let colour = larger.colour_of_noise();
@@ -60,12 +59,32 @@ pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: 
     (gained > (CHANCE + 4.0 * added) * colour || shown_there)
         && better - worse > SURE * colour
         && worse < LOST * better
-        && (present.added.is_empty() || held_gain > (CALIBRATION.worth * left).max(LEAST_GAIN))
+        && (present.added.is_empty() || takes_away(CALIBRATION.worth, present, larger))
         && (held_gain > CALIBRATION.noticeable * excess
-            || (held_gain > CALIBRATION.telling * excess && leaves_at_most(CALIBRATION.told, present, larger))
+            || (shown(before, present, larger) > CALIBRATION.telling
+                && takes_away(1.0 - CALIBRATION.told, present, larger))
             || (distinct && held_gain > CALIBRATION.hidden && completes(present, larger))
             || settles(present, larger))
         && held_gain > CALIBRATION.credible * (larger.hold.chi2 - 1.0)
+}
+
+/// Whether a larger model takes away this share of what the present one leaves beyond the noise, on both kinds of runs taken together: what
+/// shows little on the one may show clearly on the other, and a stranger takes little on either.
+fn takes_away(share: f64, present: &ScoredModel, larger: &ScoredModel) -> bool {
+    let kept = |before: f64, after: f64| (after - 1.0).max(LEAST_GAIN) / (before - 1.0).max(LEAST_GAIN);
+    let held = kept(present.hold.chi2, larger.hold.chi2);
+    let both = held * kept(present.fit.chi2(), larger.fit.chi2());
+    present.hold.chi2 - larger.hold.chi2 > LEAST_GAIN && (held < 1.0 - share || both < (1.0 - share).powi(2))
+}
+
+/// Share of the stated model's excess that a larger model takes away, on the kind of runs that shows it better.
+fn shown(before: &ScoredModel, present: &ScoredModel, larger: &ScoredModel) -> f64 {
+    let share = |stated: f64, present: f64, larger: f64| (present - larger) / (stated - 1.0).max(f64::MIN_POSITIVE);
+    share(before.hold.chi2, present.hold.chi2, larger.hold.chi2).max(share(
+        before.fit.chi2(),
+        present.fit.chi2(),
+        larger.fit.chi2(),
+    ))
 }
 
 /// True where a larger model explains nearly all that the present one leaves, on both kinds of runs.
@@ -77,6 +96,23 @@ fn completes(present: &ScoredModel, larger: &ScoredModel) -> bool {
 /// simple form leaves is not another effect's to that extent, however much of the mismatch that explains alone.
 fn settles(present: &ScoredModel, larger: &ScoredModel) -> bool {
     present.hold.chi2 > CALIBRATION.modest && leaves_at_most((1.0 - CALIBRATION.explained).powi(2), present, larger)
+}
+
+/// True where effects leave a hundredth of the mismatch at most, on both kinds of runs, and the noise of so many samples hides no tenth of it.
+pub(super) fn explains_all(before: &ScoredModel, after: &ScoredModel) -> bool {
+    let all = |before: f64, after: f64, samples: usize| {
+        let blur = blur(samples);
+        let excess = before - 1.0;
+        blur < (1.0 - CALIBRATION.explained) * excess
+            && after - 1.0 < (1.0 - CALIBRATION.explained).powi(2) * excess + blur
+    };
+    all(before.hold.chi2, after.hold.chi2, after.hold.samples)
+        && all(before.fit.chi2(), after.fit.chi2(), after.fit.rows)
+}
+
+/// What chance makes of the chi2 of so many samples, three standard deviations.
+fn blur(samples: usize) -> f64 {
+    3.0 * (2.0 / samples.max(1) as f64).sqrt()
 }
 
 /// Whether a larger model leaves less than this share of what the present one leaves beyond the noise, on both kinds of runs.
@@ -130,8 +166,7 @@ pub(super) fn outside(before: &ScoredModel, after: &ScoredModel) -> (bool, f64) 
 /// The same where the effects account for an `excess` of chi2, and `quiet` of it is the noise of channels that follow nothing.
 pub(super) fn beyond(excess: f64, after: &ScoredModel, quiet: f64) -> (bool, f64) {
     let left = after.hold.chi2 - 1.0 - quiet;
-    let blur = 3.0 * (2.0 / after.hold.samples.max(1) as f64).sqrt();
-    let noise = CALIBRATION.negligible + blur;
+    let noise = CALIBRATION.negligible + blur(after.hold.samples);
     let allowed = if at_bound(after) { noise } else { noise.max((1.0 - CALIBRATION.explained) * (excess - quiet)) };
     let ratio = (left / allowed).max(1e-3);
     (left > allowed, 1.0 / (1.0 + (-3.0 * ratio.ln()).exp()) * if ratio < 0.3 { 0.5 } else { 1.0 })

@@ -44,6 +44,37 @@ fn what_takes_most_of_the_rest_stands_for_little_of_the_whole() {
     assert!(!is_justified(&scarcely, &present, &larger(1.5), false), "a six hundredth of the whole");
 }
 
+/// An offset beneath friction shows on the runs fitted and scarcely on the others: nine tenths of what is left there and a half of it here are
+/// more than a stranger takes, three tenths of it on either are not.
+#[test]
+fn what_shows_on_one_kind_of_runs_counts_on_both() {
+    let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let leaving = |fitted: f64, held: f64| {
+        let mut judged = leaving(held, &template);
+        judged.fit.squares = fitted * judged.fit.rows as f64;
+        judged
+    };
+    let before = leaving(64.0, 63.0);
+    let present = ScoredModel { added: vec!["stribeck_friction"], ..leaving(1.373, 1.08) };
+    let larger = |fitted, held| ScoredModel { added: vec!["null_bias", "stribeck_friction"], ..leaving(fitted, held) };
+    assert!(is_justified(&before, &present, &larger(1.027, 1.04), false));
+    assert!(!is_justified(&before, &present, &larger(1.26, 1.055), false), "a third of either");
+    assert!(!is_justified(&before, &present, &larger(1.027, 1.09), false), "worse where it was not fitted");
+}
+
+/// What leaves a thousandth of the mismatch is in the library, however many of it do; what leaves a twentieth, or of a mismatch that is hardly
+/// more than noise, may be none of it.
+#[test]
+fn a_mismatch_explained_whole_is_in_the_library() {
+    let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let explained = |stated, left| explains_all(&leaving(stated, &template), &leaving(left, &template));
+    assert!(explained(250.0, 1.1));
+    assert!(!explained(250.0, 13.0), "a twentieth is left");
+    assert!(!explained(1.05, 1.0), "hardly more than noise");
+}
+
 #[test]
 fn an_effect_that_alone_explains_much_is_not_told_apart() {
     let alone = Alone(vec![("command_delay", 0.98), ("valve_lag", 0.9), ("null_bias", 0.01)]);
