@@ -979,7 +979,8 @@ fn the_hazard_table_names_real_tests() {
         eprintln!("skipped: no docs/hazards.md beside the package");
         return;
     };
-    let here = ["creep.rs", "guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs", "wiring.rs"];
+    let here =
+        ["creep.rs", "guard.rs", "any_input.rs", "saturation.rs", "modes.rs", "settings.rs", "wiring.rs", "witness.rs"];
     let here = here.map(|file| root.join("tests/promises").join(file));
     let explored = root.join("tests/state_machine.rs");
     let parts = root.join("tests/guard_parts.rs");
