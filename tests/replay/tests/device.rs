@@ -95,6 +95,10 @@ fn with_device(host: impl FnOnce(&Path)) -> Wired {
 /// The same with that bench; `host` is told of the relay too.
 fn with_bench(bench: Bench, host: impl FnOnce(&Path, &AtomicBool)) -> Wired {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    // A test that failed may have left some.
+    for shown in &SHOWN {
+        shown.store(0, Ordering::Relaxed);
+    }
     let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
     grantpt(&master).unwrap();
     unlockpt(&master).unwrap();

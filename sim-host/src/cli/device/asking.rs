@@ -3,10 +3,11 @@
 use super::failed;
 use crate::cli::Failure;
 use crate::cli::output::print;
-use crate::device::{Port, Session};
-use shakedown_core::link::HostRequest;
+use crate::device::{Port, Session, SessionError};
+use shakedown_core::State;
+use shakedown_core::link::{HostRequest, RefusedBecause};
 use std::io::BufRead as _;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Names of the inputs, in their order.
 pub(super) const INPUTS: [&str; 4] = ["reference", "displacement", "acceleration", "external"];
@@ -20,12 +21,23 @@ pub(super) fn prompted(number: &str, instruction: &str) -> Result<Option<String>
     Ok((read > 0 && typed != "stop").then_some(typed))
 }
 
+/// Longest that a safe ramp may take, and a little more; no trip is cleared before its ramp has ended.
+const LONGEST_RAMP: Duration = Duration::from_secs(11);
+/// How soon a trip that is still ramping down is asked for again.
+const AGAIN: Duration = Duration::from_millis(10);
+
 /// Leaves a trip behind, and what was on the output.
 pub(super) fn clear(session: &mut Session<Port>) -> Result<(), Failure> {
-    match session.order(&HostRequest::ClearTrip) {
-        // There was none.
-        Ok(()) | Err(crate::device::SessionError::Refused(_)) => Ok(()),
-        Err(error) => Err(failed(error)),
+    let asked = Instant::now();
+    loop {
+        match session.order(&HostRequest::ClearTrip) {
+            Err(SessionError::Refused(RefusedBecause::State(State::Tripped))) if asked.elapsed() < LONGEST_RAMP => {
+                std::thread::sleep(AGAIN);
+            }
+            // There was none, or its cause stands.
+            Ok(()) | Err(SessionError::Refused(_)) => return Ok(()),
+            Err(error) => return Err(failed(error)),
+        }
     }
 }
 
