@@ -82,14 +82,13 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
         parents.push(Fit::begin(prepared.model.clone(), runs)?);
     }
     let mut beyond = usize::from(depth == Depth::OneMore);
-    let mut signal_scales = search.signal_scales;
     for size in 0..MOST {
         options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
         let singles = search.grown.first().cloned().unwrap_or_default();
         search.grown.push(if size == 0 {
-            grow_each(&parents, runs, &signal_scales)?
+            grow_each(&parents, runs, &search.signal_scales)?
         } else {
-            grow(&parents, &singles, runs, &signal_scales)?
+            grow(&parents, &singles, runs, &search.signal_scales)?
         });
         detail(&mut search.grown, runs)?;
         eliminate(&mut search.grown, &stated, runs)?;
@@ -111,10 +110,6 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
             let near = parents.iter().map(|fit| fit_near(prepared, fit)).collect::<Result<Vec<_>, _>>()?;
             let near: Vec<Fit> = near.into_iter().flatten().collect();
             parents = if done { [parents, near].concat() } else { near };
-        }
-        // A line that a larger effect drowned stands out of what that leaves.
-        if let Some(best) = parents.first() {
-            signal_scales.line = super::line::strongest_line(runs, best)?;
         }
     }
     Ok(search)

@@ -43,7 +43,9 @@ pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: 
     let added = parameters(larger) - parameters(present);
     let gained = present.fit.squares - larger.fit.squares;
     let held_gain = present.hold.chi2 - larger.hold.chi2;
+    let left = (present.hold.chi2 - 1.0).max(0.0);
     let excess = (before.hold.chi2 - 1.0).max(0.0);
+    let kept = kept(present, larger);
     let (better, worse) = gains(&present.hold.blocks, &larger.hold.blocks);
     let colour = larger.colour_of_noise();
     // What values far from those stated hide on the runs fitted shows on the hold-out runs.
@@ -59,32 +61,28 @@ pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: 
     (gained > (CHANCE + 4.0 * added) * colour || shown_there)
         && better - worse > SURE * colour
         && worse < LOST * better
-        && (present.added.is_empty() || takes_away(CALIBRATION.worth, present, larger))
+        && (present.added.is_empty()
+            || (held_gain > LEAST_GAIN
+                && (held_gain > CALIBRATION.worth * left || kept < (1.0 - CALIBRATION.worth).powi(2))))
         && (held_gain > CALIBRATION.noticeable * excess
-            || (shown(before, present, larger) > CALIBRATION.telling
-                && takes_away(1.0 - CALIBRATION.told, present, larger))
+            || (shown(before, present, larger) > CALIBRATION.telling && kept < CALIBRATION.told.powi(2))
             || (distinct && held_gain > CALIBRATION.hidden && completes(present, larger))
             || settles(present, larger))
         && held_gain > CALIBRATION.credible * (larger.hold.chi2 - 1.0)
 }
 
-/// Whether a larger model takes away this share of what the present one leaves beyond the noise, on both kinds of runs taken together: what
-/// shows little on the one may show clearly on the other, and a stranger takes little on either.
-fn takes_away(share: f64, present: &ScoredModel, larger: &ScoredModel) -> bool {
-    let kept = |before: f64, after: f64| (after - 1.0).max(LEAST_GAIN) / (before - 1.0).max(LEAST_GAIN);
-    let held = kept(present.hold.chi2, larger.hold.chi2);
-    let both = held * kept(present.fit.chi2(), larger.fit.chi2());
-    present.hold.chi2 - larger.hold.chi2 > LEAST_GAIN && (held < 1.0 - share || both < (1.0 - share).powi(2))
+/// Share that a larger model keeps of what the present one leaves beyond the noise: of the runs fitted times of the others, for what shows
+/// little on the one may show clearly on the other, and a stranger takes little on either.
+fn kept(present: &ScoredModel, larger: &ScoredModel) -> f64 {
+    let share = |present: f64, larger: f64| (larger - 1.0).max(LEAST_GAIN) / (present - 1.0).max(LEAST_GAIN);
+    share(present.fit.chi2(), larger.fit.chi2()) * share(present.hold.chi2, larger.hold.chi2)
 }
 
 /// Share of the stated model's excess that a larger model takes away, on the kind of runs that shows it better.
 fn shown(before: &ScoredModel, present: &ScoredModel, larger: &ScoredModel) -> f64 {
     let share = |stated: f64, present: f64, larger: f64| (present - larger) / (stated - 1.0).max(f64::MIN_POSITIVE);
-    share(before.hold.chi2, present.hold.chi2, larger.hold.chi2).max(share(
-        before.fit.chi2(),
-        present.fit.chi2(),
-        larger.fit.chi2(),
-    ))
+    let fitted = share(before.fit.chi2(), present.fit.chi2(), larger.fit.chi2());
+    fitted.max(share(before.hold.chi2, present.hold.chi2, larger.hold.chi2))
 }
 
 /// True where a larger model explains nearly all that the present one leaves, on both kinds of runs.
