@@ -126,12 +126,12 @@ impl Monitors {
         self.detector.blocked()
     }
 
-    /// Why the guard would trip, as of the last tick, or of the last turn of a monitor; and so why `held` without oil it must not be
-    /// armed. A table whose readings are not all there is not known to be where it may be armed, however short the gap; and one
-    /// without oil stands, so that a reading that moves is wrong.
+    /// Why the guard would trip: as of the last tick, or of the last turn of a monitor. A table whose readings are not all there
+    /// is not known to be where it may be armed, however short the gap. One that is `held` without oil stands, so that a reading
+    /// that moves is wrong.
     pub(super) fn cause(&self, config: &MonitorConfig, held: bool) -> Option<Trip> {
         let witness = config.guard.as_ref().and_then(|guard| guard.witness.as_ref());
-        let moves = held && witness.is_some_and(|witness| witness.misses(self.observer.velocity));
+        let moves = held && witness.is_some_and(|witness| witness.may_miss(self.observer.velocity));
         let lost = (self.lost > 0).then_some(Trip::SensorLost);
         self.latch.cause().or(lost).or(moves.then_some(Trip::SensorsDisagree))
     }

@@ -118,10 +118,10 @@ impl DisplacementWitness {
         *state = WitnessState { both: *fast, displacement: MotionState::at(displacement), ..WitnessState::default() };
     }
 
-    /// Whether so much of an even `velocity` (m/s) is already followed that the witness could miss it: a quarter of the least that it
-    /// sees begin.
+    /// Whether a drift of which an even `velocity` (m/s) is already followed may be missed: above a quarter of the slowest drift that is
+    /// seen to begin, too little of it may be left to see.
     #[inline]
-    pub(crate) fn misses(&self, velocity: f32) -> bool {
+    pub(crate) fn may_miss(&self, velocity: f32) -> bool {
         4.0 * self.per_velocity * velocity.abs() > self.fixed
     }
 
