@@ -5,7 +5,7 @@ use crate::cli::Failure;
 use crate::cli::output::print;
 use crate::device::{Port, Session, SessionError};
 use shakedown_core::State;
-use shakedown_core::link::{HostRequest, RefusedBecause};
+use shakedown_core::link::HostRequest;
 use std::io::BufRead as _;
 use std::time::{Duration, Instant};
 
@@ -31,13 +31,16 @@ pub(super) fn clear(session: &mut Session<Port>) -> Result<(), Failure> {
     let asked = Instant::now();
     loop {
         match session.order(&HostRequest::ClearTrip) {
-            Err(SessionError::Refused(RefusedBecause::State(State::Tripped))) if asked.elapsed() < LONGEST_RAMP => {
-                std::thread::sleep(AGAIN);
-            }
+            // Handed to the loop, which clears nothing before the ramp has ended.
+            Ok(()) => {}
             // There was none, or its cause stands.
-            Ok(()) | Err(SessionError::Refused(_)) => return Ok(()),
+            Err(SessionError::Refused(_)) => return Ok(()),
             Err(error) => return Err(failed(error)),
         }
+        if session.vitals().map_err(failed)?.state != State::Tripped || asked.elapsed() > LONGEST_RAMP {
+            return Ok(());
+        }
+        std::thread::sleep(AGAIN);
     }
 }
 
