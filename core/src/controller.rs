@@ -216,9 +216,9 @@ impl Controller {
         if let Some(cause) = cause {
             self.supervisor.doubt(cause);
             // What is behind the device subtracts the LVDT (Fig. 2, or an existing position controller): with its reading lost or
-            // stuck the zero-flow output is not known, and a ramp would end at some command.
+            // not believed the zero-flow output is not known, and a ramp would end at some command.
             let lost = cause == Trip::SensorLost && missing.intersects(Channels::DISPLACEMENT);
-            if self.config.cancellation != 0.0 && (lost || cause == Trip::DisplacementStuck) {
+            if self.config.cancellation != 0.0 && (lost || cause.doubts_displacement()) {
                 self.supervisor.open_relay_at_once();
             }
         }

@@ -136,4 +136,9 @@ impl Trip {
     pub(crate) const fn opens_relay_at_once(self) -> bool {
         matches!(self, Self::ValveStuck)
     }
+
+    /// Whether the LVDT is not believed after this trip. A loop that subtracts it then has no output that is known to be zero flow.
+    pub(crate) const fn doubts_displacement(self) -> bool {
+        matches!(self, Self::DisplacementStuck | Self::DisplacementNoisy | Self::SensorsDisagree)
+    }
 }

@@ -18,8 +18,8 @@
 //!
 //! There is no way from Tripped but `reset`, and `reset` is refused until the safe ramp has ended. The relay of the
 //! hydraulic block is open in Off, and from the end of the safe ramp on in Tripped. It opens at the tick of the trip where no
-//! command is known to stop the table: the valve itself is not believed, or the zero-flow output follows an LVDT that is lost
-//! or stuck.
+//! command is known to stop the table: the valve itself is not believed, or the zero-flow output follows an LVDT that is not
+//! believed.
 
 mod weight;
 

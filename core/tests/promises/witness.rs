@@ -2,8 +2,8 @@
 
 use shakedown_core::blocks::filter::MotionState;
 use shakedown_core::blocks::guard::{DisplacementWitness, WitnessState};
-use shakedown_core::settings::{GuardSettings, WitnessSettings};
-use shakedown_core::{Controller, OperatorRequest, Refused, Sample, Settings, Trip};
+use shakedown_core::settings::{GuardSettings, InnerLoop, WitnessSettings};
+use shakedown_core::{Controller, Mode, OperatorRequest, Refused, Relay, Sample, Settings, Trip};
 
 const DT: f32 = 1e-3;
 /// Frequency of the witness, rad/s, of the settings' 0.5 Hz.
@@ -117,5 +117,34 @@ fn a_reading_that_moves_without_oil_refuses_arming() {
         };
         assert_eq!(rest(&mut controller, 200, speed), Err(Refused::Cause(Trip::SensorsDisagree)), "{speed} m/s");
         assert_eq!(rest(&mut controller, 1000, 0.0), Ok(()));
+    }
+}
+
+/// Zero flow of a loop that subtracts the LVDT follows it, spikes and all: with an LVDT that is not believed only the relay stops the
+/// table, at the tick of the trip. Where nothing subtracts it, the safe ramp comes first.
+#[test]
+fn an_lvdt_that_is_doubted_opens_the_relay_of_a_loop_that_subtracts_it() {
+    let of =
+        |mode, inner_loop| Settings { mode, inner_loop, guard: Some(GuardSettings::default()), ..Settings::default() };
+    let wirings = [
+        (of(Mode::Modifier, InnerLoop::Absent), Relay::Open),
+        (of(Mode::Controller, InnerLoop::Hardwired), Relay::Open),
+        (of(Mode::Controller, InnerLoop::Absent), Relay::Closed),
+    ];
+    let faults: [(Trip, fn(u8) -> f32); 2] = [
+        (Trip::SensorsDisagree, |_| 0.08),
+        (Trip::DisplacementNoisy, |tick| if tick.is_multiple_of(2) { 0.004 } else { -0.004 }),
+    ];
+    for (settings, relay) in wirings {
+        for (cause, reading) in faults {
+            let mut controller = Controller::new(&settings).unwrap();
+            (0..100).for_each(|_| _ = controller.step(&Sample::default()));
+            controller.request(OperatorRequest::Arm).unwrap();
+            // An accelerometer that reads the same to the last bit would be stuck.
+            let sample = |tick: u8| Sample::new(0.0, reading(tick), if tick.is_multiple_of(2) { 0.05 } else { -0.05 });
+            let mut ticks = (0..200).map(|tick| controller.step(&sample(tick)).status);
+            let tripped = ticks.find(|status| status.trip.is_some()).unwrap();
+            assert_eq!((tripped.trip, tripped.relay), (Some(cause), relay), "{:?}", settings.mode);
+        }
     }
 }
