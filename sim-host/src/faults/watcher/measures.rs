@@ -147,13 +147,13 @@ impl Lately {
     }
 
     /// Whether the table of `case` was what `trip` says of it, for those that need nothing but the truth to tell. Sensors do contradict
-    /// each other where the accelerometer is at its rail.
+    /// each other where the accelerometer is at its rail, and the velocity that is observed then lacks what was not read.
     pub(super) fn bears_out(&self, trip: Trip, case: &Case) -> bool {
         let reached = |what: usize, limit: f64| self.ways.iter().any(|tick| tick[what] > limit);
         match trip {
             Trip::External => case.limit_switches.is_some_and(|at| reached(0, at)),
             Trip::Tracking => case.settings.guard.is_some_and(|guard| reached(1, guard.envelope.tracking.into())),
-            Trip::SensorsDisagree => self.unread.is_some_and(|at| self.now - at < UNREAD),
+            Trip::SensorsDisagree | Trip::Velocity => self.unread.is_some_and(|at| self.now - at < UNREAD),
             _ => false,
         }
     }
