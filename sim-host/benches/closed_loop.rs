@@ -13,7 +13,7 @@
 use criterion::Criterion;
 use shakedown::plant::paper::{FixedStep, Paper};
 use shakedown::plant::sensors::{SensorModel, Sensors};
-use shakedown::simulate::{Clock, Law, Named, PlainPi, Trace, run};
+use shakedown::simulate::{Clock, ControlLaw, Named, PlainPi, Trace, run};
 use shakedown_core::Controller;
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -31,7 +31,7 @@ fn reference() -> Vec<f64> {
     (0..(SECONDS * RATE) as usize).map(|k| value(k as f64 / RATE)).collect()
 }
 
-fn simulate(law: &mut impl Law, reference: &[f64]) -> Result<Trace, Box<dyn Error>> {
+fn simulate(law: &mut impl ControlLaw, reference: &[f64]) -> Result<Trace, Box<dyn Error>> {
     let clock = Clock::new(RATE, STEPS)?;
     let mut plant = FixedStep::new(Paper::default(), clock.plant_step(), 0.0)?;
     Ok(run(&mut plant, law, &mut Sensors::new(SensorModel::default()), reference, clock))

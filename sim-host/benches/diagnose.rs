@@ -12,7 +12,7 @@
     reason = "a bench prints its figures and stops where it cannot"
 )]
 
-use shakedown::blocks::plant::{Baseline, Drive, EffectParameters, Law, Start, Wanted, simulate};
+use shakedown::blocks::plant::{Baseline, EffectParameters, Excitation, SimulatedLaw, Start, Wanted, simulate};
 use shakedown::diagnose::{Options, diagnose};
 use shakedown::faults::dice::FaultRng;
 use shakedown::recording::Experiment;
@@ -40,12 +40,12 @@ fn reference(number: usize) -> Vec<f64> {
 
 fn recording(number: usize, effects: &[EffectParameters<f64>]) -> String {
     let input = reference(number);
-    let drive = Drive {
+    let drive = Excitation {
         dt: DT,
         ticks: 1,
         input: &input,
         added: &[],
-        law: Law::Pi { kp: 6.0, ki: 0.6 },
+        law: SimulatedLaw::Pi { kp: 6.0, ki: 0.6 },
         shaping: shakedown::blocks::plant::Shaping::default(),
         sensor_noise: NOISE[0],
         wanted: Wanted::ALL,

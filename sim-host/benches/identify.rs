@@ -16,7 +16,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use shakedown::blocks::identify::{
     Channel, Effort, Fit, Local, Measured, Model, ModelEffect, Run, SignalScales, Value, predict,
 };
-use shakedown::blocks::plant::{Kind, Law, entry};
+use shakedown::blocks::plant::{Kind, SimulatedLaw, entry};
 use std::error::Error;
 use std::process::Command;
 use std::time::Instant;
@@ -67,7 +67,7 @@ fn recorded(number: usize) -> Run {
         ticks: 1,
         input,
         added: Vec::new(),
-        law: Law::Pi { kp: GAINS.0, ki: GAINS.1 },
+        law: SimulatedLaw::Pi { kp: GAINS.0, ki: GAINS.1 },
         shaping: shakedown::blocks::plant::Shaping::default(),
         loop_noise: None,
         moving_start: false,

@@ -5,7 +5,9 @@
 //! alone, by what a fit to one half of it predicts of the other. Beside the figure stands what limits it.
 #![allow(clippy::print_stdout, reason = "an example prints what it measured")]
 
-use shakedown::blocks::plant::{Baseline, Drive, EffectParameters, Law, Shaping, Start, Wanted, simulate};
+use shakedown::blocks::plant::{
+    Baseline, EffectParameters, Excitation, Shaping, SimulatedLaw, Start, Wanted, simulate,
+};
 use shakedown::identify::{Identified, Quantity, identify};
 use shakedown::recording::{Channel, Experiment};
 use std::error::Error;
@@ -98,12 +100,12 @@ fn open_loop(found: &Identified, experiment: &Experiment, friction: f64) -> Resu
         *force *= friction;
     }
     let (displacement, velocity) = start(&shown[..GIVEN], run.dt);
-    let drive = Drive {
+    let drive = Excitation {
         dt: run.dt,
         ticks: 1,
         input: command,
         added: &[],
-        law: Law::Recorded,
+        law: SimulatedLaw::Recorded,
         shaping: Shaping::default(),
         sensor_noise: 0.0,
         wanted: Wanted::default(),

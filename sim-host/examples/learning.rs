@@ -4,7 +4,7 @@
 
 use shakedown::blocks::closed_loop::learning::stale::{check_motion, stale};
 use shakedown::blocks::closed_loop::learning::{Learned, Learning, Limits, Update, learn, played};
-use shakedown::blocks::motion::{ASKED, Fit};
+use shakedown::blocks::motion::{ASKED, RecordFit};
 use shakedown::blocks::plant::EffectParameters;
 use shakedown::fit::{Recipe, read};
 use shakedown::plant::paper::Paper;
@@ -33,7 +33,7 @@ fn records() -> Result<bool, Box<dyn Error>> {
             continue;
         }
         let motion = Recipe::table1(1000.0).apply(&read::record(&path, &read::Options::default())?)?;
-        let fit = Fit::parse("nearest").ok_or("no fit of that name")?;
+        let fit = RecordFit::parse("nearest").ok_or("no fit of that name")?;
         let wanted = fit.apply(&motion, 0.95 * LIMITS.velocity, ASKED * LIMITS.displacement, |_| {})?;
         let mut setup = Setup::paper(Named::Current);
         setup.sensors = SensorModel::laboratory(1);

@@ -30,7 +30,7 @@ pub mod identify {
 
 /// Parts of [`crate::fit`].
 pub mod motion {
-    pub use crate::motion::fit::named::{ASKED, Fit};
+    pub use crate::motion::fit::named::{ASKED, RecordFit};
     pub use crate::motion::fit::spectrum::Band;
     pub use crate::motion::fit::{certificate, convex, online, taut};
     pub use crate::motion::{qualify, spectrum};
@@ -40,7 +40,9 @@ pub mod motion {
 pub mod plant {
     pub use crate::plant::effects::{ENTRIES, Entry, build, entry, identifiers};
     pub use crate::plant::model::{Baseline, Kind};
-    pub use crate::plant::simulate::{Drive, EffectParameters, Law, Notch, Shaping, Start, Wanted, simulate};
+    pub use crate::plant::simulate::{
+        EffectParameters, Excitation, Notch, Shaping, SimulatedLaw, Start, Wanted, simulate,
+    };
 }
 
 /// Parts of [`crate::recording`].

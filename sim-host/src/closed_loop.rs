@@ -25,7 +25,7 @@ pub(crate) mod trade_off;
 pub(crate) mod trial;
 pub(crate) mod twin;
 
-pub use law::{Actuation, Law, Measured, PlainPi};
+pub use law::{Actuation, ControlLaw, Measured, PlainPi};
 
 use crate::plant::Plant;
 use crate::plant::paper::ParameterError;
@@ -192,7 +192,7 @@ impl Trace {
 /// Runs `law` against `plant` along `reference` (m, one value a tick).
 ///
 /// The plant's step must be the clock's; where it is not, time runs by the plant's.
-pub fn run<P: Plant, L: Law>(
+pub fn run<P: Plant, L: ControlLaw>(
     plant: &mut P,
     law: &mut L,
     sensors: &mut Sensors,

@@ -13,7 +13,7 @@ mod recording;
 mod session;
 mod telemetry;
 
-pub use drive::{Drive, DriveError, Progress};
+pub use drive::{DriveError, Progress, TestRunner};
 pub use line::{LinkClient, LinkCounters};
 #[cfg(unix)]
 pub use port::Port;

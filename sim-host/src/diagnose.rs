@@ -106,17 +106,17 @@ impl Examined {
 
     /// What the model that came out leaves beyond the noise on the runs that judge, as an excess of chi2; what noise leaves at least.
     fn left(&self) -> f64 {
-        (self.conclusion.after.hold.chi2 - 1.0).max(CALIBRATION.negligible)
+        (self.conclusion.accepted.hold.chi2 - 1.0).max(CALIBRATION.negligible)
     }
 
     /// True where the model that came out is not the stated one refitted.
     pub fn changed(&self) -> bool {
-        self.conclusion.after.fit.model.ids() != self.conclusion.before.fit.model.ids()
+        self.conclusion.accepted.fit.model.ids() != self.conclusion.stated.fit.model.ids()
     }
 
     /// The stated model with its refitted values and the effects that were found.
     pub fn augmented(&self, stated: &recording::Model) -> recording::Model {
-        stated_with(stated, &self.conclusion.after.fit)
+        stated_with(stated, &self.conclusion.accepted.fit)
     }
 }
 
@@ -145,7 +145,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
                 return Ok(examined);
             }
             let found: Vec<SetUpFinding> =
-                instead::others(experiment, &again.conclusion.after.fit).into_iter().chain(finding).collect();
+                instead::others(experiment, &again.conclusion.accepted.fit).into_iter().chain(finding).collect();
             again.diagnosis.set_up.retain(|said| {
                 !found.iter().any(|f| (f.what, &f.parameter, f.channel) == (said.what, &said.parameter, said.channel))
             });

@@ -11,13 +11,13 @@
 //!
 //! ```
 //! use shakedown::fit::{Recipe, generate::FAR_FIELD};
-//! use shakedown::simulate::{Named, Seen, Setup};
+//! use shakedown::simulate::{Named, ScoredSignal, Setup};
 //!
 //! // A record that the paper's table can follow, played by the controller that was in use and by a stronger one.
 //! let record = FAR_FIELD.generate(1)?;
 //! let motion = Recipe::table1(1000.0).apply(&record)?;
 //! let error = |named| Ok::<_, shakedown::simulate::TrialError>(
-//!     Setup::paper(named).play(&motion)?.scores(Seen::Truly, None)?.against_wanted.e_a.ratio,
+//!     Setup::paper(named).play(&motion)?.scores(ScoredSignal::Truly, None)?.against_wanted.e_a.ratio,
 //! );
 //! assert!(error(Named::Strong)? < error(Named::Current)?);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -52,7 +52,7 @@ pub use doubt::{Doubt, SetUp, SetUpFinding, doubt};
 pub use error::{Place, Problem, RecordingError};
 pub use excerpt::excerpt;
 pub use experiment::Experiment;
-pub use law::{Law, Shaping};
+pub use law::{RecordedLaw, Shaping};
 pub use model::{Accuracy, Baseline, ForceBalance, Model, RigidMass, Servo, StatedEffect};
 pub use propose::{Choice, Facts, Loop, Proposal, ProposeError, propose};
 pub use run::{Run, Use};

@@ -20,7 +20,7 @@ use nalgebra::Complex;
 use shakedown::blocks::closed_loop::settings;
 use shakedown::plant::paper::{FixedStep, Paper};
 use shakedown::plant::sensors::{SensorModel, Sensors};
-use shakedown::simulate::{Clock, Gains, Law, PlainPi, Trace, run};
+use shakedown::simulate::{Clock, ControlLaw, PlainPi, PublishedGains, Trace, run};
 use shakedown_core::Controller;
 
 type C = Complex<f64>;
@@ -80,7 +80,7 @@ fn at(polynomial: &[f64], x: C) -> C {
 }
 
 /// The loop closed without noise around `law`.
-fn simulate(plant: Paper, law: &mut impl Law, reference: &[f64]) -> Trace {
+fn simulate(plant: Paper, law: &mut impl ControlLaw, reference: &[f64]) -> Trace {
     let clock = Clock::new(RATE, 10).unwrap();
     let mut plant = FixedStep::new(plant, clock.plant_step(), 0.0).unwrap();
     run(&mut plant, law, &mut Sensors::new(SensorModel::default()), reference, clock)
@@ -162,7 +162,7 @@ fn saw_tooth_slope_is_the_limit() {
 #[test]
 fn the_core_is_the_law() {
     for (kp, ki) in GAINS {
-        let gains = Gains { displacement: (kp, ki), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };
+        let gains = PublishedGains { displacement: (kp, ki), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };
         // The core holds the gains as f32; the law it is held against has the same.
         let (kp, ki) = (f64::from(kp as f32), f64::from(ki as f32));
         for amplitude in [0.01, 0.1] {

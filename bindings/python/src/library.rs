@@ -11,7 +11,7 @@ use shakedown::fit::{Answer, Compared, Limits, Method, Norm, PREVIEW, modify};
 use shakedown::identify::{answer, identify as identify_with};
 use shakedown::plant::sensors::SensorModel;
 use shakedown::recording::{Experiment, Model};
-use shakedown::simulate::{Seen, Setup, Trial, Twin};
+use shakedown::simulate::{ScoredSignal, Setup, Trial, Twin};
 
 use crate::motion::{PyMotion, PyRecord, array};
 use crate::said;
@@ -135,7 +135,7 @@ pub(crate) fn simulate<'py>(
 }
 
 fn scores(trial: &Trial) -> PyResult<String> {
-    let scores = trial.scores(Seen::Truly, None).map_err(said)?;
+    let scores = trial.scores(ScoredSignal::Truly, None).map_err(said)?;
     let against = &scores.against_wanted;
     let value = serde_json::json!({
         "dt": trial.trace.dt,

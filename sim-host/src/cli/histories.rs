@@ -1,6 +1,6 @@
 //! A test's histories over time, saturated stretches shaded, opened at its strong motion.
 
-use crate::closed_loop::trial::{Seen, Trial, TrialError};
+use crate::closed_loop::trial::{ScoredSignal, Trial, TrialError};
 use crate::motion::metrics::intensity;
 use crate::plant::sensors::GRAVITY;
 use crate::report::{Axis, Band, Item, Plot, Series, Style};
@@ -64,7 +64,7 @@ pub(crate) fn all(trial: &Trial, group: &str, opening: &Opening) -> Result<Vec<I
     let modified = trial.commanded();
     let curve = |name, values, scale, style| History { name, values, scale, style };
     let g = 1.0 / GRAVITY;
-    let response = trial.response(Seen::Truly)?;
+    let response = trial.response(ScoredSignal::Truly)?;
     let wanted = trial.wanted_response()?;
     let error: Vec<f64> = response.acceleration.iter().zip(&wanted.acceleration).map(|(y, a)| y - a).collect();
     let accelerations = [

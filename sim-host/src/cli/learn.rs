@@ -18,7 +18,7 @@ use crate::closed_loop::trial::Setup;
 use crate::closed_loop::twin::Twin;
 use crate::motion::condition::Recipe;
 use crate::motion::drive::{Drive, DriveUnit, Quantity};
-use crate::motion::fit::named::{ASKED, Fit};
+use crate::motion::fit::named::{ASKED, RecordFit};
 use crate::motion::{Motion, Record};
 use crate::plant::sensors::SensorModel;
 use clap::builder::PossibleValuesParser;
@@ -92,7 +92,7 @@ pub(crate) struct Args {
 
 /// What `--fit` takes.
 fn fits() -> impl Iterator<Item = &'static str> {
-    std::iter::once(AS_IT_IS).chain(Fit::names())
+    std::iter::once(AS_IT_IS).chain(RecordFit::names())
 }
 
 /// Share of the speed that the record is fitted to.
@@ -131,7 +131,7 @@ impl Args {
         let wrong = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", record.name));
         let motion = Recipe::table1(named::RATE).apply(record).map_err(|e| wrong(&e))?;
         plausible(&record.name, &motion);
-        let Some(fit) = Fit::parse(&self.fit) else { return Ok(motion) };
+        let Some(fit) = RecordFit::parse(&self.fit) else { return Ok(motion) };
         let bar = progress::spinner(format!("fitting {}", record.name));
         // A record fitted to the last millimetre and the last of the speed leaves no room for what learning adds, and its second run
         // would be refused.

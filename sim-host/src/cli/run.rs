@@ -10,12 +10,12 @@ use super::written::provenance;
 use super::{Failure, described, failure, indices, present, progress, unseen};
 use crate::closed_loop::named;
 use crate::closed_loop::scenario::{Conditioning, NamedRecipe, RecordSource, Scenario};
-use crate::closed_loop::trial::{Scores, Seen, Setup, Trial, TrialError};
+use crate::closed_loop::trial::{ScoredSignal, Scores, Setup, Trial, TrialError};
 use crate::motion::Motion;
 use crate::motion::condition::{self, Step, peak_acceleration};
 use crate::motion::drive::Drive;
 use crate::motion::fit::FitError;
-use crate::motion::fit::named::{Fit, PREVIEW};
+use crate::motion::fit::named::{PREVIEW, RecordFit};
 use crate::motion::metrics::Indices;
 use crate::plant::sensors::{GRAVITY, SensorModel};
 use clap::ValueEnum;
@@ -61,7 +61,7 @@ pub(crate) struct Args {
     scale_to: Option<String>,
     /// Brings the motion within the table's limits beforehand: any method of `modify` by its name, or the paper's
     /// choices of Fig. 13 (peak-kept, peak-scaled, record-scaled, time-compressed).
-    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Fit::names()))]
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(RecordFit::names()))]
     fit: Option<String>,
     /// The table's file: a model as `identify` and `diagnose --model` write it, and what `[table]` describes beside it: stroke,
     /// controller, valve [default: table.toml of this folder, else the paper's table].
@@ -142,7 +142,7 @@ impl Args {
             Some(Recipe::Plain) => Conditioning::Named(NamedRecipe::Plain),
             Some(Recipe::Fitting) => Conditioning::Named(NamedRecipe::Fitting),
         };
-        scenario.fit = self.fit.as_deref().and_then(Fit::parse).or(scenario.fit);
+        scenario.fit = self.fit.as_deref().and_then(RecordFit::parse).or(scenario.fit);
         scenario.modification = self.modification.map(Online::modification).or(scenario.modification);
         Ok(scenario)
     }
@@ -295,7 +295,7 @@ fn conditioning(scenario: &Scenario) -> String {
 }
 
 /// The motion brought within the plant's speed and the settings' stroke.
-fn fitted(fit: Fit, original: &Motion, setup: &Setup, name: &str) -> Result<Motion, FitError> {
+fn fitted(fit: RecordFit, original: &Motion, setup: &Setup, name: &str) -> Result<Motion, FitError> {
     let spinner = progress::spinner(format!("fitting {name}"));
     let tell = |line: &str| spinner.set_message(format!("{name}: {line}"));
     let fitted = fit.apply(original, setup.table.velocity_limit(), f64::from(setup.settings.stroke), tell);
@@ -327,9 +327,9 @@ fn test(played: Played, setup: &Setup) -> Result<Outcome, Failure> {
     let ideal = ideal_setup.play(&played.fitted).map_err(failed)?.fitted_from(&original);
     let times_real_time = played.fitted.duration() / started.elapsed().as_secs_f64();
     let sensed = setup.play(&played.fitted).map_err(failed)?.fitted_from(&original);
-    let truth = ideal.scores(Seen::Truly, None).map_err(failed)?;
-    let with_sensors = sensed.scores(Seen::BySensors, None).map_err(failed)?;
-    let indices = ideal.indices(Seen::Truly).map_err(failed)?;
+    let truth = ideal.scores(ScoredSignal::Truly, None).map_err(failed)?;
+    let with_sensors = sensed.scores(ScoredSignal::BySensors, None).map_err(failed)?;
+    let indices = ideal.indices(ScoredSignal::Truly).map_err(failed)?;
     bar.finish_and_clear();
     Ok(Outcome { played, ideal, sensed, truth, with_sensors, indices, times_real_time })
 }

@@ -18,7 +18,7 @@ use super::design::{Corner, Demand, DesignError, design};
 use super::margin::margins;
 use super::published::Named;
 use super::trial::TrialError;
-use super::{Clock, ClosedLoopError, Law, run};
+use super::{Clock, ClosedLoopError, ControlLaw, run};
 use crate::motion::condition::{Recipe, Step};
 use crate::motion::fit::method::{Method, modify};
 use crate::motion::fit::{FitError, Limits, Norm};
@@ -142,7 +142,7 @@ const BANDWIDTHS: [f64; 12] = [40.0, 30.0, 24.0, 18.0, 14.0, 11.0, 8.0, 6.0, 4.5
 
 impl Tuned {
     /// Starts it at rest at centre.
-    pub(crate) fn start(&self) -> Result<Box<dyn Law>, ClosedLoopError> {
+    pub(crate) fn start(&self) -> Result<Box<dyn ControlLaw>, ClosedLoopError> {
         Ok(match self {
             Self::Core(settings) => Box::new(Controller::new(settings)?),
             Self::ThreeVariable(law) => Box::new(law.clone()),
@@ -152,7 +152,7 @@ impl Tuned {
     }
 }
 
-impl Law for Box<dyn Law> {
+impl ControlLaw for Box<dyn ControlLaw> {
     fn step(&mut self, measured: &super::Measured) -> super::Actuation {
         self.as_mut().step(measured)
     }
@@ -216,7 +216,7 @@ pub(crate) fn tune(contender: Contender, bench: &Bench) -> Result<Tuned, BenchEr
 pub(crate) fn play(
     bench: &Bench,
     corner: &Corner,
-    law: &mut impl Law,
+    law: &mut impl ControlLaw,
     wanted: &Motion,
     sensors: SensorModel,
 ) -> Result<super::Trace, BenchError> {

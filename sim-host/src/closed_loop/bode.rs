@@ -1,8 +1,8 @@
 //! Bode diagrams of the closed loop at several amplitudes: Figs. 4, 5 and 10.
 
 use super::frequency::{Dwell, Point, measure};
-use super::published::Gains;
-use super::{Clock, ClosedLoopError, Law, named};
+use super::published::PublishedGains;
+use super::{Clock, ClosedLoopError, ControlLaw, named};
 use crate::plant::Plant;
 use crate::plant::paper::{FixedStep, Paper};
 use rayon::prelude::*;
@@ -100,14 +100,15 @@ pub fn displacement_loop(
     done: impl Fn() + Sync,
 ) -> Result<Vec<Curve>, ClosedLoopError> {
     let clock = Clock::new(rate, 2)?;
-    let settings = named::settings(Gains { displacement: gains, acceleration: (0.0, 0.0), velocity: (0.0, 0.0) }, rate);
+    let settings =
+        named::settings(PublishedGains { displacement: gains, acceleration: (0.0, 0.0), velocity: (0.0, 0.0) }, rate);
     let make = || Ok((FixedStep::new(Paper::default(), clock.plant_step(), 0.0)?, Controller::new(&settings)?));
     survey(grid, clock, make, done)
 }
 
 /// Measures every point of `grid`, each from rest on a loop that `make` sets up, over all cores; `done` is called after
 /// each point.
-pub fn survey<P: Plant, L: Law>(
+pub fn survey<P: Plant, L: ControlLaw>(
     grid: &Grid,
     clock: Clock,
     make: impl Fn() -> Result<(P, L), ClosedLoopError> + Sync,

@@ -5,8 +5,8 @@
 //! The hard-wired loop is analogue: here it runs at every plant step, while what is outside runs once a tick and holds
 //! its output between, so that the cancellation is late by up to a tick, as on the real table.
 
-use super::published::Gains;
-use super::{Actuation, Clock, ClosedLoopError, Law, Measured, PlainPi, Trace, named, run};
+use super::published::PublishedGains;
+use super::{Actuation, Clock, ClosedLoopError, ControlLaw, Measured, PlainPi, Trace, named, run};
 use crate::plant::Plant;
 use crate::plant::paper::{FixedStep, Paper};
 use crate::plant::sensors::{SensorModel, Sensors};
@@ -59,14 +59,18 @@ impl<P: Plant> Plant for HardWired<P> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PassThrough;
 
-impl Law for PassThrough {
+impl ControlLaw for PassThrough {
     fn step(&mut self, measured: &Measured) -> Actuation {
         Actuation { valve: measured.reference, reference: measured.reference, saturated: false, held: false }
     }
 }
 
 /// A hard-wired unity loop with a controller of the core outside that cancels it.
-fn cancelled(gains: Gains, clock: Clock, start: f64) -> Result<(HardWired<FixedStep>, Controller), ClosedLoopError> {
+fn cancelled(
+    gains: PublishedGains,
+    clock: Clock,
+    start: f64,
+) -> Result<(HardWired<FixedStep>, Controller), ClosedLoopError> {
     let plant = FixedStep::new(Paper::default(), clock.plant_step(), start)?;
     let settings = Settings { inner_loop: InnerLoop::Hardwired, ..named::settings(gains, clock.rate()) };
     Ok((HardWired::new(plant, 1.0, 0.0), Controller::new(&settings)?))
@@ -74,7 +78,7 @@ fn cancelled(gains: Gains, clock: Clock, start: f64) -> Result<(HardWired<FixedS
 
 /// The paper's first test: from `start` (m) the table is told to stand at zero, and must end there without an offset.
 pub(crate) fn track_zero(
-    gains: Gains,
+    gains: PublishedGains,
     clock: Clock,
     start: f64,
     sensors: SensorModel,
@@ -88,7 +92,7 @@ pub(crate) fn track_zero(
 /// The paper's second test: the response along `reference` (m, one value a tick) with the built-in loop at the
 /// displacement gains, and with the same gains outside, the built-in loop at unity gain and cancelled.
 pub(crate) fn inside_and_outside(
-    gains: Gains,
+    gains: PublishedGains,
     clock: Clock,
     reference: &[f64],
     sensors: &SensorModel,

@@ -1,7 +1,7 @@
 //! Stepped-sine frequency response of a closed loop, as the paper measured its table: one amplitude and one frequency
 //! at a time, gain and phase of the response over the reference once the transient has died out.
 
-use super::{Clock, Law, run};
+use super::{Clock, ControlLaw, run};
 use crate::plant::Plant;
 use crate::plant::paper::Paper;
 use crate::plant::sensors::{SensorModel, Sensors};
@@ -53,7 +53,7 @@ impl Default for Dwell {
 
 /// Drives the loop with `amplitude` (m) at `frequency` (Hz) from rest, and fits the fundamental by least squares
 /// beside an offset and a slope, which take what is left of the slow transient.
-pub(crate) fn measure<P: Plant, L: Law>(
+pub(crate) fn measure<P: Plant, L: ControlLaw>(
     plant: &mut P,
     law: &mut L,
     clock: Clock,

@@ -35,13 +35,13 @@ pub struct Actuation {
 }
 
 /// A control law: once a tick, from what is measured to what the valve is told.
-pub trait Law {
+pub trait ControlLaw {
     /// One tick.
     fn step(&mut self, measured: &Measured) -> Actuation;
 }
 
 /// The very core that the firmware runs; numbers become `f32` at its edge, as they do behind a converter.
-impl Law for Controller {
+impl ControlLaw for Controller {
     #[inline]
     fn step(&mut self, measured: &Measured) -> Actuation {
         let command = Controller::step(
@@ -81,7 +81,7 @@ impl PlainPi {
     }
 }
 
-impl Law for PlainPi {
+impl ControlLaw for PlainPi {
     #[inline]
     fn step(&mut self, measured: &Measured) -> Actuation {
         let error = measured.reference - measured.displacement;

@@ -5,7 +5,7 @@
 //! and with it the margins. The law must be linear near rest and the plant must not meet its limits; the response must die
 //! out, which is itself the proof that this loop is stable.
 
-use super::{Actuation, Clock, Law, Measured, run};
+use super::{Actuation, Clock, ControlLaw, Measured, run};
 use crate::plant::Plant;
 use crate::plant::sensors::{SensorModel, Sensors};
 use nalgebra::Complex;
@@ -63,7 +63,7 @@ struct Nudged<'a, L> {
     tick: usize,
 }
 
-impl<L: Law> Law for Nudged<'_, L> {
+impl<L: ControlLaw> ControlLaw for Nudged<'_, L> {
     fn step(&mut self, measured: &Measured) -> Actuation {
         let out = self.law.step(measured);
         self.tick += 1;
@@ -73,12 +73,12 @@ impl<L: Law> Law for Nudged<'_, L> {
 }
 
 /// The margins of `law` on `plant`, both at rest at centre; `None` where the loop is not stable. A law that reads no pressure.
-pub(crate) fn margins<P: Plant, L: Law>(plant: &mut P, law: &mut L, clock: Clock) -> Option<Margins> {
+pub(crate) fn margins<P: Plant, L: ControlLaw>(plant: &mut P, law: &mut L, clock: Clock) -> Option<Margins> {
     margins_with(plant, law, SensorModel::default(), clock)
 }
 
 /// The same with sensors of which at most a pressure's size is stated: their noise would hide the answer.
-pub(crate) fn margins_with<P: Plant, L: Law>(
+pub(crate) fn margins_with<P: Plant, L: ControlLaw>(
     plant: &mut P,
     law: &mut L,
     sensors: SensorModel,
@@ -104,7 +104,7 @@ impl Point {
 }
 
 /// The open loop from 0.2 Hz to half the rate, every frequency 1.5 % above the one before; none where the loop is not stable.
-pub(crate) fn open_loop_with<P: Plant, L: Law>(
+pub(crate) fn open_loop_with<P: Plant, L: ControlLaw>(
     plant: &mut P,
     law: &mut L,
     sensors: SensorModel,

@@ -1,7 +1,7 @@
 //! The control core set up by name: as a controller of Table 1, or with the tracking law.
 
 use super::design::Table;
-use super::published::{Gains, Named};
+use super::published::{Named, PublishedGains};
 use shakedown_core::settings::{self, VelocitySource};
 use shakedown_core::{Modification, Settings};
 
@@ -27,7 +27,7 @@ pub(crate) const RATE: f64 = 1000.0;
 /// The core's settings for these gains at `rate` (Hz): bare, as the paper's controllers are, with no anti-windup and no
 /// guard. Velocity comes from a sensor of its own, as the paper's velocity loop asks for; the reference's velocity and
 /// acceleration are its differences.
-pub fn settings(gains: Gains, rate: f64) -> Settings {
+pub fn settings(gains: PublishedGains, rate: f64) -> Settings {
     let pair = |(proportional, integral): (f64, f64)| settings::Gains::new(proportional as f32, integral as f32);
     Settings {
         rate: rate as f32,

@@ -57,7 +57,7 @@ pub enum Named {
 
 /// Proportional (1) and integral (1/s) gains of the three loops of Fig. 12.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gains {
+pub struct PublishedGains {
     /// On the displacement error.
     pub displacement: (f64, f64),
     /// On the acceleration error, integrated twice.
@@ -125,9 +125,9 @@ impl Named {
 
     /// Gains of Table 1. The scan repeats columns; `velo-disp` reads velocity I = 0 or 1: the first six columns, which
     /// hold for every other row, say 0.
-    pub fn gains(self) -> Gains {
+    pub fn gains(self) -> PublishedGains {
         let (off, strong) = ((0.0, 0.0), (10.0, 1.0));
-        let gains = |displacement, acceleration, velocity| Gains { displacement, acceleration, velocity };
+        let gains = |displacement, acceleration, velocity| PublishedGains { displacement, acceleration, velocity };
         match self {
             Self::Current => gains((3.70205, 0.61701), off, off),
             Self::Strong | Self::Modified => gains(strong, off, off),

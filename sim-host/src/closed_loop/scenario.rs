@@ -34,7 +34,7 @@ use super::trial::Setup;
 use super::twin::Twin;
 use crate::files::{bounded, wording};
 use crate::motion::condition::Recipe;
-use crate::motion::fit::named::Fit;
+use crate::motion::fit::named::RecordFit;
 use crate::plant::paper::Paper;
 use crate::plant::sensors::SensorModel;
 use serde::Deserialize;
@@ -58,7 +58,7 @@ pub struct Scenario {
     /// Factor on the motion, after conditioning and before `scale_to`.
     pub scale: Option<f64>,
     /// How the motion is brought within the table's limits beforehand.
-    pub fit: Option<Fit>,
+    pub fit: Option<RecordFit>,
     /// How the core modifies the reference; without it, as the controller says.
     pub modification: Option<Modification>,
     /// Control rate, Hz; without it 1 kHz, or the settings' rate.
@@ -316,7 +316,7 @@ mod tests {
         assert_eq!(setup.settings.modification, Modification::Causal);
         assert_eq!(scenario.recipe(1000.0, 0.01).steps.len(), Recipe::table1(1000.0).steps.len() - 1);
         let preview = read("fit = \"taut\"\nmodification = { preview = { seconds = 0.25 } }").unwrap();
-        assert_eq!(preview.fit, Fit::parse("taut"));
+        assert_eq!(preview.fit, RecordFit::parse("taut"));
         assert_eq!(preview.setup().unwrap().settings.modification, Modification::Preview { seconds: 0.25 });
         assert_eq!(read("").unwrap().setup().unwrap().settings.displacement.proportional, 3.70205);
     }

@@ -2,7 +2,7 @@
 //! it can do. What `shakedown demo` shows.
 
 use super::published::Named;
-use super::trial::{Scores, Seen, Setup, Trial, TrialError};
+use super::trial::{ScoredSignal, Scores, Setup, Trial, TrialError};
 use crate::motion::Motion;
 use crate::motion::fit::method::{Method, modify};
 use crate::motion::fit::{FitError, Limits, Norm};
@@ -103,7 +103,7 @@ pub(crate) fn play(motion: &Motion, way: Way, sensors: &SensorModel) -> Result<E
     let setup = Setup { settings: way.settings(), table, sensors: sensors.clone(), steps: 10 };
     let original = setup.at_rate(motion)?;
     let trial = setup.play(&played)?.fitted_from(&original);
-    let scores = trial.scores(Seen::Truly, None)?;
+    let scores = trial.scores(ScoredSignal::Truly, None)?;
     let farthest = trial.trace.displacement.iter().fold(0.0f64, |m, x| m.max(x.abs()));
     let end = trial.trace.displacement.last().copied().unwrap_or(0.0);
     Ok(Entry { way, trial, scores, farthest, end })

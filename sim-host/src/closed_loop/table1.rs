@@ -3,10 +3,10 @@
 pub mod fitted;
 
 use super::named::RATE;
-use super::published::{Event, Figures, Gains, Named};
-use super::trial::{Scores, Seen, Setup, Trial, TrialError, strong_and_weak, table1_motion};
+use super::published::{Event, Figures, Named, PublishedGains};
+use super::trial::{ScoredSignal, Scores, Setup, Trial, TrialError, strong_and_weak, table1_motion};
 use super::twin::Twin;
-use super::{Actuation, ClosedLoopError, Law, Measured};
+use super::{Actuation, ClosedLoopError, ControlLaw, Measured};
 use crate::motion::metrics::Window;
 use crate::motion::{Motion, Record};
 use crate::plant::sensors::GRAVITY;
@@ -46,9 +46,9 @@ impl Reading {
 #[derive(Debug, Clone)]
 struct NoReferenceAcceleration(Controller);
 
-impl Law for NoReferenceAcceleration {
+impl ControlLaw for NoReferenceAcceleration {
     fn step(&mut self, measured: &Measured) -> Actuation {
-        Law::step(&mut self.0, &Measured { reference_acceleration: 0.0, ..*measured })
+        ControlLaw::step(&mut self.0, &Measured { reference_acceleration: 0.0, ..*measured })
     }
 }
 
@@ -60,7 +60,7 @@ pub fn play(named: Named, reading: Reading, table: &Twin, motion: &Motion) -> Re
     }
     let gains = named.gains();
     let (kp, ki) = gains.acceleration;
-    let gains = Gains { acceleration: (kp / 4.0, ki / 4.0), ..gains };
+    let gains = PublishedGains { acceleration: (kp / 4.0, ki / 4.0), ..gains };
     let settings = Settings { reference_rates: ReferenceRates::Supplied, ..super::named::settings(gains, RATE) };
     let core = Controller::new(&settings).map_err(ClosedLoopError::from)?;
     setup.play_with(&mut NoReferenceAcceleration(core), motion)
@@ -138,7 +138,7 @@ pub fn rows(
     let all: Vec<_> = cases.iter().flat_map(|case| asked.iter().map(move |&pair| (case, pair))).collect();
     let row = |&(case, (named, reading)): &(&Case, (Named, Reading))| {
         let trial = play(named, reading, table, &case.motion)?;
-        let scores = |window| trial.scores(Seen::Truly, window);
+        let scores = |window| trial.scores(ScoredSignal::Truly, window);
         let (whole, strong, weak) = (scores(None)?, scores(Some(case.windows.0))?, scores(Some(case.windows.1))?);
         done();
         Ok(Row { event: case.event, named, reading, whole, strong, weak, trial })

@@ -2,8 +2,8 @@
 //! weak, and the velocity limit costs more where it is strong.
 
 use super::named;
-use super::published::Gains;
-use super::trial::{Seen, Setup, TrialError, strong_and_weak};
+use super::published::PublishedGains;
+use super::trial::{ScoredSignal, Setup, TrialError, strong_and_weak};
 use super::twin::Twin;
 use crate::motion::Motion;
 use crate::plant::sensors::SensorModel;
@@ -31,11 +31,12 @@ pub(crate) const GAINS: [f64; 12] = [1.0, 1.5, 2.0, 3.0, 3.7, 5.0, 6.0, 8.0, 10.
 pub(crate) fn trade_off(motion: &Motion, done: impl Fn() + Sync) -> Result<Vec<Point>, TrialError> {
     let (strong, weak) = strong_and_weak(motion);
     let point = |&gain: &f64| {
-        let gains = Gains { displacement: (gain, gain / 10.0), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };
+        let gains =
+            PublishedGains { displacement: (gain, gain / 10.0), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };
         let (table, sensors) = (Twin::default(), SensorModel::default());
         let setup = Setup { settings: named::settings(gains, 1000.0), table, sensors, steps: 10 };
         let trial = setup.play(motion)?;
-        let scores = |window| trial.scores(Seen::Truly, Some(window)).map(|s| s.against_wanted);
+        let scores = |window| trial.scores(ScoredSignal::Truly, Some(window)).map(|s| s.against_wanted);
         let (strong, weak) = (scores(strong)?, scores(weak)?);
         done();
         Ok(Point {

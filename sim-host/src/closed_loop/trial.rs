@@ -2,7 +2,7 @@
 
 use super::published::Named;
 use super::twin::Twin;
-use super::{Clock, ClosedLoopError, Law, Trace, pressure_by_settings};
+use super::{Clock, ClosedLoopError, ControlLaw, Trace, pressure_by_settings};
 use crate::motion::condition::{Recipe, Step};
 use crate::motion::metrics::{Comparison, Indices, Window, compare, indices, intensity};
 use crate::motion::resample::Interpolation;
@@ -46,7 +46,7 @@ impl Setup {
     }
 
     /// The same with another law at the settings' rate.
-    pub fn play_with(&self, law: &mut impl Law, motion: &Motion) -> Result<Trial, TrialError> {
+    pub fn play_with(&self, law: &mut impl ControlLaw, motion: &Motion) -> Result<Trial, TrialError> {
         let lag = self.lag();
         let (wanted, played) = {
             let motion = self.at_rate(motion)?;
@@ -136,7 +136,7 @@ pub struct Scores {
 
 /// Which response is scored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Seen {
+pub enum ScoredSignal {
     /// The true motion.
     Truly,
     /// The motion as the sensors gave it.
@@ -145,7 +145,7 @@ pub enum Seen {
 
 impl Trial {
     /// Scores the test over the whole record or over a window of it.
-    pub fn scores(&self, seen: Seen, window: Option<Window>) -> Result<Scores, TrialError> {
+    pub fn scores(&self, seen: ScoredSignal, window: Option<Window>) -> Result<Scores, TrialError> {
         let response = self.response(seen)?;
         let within = |k: usize| {
             let t = k as f64 * self.trace.dt;
@@ -160,11 +160,11 @@ impl Trial {
     }
 
     /// The response, its acceleration low-passed.
-    pub fn response(&self, seen: Seen) -> Result<Motion, TrialError> {
+    pub fn response(&self, seen: ScoredSignal) -> Result<Motion, TrialError> {
         let trace = &self.trace;
         let (displacement, acceleration) = match seen {
-            Seen::Truly => (&trace.displacement, &trace.acceleration),
-            Seen::BySensors => (&trace.measured_displacement, &trace.measured_acceleration),
+            ScoredSignal::Truly => (&trace.displacement, &trace.acceleration),
+            ScoredSignal::BySensors => (&trace.measured_displacement, &trace.measured_acceleration),
         };
         low_passed(&Motion {
             dt: trace.dt,
@@ -180,7 +180,7 @@ impl Trial {
     }
 
     /// The laboratory's indices of the response, accelerations low-passed on both sides.
-    pub fn indices(&self, seen: Seen) -> Result<Indices, TrialError> {
+    pub fn indices(&self, seen: ScoredSignal) -> Result<Indices, TrialError> {
         let (wanted, response) = (self.wanted_response()?, self.response(seen)?);
         Ok(indices(&wanted.acceleration, &response.acceleration, wanted.dt)?)
     }

@@ -1,6 +1,6 @@
 //! A table as its model file describes it: Eq. 7 and the limiter, and beside them what a diagnosis added.
 
-use super::{Clock, ClosedLoopError, Law, Trace, run};
+use super::{Clock, ClosedLoopError, ControlLaw, Trace, run};
 use crate::plant::Plant;
 use crate::plant::effects::{Countered, regional};
 use crate::plant::model::Baseline;
@@ -106,7 +106,7 @@ impl Twin {
     /// Runs a law along a reference (m), from rest at `start` (m).
     pub(super) fn run(
         &self,
-        law: &mut impl Law,
+        law: &mut impl ControlLaw,
         sensors: &mut Sensors,
         reference: &[f64],
         start: f64,
@@ -150,7 +150,7 @@ fn placed(stated: &recording::StatedEffect) -> Result<EffectParameters<f64>, Twi
 mod tests {
     use super::*;
     use crate::closed_loop::published::Named;
-    use crate::closed_loop::trial::{Seen, Setup};
+    use crate::closed_loop::trial::{ScoredSignal, Setup};
     use crate::motion::condition::Recipe;
     use crate::motion::generate;
 
@@ -172,7 +172,7 @@ mod tests {
         let motion = Recipe::table1(1000.0).apply(&generate::FAR_FIELD.generate(1).unwrap()).unwrap();
         let e_a = |table: Twin| {
             let setup = Setup { table, ..Setup::paper(Named::Strong) };
-            setup.play(&motion).unwrap().scores(Seen::Truly, None).unwrap().against_wanted.e_a.ratio
+            setup.play(&motion).unwrap().scores(ScoredSignal::Truly, None).unwrap().against_wanted.e_a.ratio
         };
         let [exact, plain, lagging] = [Twin::default(), plain, lagging].map(e_a);
         assert_eq!(exact, plain);

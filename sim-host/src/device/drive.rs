@@ -40,7 +40,7 @@ enum Play {
 
 /// A run of a test.
 #[derive(Debug)]
-pub struct Drive {
+pub struct TestRunner {
     setup: Option<Setup>,
     play: Play,
     step: Step,
@@ -57,7 +57,7 @@ pub struct Drive {
     failed: Option<DriveError>,
 }
 
-impl Drive {
+impl TestRunner {
     /// A run of `record`, m, one point a tick; `setup` is written first where given.
     pub fn new(setup: Option<Setup>, record: Vec<f32>) -> Self {
         Self { setup, ..Self::playing(Play::Streamed(record)) }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use shakedown_core::link::{DeviceHealth, HostRequest, RefusedBecause, Report, Setup, VERSION};
 
-use super::{Drive, DriveError, LinkClient, Progress, Telemetry};
+use super::{DriveError, LinkClient, Progress, Telemetry, TestRunner};
 
 /// Time after which a question is repeated, and how often: longer than a busy host takes to see the answer, for an order
 /// given twice is refused the second time.
@@ -120,8 +120,8 @@ impl<L: Line> Session<L> {
     /// attended test are gone; where it breaks, the test is faded out and the device disarmed.
     pub fn drive(
         &mut self,
-        drive: &mut Drive,
-        mut tell: impl FnMut(&mut Drive, u32) -> ControlFlow<()>,
+        drive: &mut TestRunner,
+        mut tell: impl FnMut(&mut TestRunner, u32) -> ControlFlow<()>,
     ) -> Result<(), SessionError> {
         loop {
             self.pump()?;

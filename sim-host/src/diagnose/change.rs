@@ -7,7 +7,7 @@ use crate::identify::evaluate::{Local, predict};
 use crate::identify::fit::Fit;
 use crate::identify::model::Model;
 use crate::identify::prepare::Prepared;
-use crate::plant::simulate::{Law, SimulateError};
+use crate::plant::simulate::{SimulateError, SimulatedLaw};
 use crate::recording::signal::rms;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -72,7 +72,7 @@ pub struct GainMargins {
 
 /// What the accepted model changes against the stated one; none where nothing was accepted or measured motion drives.
 pub(super) fn change(prepared: &Prepared, conclusion: &Conclusion) -> Result<Option<Change>, SimulateError> {
-    let (stated, found) = (&conclusion.before.fit, &conclusion.after.fit);
+    let (stated, found) = (&conclusion.stated.fit, &conclusion.accepted.fit);
     let Some(pattern) = prepared.fit.first().filter(|run| run.motion.is_none()) else { return Ok(None) };
     if stated.model.ids() == found.model.ids() {
         return Ok(None);
@@ -94,8 +94,8 @@ fn tracking(conclusion: &Conclusion) -> Vec<Tracking> {
         Some(Tracking {
             run: run.name.clone(),
             measured: error(&run.measured[place].values),
-            stated: error(&conclusion.before.hold.predicted[i].channels[place]),
-            found: error(&conclusion.after.hold.predicted[i].channels[place]),
+            stated: error(&conclusion.stated.hold.predicted[i].channels[place]),
+            found: error(&conclusion.accepted.hold.predicted[i].channels[place]),
         })
     };
     let driven = |(_, run): &(usize, &Run)| run.law.simulates_reference();
@@ -123,7 +123,8 @@ fn reach(prepared: &Prepared, stated: &Fit, found: &Fit) -> Result<Option<Reach>
 /// Greatest speed under a held command, as long as the table is within `travel` of where it stood.
 fn speed(model: &Model, pattern: &Run, command: f64, travel: f64) -> Result<f64, SimulateError> {
     let samples = (HELD / pattern.dt) as usize;
-    let run = watching(pattern, &[Channel::Velocity, Channel::Displacement], vec![command; samples], Law::Recorded);
+    let run =
+        watching(pattern, &[Channel::Velocity, Channel::Displacement], vec![command; samples], SimulatedLaw::Recorded);
     let seen = predict(model, &run, &Local::start(model, &run))?;
     let within = seen.channels[0].iter().zip(&seen.channels[1]).take_while(|(_, x)| x.abs() <= travel);
     Ok(within.map(|(v, _)| v.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max))
@@ -164,7 +165,7 @@ fn about_trend(series: &[f64]) -> Vec<f64> {
 }
 
 /// A run like `pattern` but for what drives it, from rest, nothing filtered, that shows these channels.
-fn watching(pattern: &Run, channels: &[Channel], input: Vec<f64>, law: Law) -> Run {
+fn watching(pattern: &Run, channels: &[Channel], input: Vec<f64>, law: SimulatedLaw) -> Run {
     let noise = pattern.channel(Channel::Displacement).map_or(0.0, |m| m.noise);
     let of = |&channel: &Channel| Measured { channel, values: Vec::new(), noise, estimated: false, judged: true };
     let measured = channels.iter().map(of).collect();

@@ -137,12 +137,21 @@ pub(super) fn weigh(
         after = before.clone();
     }
     let more_missing = unnamed || follows.is_certain() && more_is_missing(&before, &after, excess, quiet);
-    let mut decision =
-        Decision { before, after, candidates, ties, unlisted, partial, unlisted_probability, more_missing, noise };
+    let mut decision = Decision {
+        stated: before,
+        accepted: after,
+        candidates,
+        ties,
+        unlisted,
+        partial,
+        unlisted_probability,
+        more_missing,
+        noise,
+    };
     scatter(&mut decision);
-    if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.before, partial, &decision.candidates)) {
+    if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.stated, partial, &decision.candidates)) {
         decision.name_beside_more(&leader.added);
-        decision.after = ScoredModel { probability: CALIBRATION.beside_more, ..leader };
+        decision.accepted = ScoredModel { probability: CALIBRATION.beside_more, ..leader };
     }
     Ok(decision)
 }
@@ -150,14 +159,14 @@ pub(super) fn weigh(
 /// Takes names back for which several others stand as well: what is missing is then not among what these data can name, unless it is
 /// explained whole. Then it is one of them.
 fn scatter(decision: &mut Decision) {
-    let beliefs = decision.after.added.iter().map(|id| belief(id, &decision.candidates));
+    let beliefs = decision.accepted.added.iter().map(|id| belief(id, &decision.candidates));
     let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
-    let many = least < EVEN && stories(&decision.ties, &decision.after.added) > FEW;
-    let one_of_many = many && !explains_all(&decision.before, &decision.after);
+    let many = least < EVEN && stories(&decision.ties, &decision.accepted.added) > FEW;
+    let one_of_many = many && !explains_all(&decision.stated, &decision.accepted);
     if !decision.unlisted && (least < CALIBRATION.unlikely || one_of_many) {
         decision.take_back(1.0 - least);
         (decision.unlisted, decision.more_missing) = (true, false);
-        decision.partial = Some(std::mem::replace(&mut decision.after, decision.before.clone()));
+        decision.partial = Some(std::mem::replace(&mut decision.accepted, decision.stated.clone()));
         decision.ties.clear();
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn far_from_stated(
     whole: &Prepared,
     conclusion: &Conclusion,
 ) -> Result<Vec<SetUpFinding>, SimulateError> {
-    let fit = &conclusion.after.fit;
+    let fit = &conclusion.accepted.fit;
     // Masses and dashpots may be stated in any way: residuals depend on them almost linearly.
     if fit.model.kind != Kind::Servo {
         return Ok(Vec::new());

@@ -66,12 +66,12 @@ pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<In
         let beside = beside(experiment, examined)?;
         return Ok(beside.map_or(Instead::Nothing, |reading| better(experiment, &reading)));
     };
-    let found = conclusion.after.hold.chi2 - 1.0;
+    let found = conclusion.accepted.hold.chi2 - 1.0;
     let no_name = conclusion.unlisted || examined.diagnosis.effects.iter().all(|effect| effect.probability < EVEN);
     let as_well = found <= best.left.max(0.0) + CALIBRATION.negligible;
     let others = others(experiment, &best.fit);
     let price = CALIBRATION.parameter_price * taken(examined) as f64;
-    let cheaper = best.fit.squares < conclusion.after.fit.squares + price;
+    let cheaper = best.fit.squares < conclusion.accepted.fit.squares + price;
     Ok(match best.reading {
         // Of two accounts that explain alike the one that takes less from the data; of two that take as much, the one that leaves alone
         // what was stated.
@@ -93,7 +93,7 @@ fn beside(experiment: &Experiment, examined: &Examined) -> Result<Option<Reading
     let conclusion = &examined.conclusion;
     let part = match (conclusion.unlisted, conclusion.more_missing) {
         (true, _) => conclusion.partial.as_ref(),
-        (false, true) => Some(&conclusion.after),
+        (false, true) => Some(&conclusion.accepted),
         (false, false) => None,
     };
     let Some(part) = part else { return Ok(None) };
@@ -106,7 +106,7 @@ fn beside(experiment: &Experiment, examined: &Examined) -> Result<Option<Reading
 
 /// Numbers that the effects found take from the data.
 fn taken(examined: &Examined) -> usize {
-    let after = &examined.conclusion.after;
+    let after = &examined.conclusion.accepted;
     let found = after.fit.model.effects.iter().filter(|placed| after.added.contains(&placed.entry.id));
     found.flat_map(|placed| &placed.values).filter(|value| value.free).count()
 }
@@ -149,7 +149,7 @@ fn unrecorded(runs: &[Run]) -> bool {
 /// A sensor that lags by a whole number of samples is one that was recorded so many samples late, where that explains as much without a
 /// number from the data.
 fn sample_for_a_lag(examined: &Examined) -> Result<Option<Reading>, SimulateError> {
-    let after = &examined.conclusion.after;
+    let after = &examined.conclusion.accepted;
     let runs = &examined.prepared.fit;
     let Some(dt) = runs.first().map(|run| run.dt) else { return Ok(None) };
     let quantities = quantities(&after.fit);

@@ -63,10 +63,10 @@ impl ScoredModel {
 #[derive(Debug, Clone)]
 pub struct Decision {
     /// The stated model.
-    pub before: ScoredModel,
+    pub stated: ScoredModel,
     /// The model that is handed on: the accepted one, the stated one where nothing was added, the one that predicts best where
     /// the mismatch is unlisted.
-    pub after: ScoredModel,
+    pub accepted: ScoredModel,
     /// Every model judged, best first.
     pub candidates: Vec<ScoredModel>,
     /// Sets of effects that the data cannot tell apart.
@@ -101,7 +101,7 @@ impl Decision {
 
     /// Share of the stated model's excess on the validation that the model handed on leaves.
     pub(super) fn left(&self) -> f64 {
-        (self.after.hold.chi2 - 1.0).max(0.0) / (self.before.hold.chi2 - 1.0).max(1e-9)
+        (self.accepted.hold.chi2 - 1.0).max(0.0) / (self.stated.hold.chi2 - 1.0).max(1e-9)
     }
 }
 

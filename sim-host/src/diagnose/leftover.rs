@@ -18,7 +18,7 @@ impl Decision {
     /// True where these effects alone, without what was found beside them, predict more than the stated model.
     pub(super) fn explain_a_part(&self, names: &[&'static str]) -> bool {
         let left = |judged: &ScoredModel| (judged.hold.chi2 - 1.0).max(0.0);
-        self.weighed(names).any(|judged| left(judged) < left(&self.before))
+        self.weighed(names).any(|judged| left(judged) < left(&self.stated))
     }
 
     /// Names effects that explain a part and cannot be left to a curve; more is missing beside them.

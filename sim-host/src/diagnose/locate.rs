@@ -72,11 +72,11 @@ pub(crate) fn locate(prepared: &Prepared, conclusion: &Conclusion) -> Result<Loc
     if conclusion.consistent() {
         return Ok(Location::default());
     }
-    let predicted = score(&conclusion.before.fit.model, &prepared.fit)?.predicted;
+    let predicted = score(&conclusion.stated.fit.model, &prepared.fit)?.predicted;
     let block = if conclusion.unlisted {
         Some("unlisted")
     } else {
-        let last = conclusion.after.added.first().and_then(|id| crate::plant::effects::entry(id));
+        let last = conclusion.accepted.added.first().and_then(|id| crate::plant::effects::entry(id));
         last.map(|entry| entry.stage.name())
     };
     let location = Location {
@@ -94,7 +94,7 @@ fn within(mut location: Location, conclusion: &Conclusion, (runs, predicted): (&
     if conclusion.unlisted {
         return location;
     }
-    for placed in &conclusion.after.fit.model.effects {
+    for placed in &conclusion.accepted.fit.model.effects {
         let values = placed.numbers();
         let Some((along, from, to)) = window(placed.entry, &values) else { continue };
         if along == Along::Time {

@@ -15,7 +15,7 @@ use crate::identify::model::Model;
 use crate::identify::prepare::Prepared;
 use crate::plant::effects::{entry, remainder};
 use crate::plant::simulate::SimulateError;
-use catalogue::{Gains, Reach, Shape};
+use catalogue::{GainScaling, Reach, Shape};
 use rayon::prelude::*;
 
 /// Tests named beside the best one.
@@ -66,7 +66,7 @@ impl Alternatives<'_> {
 /// A test with the least distance it is predicted to make between the accepted model and another, in standard deviations.
 struct PredictedTest {
     shape: Shape,
-    gains: Gains,
+    gains: GainScaling,
     distance: f64,
 }
 
@@ -82,9 +82,10 @@ pub(super) fn next_test(
         return Ok(by_the_book(&rivals).map_or(Proposal::Nothing, Proposal::Test));
     }
     let reach = Reach::of(prepared, &rivals.accepted.model);
-    let as_it_ran = foresee_all(&rivals, pattern, &reach, &catalogue::shapes(pattern, &reach), Gains::AsTheyWere)?;
+    let as_it_ran =
+        foresee_all(&rivals, pattern, &reach, &catalogue::shapes(pattern, &reach), GainScaling::AsTheyWere)?;
     let best: Vec<Shape> = as_it_ran.iter().take(NAMED).map(|f| f.shape).collect();
-    let mut all = foresee_all(&rivals, pattern, &reach, &best, Gains::Halved)?;
+    let mut all = foresee_all(&rivals, pattern, &reach, &best, GainScaling::Halved)?;
     all.extend(as_it_ran);
     all.sort_by(|a, b| b.distance.total_cmp(&a.distance));
     all.truncate(NAMED + 1);
@@ -115,7 +116,7 @@ fn proposed(rivals: &Alternatives, pattern: &Run, reach: &Reach, all: &[Predicte
         chance: Some(settles(best.distance)),
         planned: Some(Planned::of(
             &catalogue::run(pattern, best.shape, best.gains, reach),
-            best.gains == Gains::Halved,
+            best.gains == GainScaling::Halved,
         )),
         others: all
             .iter()
@@ -136,7 +137,7 @@ fn rivals<'a>(conclusion: &'a Conclusion, modelled: Option<&'a Modelled>) -> Opt
         return Some(Alternatives { accepted: &modelled.judged.fit, others: vec![modelled.rival.as_ref()?] });
     }
     // Both as fitted to the training, so that their squares compare.
-    let accepted = &conclusion.decision.after;
+    let accepted = &conclusion.decision.accepted;
     let other = |c: &&super::judged::ScoredModel| c.added.len() == accepted.added.len() && c.added != accepted.added;
     let all: Vec<_> = conclusion.decision.candidates.iter().filter(other).collect();
     let open = |c: &&&super::judged::ScoredModel| c.probability > EXCLUDED * accepted.probability;
@@ -176,7 +177,7 @@ fn foresee_all(
     pattern: &Run,
     reach: &Reach,
     shapes: &[Shape],
-    gains: Gains,
+    gains: GainScaling,
 ) -> Result<Vec<PredictedTest>, SimulateError> {
     let foreseen = |&shape: &Shape| -> Result<PredictedTest, SimulateError> {
         let run = played(&rivals.accepted.model, catalogue::run(pattern, shape, gains, reach))?;

@@ -32,15 +32,15 @@ pub(super) fn report(
     if conclusion.unlisted || conclusion.more_missing {
         return Ok(());
     }
-    let fitted = score(&conclusion.after.fit.model, &whole.fit)?;
+    let fitted = score(&conclusion.accepted.fit.model, &whole.fit)?;
     let mut looks: Vec<(&Run, &Predicted)> = whole.fit.iter().zip(&fitted.predicted).collect();
     if conclusion.held_out {
-        looks.extend(conclusion.judging.iter().zip(&conclusion.after.hold.predicted));
+        looks.extend(conclusion.judging.iter().zip(&conclusion.accepted.hold.predicted));
     }
     let mut channels: Vec<Channel> = whole.fit.iter().flat_map(judged_channels).collect();
     channels.sort_unstable();
     channels.dedup();
-    let colour = fitted.colour.max(conclusion.after.hold.colour).max(1.0);
+    let colour = fitted.colour.max(conclusion.accepted.hold.colour).max(1.0);
     for channel in channels.into_iter().filter(|c| *c != Channel::SupplyPressure) {
         let rows = rows(&looks, channel);
         let (Some(found), Some(noise)) = (power(rows.iter().map(|r| r.left)), noise_of(whole, channel)) else {

@@ -18,8 +18,8 @@ type Powers = Vec<(Channel, f64)>;
 
 /// What the accepted model leaves, where it names something and leaves less than noise of a channel.
 pub(super) fn by_names(decision: &Decision) -> Option<Powers> {
-    let named = !decision.unlisted && !decision.after.added.is_empty();
-    let powers = powers(&decision.after);
+    let named = !decision.unlisted && !decision.accepted.added.is_empty();
+    let powers = powers(&decision.accepted);
     (named && is_less(&powers)).then_some(powers)
 }
 

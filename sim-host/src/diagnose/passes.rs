@@ -34,7 +34,7 @@ pub(super) fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Re
         return Ok(first);
     }
     options.say("the runs fitted do not show it: opening half of those held out", 0.9);
-    let Conclusion { after, judging, .. } = &first.conclusion;
+    let Conclusion { accepted: after, judging, .. } = &first.conclusion;
     let opened = reopened(&first.whole, judging, &after.hold.predicted);
     let second = pass(opened, options)?;
     let names = !second.conclusion.unlisted && !second.conclusion.consistent();
@@ -50,7 +50,7 @@ pub(super) fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Re
 fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
     let (split_up, selected) = with_noise_as_left(&mut whole, &mut seen, options)?;
     let dt = whole.fit.first().map_or(1.0, |run| run.dt);
-    let Some(finding) = clock::found(&selected.decision.after.fit, dt) else {
+    let Some(finding) = clock::found(&selected.decision.accepted.fit, dt) else {
         let mut concluded = judge(split_up, selected, options)?;
         clock::settle(&mut concluded.whole, None);
         return Ok(concluded);
@@ -121,8 +121,8 @@ fn judge(split: Split, selected: Selected, options: &Options) -> Result<Conclude
     let Selected { mut decision, mut modelled } = selected;
     if modelled.is_none() && decision.unlisted {
         options.say("modelling what the library does not hold", 0.93);
-        let beside = decision.partial.as_ref().unwrap_or(&decision.before);
-        modelled = term::unlisted(&weighing, &decision.before, beside)?;
+        let beside = decision.partial.as_ref().unwrap_or(&decision.stated);
+        modelled = term::unlisted(&weighing, &decision.stated, beside)?;
     }
     let explain = |m: &&Modelled| decision.explain_a_part(&m.judged.added);
     if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed).filter(explain) {

@@ -1,7 +1,7 @@
 //! A proposed test as a laboratory plays it.
 
 use crate::identify::data::Run;
-use crate::plant::simulate::Law;
+use crate::plant::simulate::SimulatedLaw;
 use serde::Serialize;
 
 /// A proposed test.
@@ -30,7 +30,7 @@ pub struct Planned {
     /// Reference displacement, m.
     pub reference: Vec<f64>,
     /// The loop's law with its gains in this test.
-    pub law: Law,
+    pub law: SimulatedLaw,
     /// True where its outer gains are half of those of the runs at hand.
     pub halved: bool,
 }
@@ -43,9 +43,9 @@ impl Planned {
     /// The controller as an experiment states it; none where nothing was closed.
     pub fn controller(&self) -> Option<String> {
         match self.law {
-            Law::Pi { kp, ki } => Some(format!("{{ kp = {kp}, ki = {ki} }}")),
-            Law::Cascade { kp, kv } => Some(format!("{{ kind = \"cascade\", kp = {kp}, kv = {kv} }}")),
-            Law::Recorded => None,
+            SimulatedLaw::Pi { kp, ki } => Some(format!("{{ kp = {kp}, ki = {ki} }}")),
+            SimulatedLaw::Cascade { kp, kv } => Some(format!("{{ kind = \"cascade\", kp = {kp}, kv = {kv} }}")),
+            SimulatedLaw::Recorded => None,
         }
     }
 }

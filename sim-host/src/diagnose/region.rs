@@ -47,7 +47,7 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     best_of_each_set(&mut fits);
     let best = fits.into_par_iter().take(FINISHED).map(|fit| finished(weighing, fit));
     let mut found = best.collect::<Result<Vec<_>, _>>()?;
-    let ranking = Ranking::new(&decision.before, &found);
+    let ranking = Ranking::new(&decision.stated, &found);
     if let Some(leader) = found.iter().min_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b))) {
         found.extend(doubles(weighing, search, (leader, &found))?);
     }
@@ -56,13 +56,13 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
 
 /// True where names are few and leave nothing: there is then nothing to look for.
 fn is_open(decision: &Decision) -> bool {
-    decision.unlisted || decision.more_missing || decision.after.added.len() > 1
+    decision.unlisted || decision.more_missing || decision.accepted.added.len() > 1
 }
 
 /// Weighs what was found with all others, and accepts the best of it where it stands and costs less.
 fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<ScoredModel>) -> Result<Decision, SimulateError> {
-    let before = &decision.before;
-    let present = &decision.after;
+    let before = &decision.stated;
+    let present = &decision.accepted;
     let ranking = Ranking::new(before, found.iter().chain([present]));
     ranking.sort(found);
     let mut seen: Vec<Vec<&'static str>> = Vec::new();
@@ -80,7 +80,7 @@ fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<ScoredModel>)
     let (best, others) = (best.clone(), found.iter().skip(1).cloned());
     let known = decision.candidates.into_iter().filter(|c| !c.added.is_empty() && !seen.contains(&c.added));
     let sizes = vec![others.chain(known).collect()];
-    weigh(weighing, decision.before, best, sizes)
+    weigh(weighing, decision.stated, best, sizes)
 }
 
 /// A form beside the stated model, taken some way.

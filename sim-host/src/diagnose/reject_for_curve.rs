@@ -22,19 +22,19 @@ pub(super) fn reject_for_curve(
     weighing: &Weighing,
     decision: &mut Decision,
 ) -> Result<Option<Modelled>, SimulateError> {
-    let doubtful = !decision.unlisted && !decision.after.added.is_empty() && decision.after.hold.chi2 > DOUBTFUL;
+    let doubtful = !decision.unlisted && !decision.accepted.added.is_empty() && decision.accepted.hold.chi2 > DOUBTFUL;
     if !doubtful || decision.left() < SHARE {
         return Ok(None);
     }
-    let Some(curve) = remainder(weighing, &decision.before, &decision.before)? else { return Ok(None) };
+    let Some(curve) = remainder(weighing, &decision.stated, &decision.stated)? else { return Ok(None) };
     let leaves = |chi2: f64, named: f64| chi2 - 1.0 < OUTDONE * (named - 1.0);
-    let (judged, named) = (&curve.judged, &decision.after);
+    let (judged, named) = (&curve.judged, &decision.accepted);
     if !leaves(judged.hold.chi2, named.hold.chi2) || !leaves(judged.fit.chi2(), named.fit.chi2()) {
         return Ok(None);
     }
     decision.take_back(BELIEF);
     decision.unlisted = true;
-    decision.partial = Some(std::mem::replace(&mut decision.after, decision.before.clone()));
+    decision.partial = Some(std::mem::replace(&mut decision.accepted, decision.stated.clone()));
     decision.ties.clear();
     Ok(Some(curve.into()))
 }

@@ -62,21 +62,21 @@ pub struct Rejected {
 /// Every hypothesis that was weighed but the accepted one.
 pub(super) fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
     let decision = &conclusion.decision;
-    let accepted = &conclusion.after;
+    let accepted = &conclusion.accepted;
     let others = decision.candidates.iter().filter(|c| c.added != accepted.added);
     let why = |c: &ScoredModel| match conclusion.refusal {
-        Some(check) if c.added == decision.after.added => Reason::FailsOnTest { check },
+        Some(check) if c.added == decision.accepted.added => Reason::FailsOnTest { check },
         _ => why(decision, c),
     };
     others.map(|c| Rejected { ids: c.added.clone(), why: why(c) }).collect()
 }
 
 fn why(decision: &Decision, candidate: &ScoredModel) -> Reason {
-    let accepted = &decision.after;
+    let accepted = &decision.accepted;
     let (chi2, accepted_chi2) = (candidate.hold.chi2, accepted.hold.chi2);
     let extra = candidate.added.len().saturating_sub(accepted.added.len());
     if decision.partial.as_ref().is_some_and(|partial| partial.added == candidate.added) {
-        let excess = (decision.before.hold.chi2 - 1.0).max(1e-9);
+        let excess = (decision.stated.hold.chi2 - 1.0).max(1e-9);
         return Reason::TooMuchLeft { share_left: (chi2 - 1.0).max(0.0) / excess };
     }
     let tied = decision.ties.iter().any(|tie| candidate.added.iter().any(|id| tie.contains(id)));

@@ -150,7 +150,7 @@ pub struct Part {
 
 impl BeforeAfter {
     fn of(conclusion: &Conclusion) -> Self {
-        Self { before: FitQuality::of(&conclusion.before.hold), after: FitQuality::of(&conclusion.after.hold) }
+        Self { before: FitQuality::of(&conclusion.stated.hold), after: FitQuality::of(&conclusion.accepted.hold) }
     }
 }
 
@@ -191,10 +191,10 @@ pub(super) fn assemble(
     findings: &[Finding],
 ) -> Diagnosis {
     let verdict = if conclusion.consistent() { Verdict::Consistent } else { Verdict::Mismatch };
-    let quantities = quantities(&conclusion.after.fit);
+    let quantities = quantities(&conclusion.accepted.fit);
     let own = prepared.model.kind.parameters();
     let model = own.iter().filter_map(|p| Some((p.key.to_owned(), quantities.get(p.key)?.clone()))).collect();
-    let share = |part: &ScoredModel| 1.0 - (part.hold.chi2 - 1.0) / (conclusion.before.hold.chi2 - 1.0).max(1e-9);
+    let share = |part: &ScoredModel| 1.0 - (part.hold.chi2 - 1.0) / (conclusion.stated.hold.chi2 - 1.0).max(1e-9);
     Diagnosis {
         schema: "shakedown.diagnosis/1",
         verdict,
@@ -245,7 +245,8 @@ fn named(
         let parameters = remainder.map(of).unwrap_or_default();
         return vec![NamedEffect { id: "unlisted", probability, equation, parameters }];
     }
-    let placed = conclusion.after.fit.model.effects.iter().filter(|p| conclusion.after.added.contains(&p.entry.id));
+    let placed =
+        conclusion.accepted.fit.model.effects.iter().filter(|p| conclusion.accepted.added.contains(&p.entry.id));
     placed
         .map(|placed| {
             let id = placed.entry.id;
@@ -267,7 +268,7 @@ fn named(
 fn candidates(conclusion: &Conclusion) -> Vec<Candidate> {
     let decision = &conclusion.decision;
     // The runs held out were asked of the stated model and the selected one alone.
-    let judged = [Some(&conclusion.before), Some(&conclusion.after), conclusion.partial.as_ref()];
+    let judged = [Some(&conclusion.stated), Some(&conclusion.accepted), conclusion.partial.as_ref()];
     let held_out = |ids: &[&str]| {
         let same = |judged: &&ScoredModel| judged.added == ids;
         judged.into_iter().flatten().find(same).filter(|_| conclusion.held_out).map(|judged| judged.hold.chi2)

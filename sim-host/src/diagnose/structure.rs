@@ -180,7 +180,7 @@ fn fit(rows: &[Row], taken: impl Fn(usize) -> bool) -> Option<DVector<f64>> {
 mod tests {
     use super::*;
     use crate::identify::data::Measured;
-    use crate::plant::simulate::Law;
+    use crate::plant::simulate::SimulatedLaw;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -205,7 +205,7 @@ mod tests {
             ticks: 1,
             input: model.clone(),
             added: Vec::new(),
-            law: Law::Pi { kp: 5.0, ki: 0.0 },
+            law: SimulatedLaw::Pi { kp: 5.0, ki: 0.0 },
             shaping: crate::plant::simulate::Shaping::default(),
             loop_noise: None,
             moving_start: false,

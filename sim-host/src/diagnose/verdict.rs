@@ -27,9 +27,9 @@ const NOTHING: f64 = 0.1;
 #[derive(Debug, Clone)]
 pub struct Conclusion {
     /// The stated model.
-    pub before: ScoredModel,
+    pub stated: ScoredModel,
     /// The model that is handed on: the one with the names or the curve, the stated one where nothing was found.
-    pub after: ScoredModel,
+    pub accepted: ScoredModel,
     /// The best the library can do, where that is not enough for names.
     pub partial: Option<ScoredModel>,
     /// True where no combination of the library explains the mismatch.
@@ -49,22 +49,22 @@ pub struct Conclusion {
 impl Conclusion {
     /// True where the stated model and the recordings agree.
     pub fn consistent(&self) -> bool {
-        !self.unlisted && self.after.added.is_empty()
+        !self.unlisted && self.accepted.added.is_empty()
     }
 
     /// Share of the stated model's excess that the model handed on leaves.
     pub fn left(&self) -> f64 {
-        (self.after.hold.chi2 - 1.0).max(0.0) / (self.before.hold.chi2 - 1.0).max(1e-9)
+        (self.accepted.hold.chi2 - 1.0).max(0.0) / (self.stated.hold.chi2 - 1.0).max(1e-9)
     }
 
     /// True where the runs held out miss what the runs fitted do not show, or refuse what those showed.
     pub(super) fn unforeseen(&self) -> bool {
-        let (fit, held) = (self.after.fit.chi2() - 1.0, self.after.hold.chi2 - 1.0);
-        let hidden = outside(&self.before, &self.after).0 && fit < NOTHING * held;
+        let (fit, held) = (self.accepted.fit.chi2() - 1.0, self.accepted.hold.chi2 - 1.0);
+        let hidden = outside(&self.stated, &self.accepted).0 && fit < NOTHING * held;
         let refused =
             matches!(self.refusal, Some(Refusal::Worse { .. } | Refusal::NoSkill { .. } | Refusal::NoGain { .. }));
         // However little of the mismatch it is: a form that leaves a share of what its effect does leaves it on all runs alike.
-        let more = (self.more_missing || rest_beyond_noise(&self.after)) && fit < NOTHING * held;
+        let more = (self.more_missing || rest_beyond_noise(&self.accepted)) && fit < NOTHING * held;
         self.held_out && (hidden || refused || more)
     }
 }
@@ -79,10 +79,10 @@ pub(super) fn verdict(
 ) -> Result<Conclusion, SimulateError> {
     let (judging, held_out) = test.consume(whole);
     let last = |judged: &ScoredModel| last(judged, (whole, seen), &judging);
-    let before = last(&decision.before)?;
+    let before = last(&decision.stated)?;
     let mut partial = decision.partial.as_ref().map(last).transpose()?;
     let curve = modelled.map(|modelled| last(&modelled.judged)).transpose()?.filter(|c| c.hold.chi2 < before.hold.chi2);
-    let selected = (!decision.after.added.is_empty()).then(|| last(&decision.after)).transpose()?;
+    let selected = (!decision.accepted.added.is_empty()).then(|| last(&decision.accepted)).transpose()?;
     // Names that stand beside a curve are judged with it, and where that fails without it: the curve may be what fails.
     let beside = modelled.filter(|_| decision.more_missing && selected.is_none());
     let with_curve = if beside.is_some() { curve.clone() } else { None };
@@ -143,16 +143,26 @@ pub(super) fn verdict(
     if unlisted && let Some(better) = curve.or(partial.clone().filter(|p| p.hold.chi2 < before.hold.chi2)) {
         after = better;
     }
-    Ok(Conclusion { before, after, partial, unlisted, more_missing, refusal, judging, held_out, decision })
+    Ok(Conclusion {
+        stated: before,
+        accepted: after,
+        partial,
+        unlisted,
+        more_missing,
+        refusal,
+        judging,
+        held_out,
+        decision,
+    })
 }
 
 /// The stated model's standing, for recordings of which nothing else can be said.
 pub(super) fn as_stated(whole: &Prepared, decision: Decision, test: Test) -> Result<Conclusion, SimulateError> {
     let (judging, held_out) = test.consume(whole);
-    let before = ScoredModel { hold: score(&decision.before.fit.model, &judging)?, ..decision.before.clone() };
+    let before = ScoredModel { hold: score(&decision.stated.fit.model, &judging)?, ..decision.stated.clone() };
     Ok(Conclusion {
-        after: before.clone(),
-        before,
+        accepted: before.clone(),
+        stated: before,
         partial: None,
         unlisted: false,
         more_missing: false,

@@ -15,7 +15,7 @@ use signals::Active;
 
 /// A tick as an onlooker sees it who knows the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct TruthSample {
     /// Tick.
     pub tick: usize,
     /// Time, s.
@@ -62,7 +62,7 @@ struct Rig<'a> {
     dice: FaultRng,
     time: f64,
     velocity_before: f64,
-    last: Option<Seen>,
+    last: Option<TruthSample>,
     reference: f32,
     /// Ticks that the table has been at a limit switch.
     at_switch: u32,
@@ -84,7 +84,7 @@ pub struct RigError {
 #[derive(Debug, Clone, Default)]
 pub struct Pair {
     /// The run, until it ends or has stood for a while after a trip.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<TruthSample>,
     /// The table without the fault, m, as long.
     pub without: Vec<f64>,
     /// Where the test without the fault stands.
@@ -120,7 +120,7 @@ pub fn run(case: &Case) -> Result<Pair, RigError> {
 }
 
 impl Pair {
-    fn push(&mut self, seen: Seen, twin: &Seen) {
+    fn push(&mut self, seen: TruthSample, twin: &TruthSample) {
         self.without.push(twin.x);
         self.expected.push(twin.state);
         self.seen.push(seen);
@@ -207,7 +207,7 @@ impl<'a> Rig<'a> {
         }
     }
 
-    fn tick(&mut self, tick: usize) -> Seen {
+    fn tick(&mut self, tick: usize) -> TruthSample {
         for (_, order) in self.case.orders.iter().filter(|(at, _)| *at == tick) {
             // Refused only where the guard has a reason, which is then what the watcher is shown.
             let _ = self.controller.request(*order);
@@ -246,8 +246,8 @@ impl<'a> Rig<'a> {
         }
     }
 
-    fn seen(&self, tick: usize, sample: &Sample, command: &Command, errors: [f64; 2]) -> Seen {
-        Seen {
+    fn seen(&self, tick: usize, sample: &Sample, command: &Command, errors: [f64; 2]) -> TruthSample {
+        TruthSample {
             tick,
             time: self.time,
             x: self.machine.x,

@@ -6,7 +6,7 @@ mod reach;
 
 use super::case::Case;
 use super::class::{Clock, Fault, HIDDEN, Promise};
-use super::rig::{self, Pair, RigError, Seen};
+use super::rig::{self, Pair, RigError, TruthSample};
 use measures::{Lately, Outrun, Shaken, Stands, Unexplained};
 pub(super) use reach::softened;
 use reach::{farthest, told_by_command};
@@ -102,7 +102,7 @@ struct Watcher<'a> {
 }
 
 /// What the device says of the fault, if anything: a trip, or a test that is not where it would be.
-fn report(seen: &Seen, expected: State) -> Option<String> {
+fn report(seen: &TruthSample, expected: State) -> Option<String> {
     let faded =
         matches!(seen.state, State::RampDown | State::Ready | State::Hold | State::Off) && seen.state != expected;
     seen.trip.map(|trip| format!("{trip:?}")).or_else(|| faded.then(|| "faded".into()))
@@ -151,7 +151,7 @@ impl<'a> Watcher<'a> {
     }
 
     /// Whether the run goes on.
-    fn see(&mut self, seen: &Seen) -> bool {
+    fn see(&mut self, seen: &TruthSample) -> bool {
         let before = self.now;
         self.now = seen.time;
         self.lately.see(seen, self.case);
@@ -197,14 +197,14 @@ impl<'a> Watcher<'a> {
 
     /// How far the table is from where it would have been, and from where the device says that it is to be, m: a test that is modified
     /// more than it would have been is reported as such. A guard in front of an existing controller knows no reference.
-    fn off(&self, seen: &Seen) -> f64 {
+    fn off(&self, seen: &TruthSample) -> f64 {
         let from = |place: f64| (seen.x - place).abs();
         let twin = from(self.pair.without.get(seen.tick).copied().unwrap_or(seen.x));
         if self.case.settings.mode == Mode::Guard { twin } else { twin.min(from(seen.reference)) }
     }
 
     /// Looks whether the clock of the class starts at this tick.
-    fn clock(&mut self, seen: &Seen, before: f64, off: f64) {
+    fn clock(&mut self, seen: &TruthSample, before: f64, off: f64) {
         if seen.acceleration_error.is_finite() {
             // The mean over 50 ms.
             self.mean_error += (seen.acceleration_error - self.mean_error) / (0.05 * self.rate);

@@ -1,7 +1,7 @@
 //! Runs as a fit sees them: the input that drives the simulation and the channels it is compared with.
 
 use crate::motion::filter::Cascade;
-use crate::plant::simulate::{Law, MeasuredMotion, Shaping};
+use crate::plant::simulate::{MeasuredMotion, Shaping, SimulatedLaw};
 use crate::recording;
 
 /// A channel a simulation is compared with.
@@ -97,12 +97,12 @@ pub struct Run {
     pub from: f64,
     /// Controller ticks a sample.
     pub ticks: usize,
-    /// Reference displacement, m; the command where the law is [`Law::Recorded`].
+    /// Reference displacement, m; the command where the law is [`SimulatedLaw::Recorded`].
     pub input: Vec<f64>,
     /// Declared additions to the command, one a sample; empty for none.
     pub added: Vec<f64>,
     /// The controller that ran.
-    pub law: Law,
+    pub law: SimulatedLaw,
     /// What surrounds that controller.
     pub shaping: Shaping,
     /// Standard deviation of the displacement noise that the controller saw, m; that of the channel where it is none.

@@ -11,7 +11,7 @@ use crate::motion::filter::{Cascade, Edge};
 use crate::plant::effects::Role;
 use crate::plant::model::Baseline;
 use crate::plant::simulate::{
-    Drive, EffectParameters, SimulateError, Start, Trace, Wanted, balance, effect_states, simulate,
+    EffectParameters, Excitation, SimulateError, Start, Trace, Wanted, balance, effect_states, simulate,
 };
 use crate::scalar::{Dual, Scalar};
 pub(super) use sums::Rows;
@@ -165,7 +165,7 @@ fn trace<S: Scalar>(
     }
     let shown = || run.channel(Channel::Displacement).map_or(0.0, |m| m.noise);
     let sensor_noise = run.loop_noise.unwrap_or_else(shown);
-    let drive = Drive {
+    let drive = Excitation {
         dt: run.dt,
         ticks: run.ticks,
         input: &run.input,

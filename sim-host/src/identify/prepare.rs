@@ -10,7 +10,7 @@ use super::shift::earlier;
 use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Role, entry, regional};
 use crate::plant::model::Kind;
-use crate::plant::simulate::{Law, MeasuredMotion};
+use crate::plant::simulate::{MeasuredMotion, SimulatedLaw};
 use crate::recording::bridge::bridged;
 use crate::recording::check::Skew;
 use crate::recording::{self, Experiment, Use};
@@ -161,11 +161,11 @@ fn own_value(given: Option<f64>, positive: bool, free: bool, signal_scales: &Sig
 }
 
 fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording::Run]) -> Result<Run, PrepareError> {
-    use recording::{Channel as C, Law as L};
+    use recording::{Channel as C, RecordedLaw as L};
     let law = match run.law {
-        L::Open => Law::Recorded,
-        L::ProportionalIntegral { kp, ki } => Law::Pi { kp, ki },
-        L::Cascade { kp, kv } => Law::Cascade { kp, kv },
+        L::Open => SimulatedLaw::Recorded,
+        L::ProportionalIntegral { kp, ki } => SimulatedLaw::Pi { kp, ki },
+        L::Cascade { kp, kv } => SimulatedLaw::Cascade { kp, kv },
         L::Core { .. } => return Err(PrepareError::CoreController { run: run.name.clone() }),
     };
     let driver = if law.simulates_reference() { C::Reference } else { C::Command };
@@ -240,7 +240,7 @@ fn motion_of(run: &recording::Run) -> Result<MeasuredMotion, PrepareError> {
 /// own balance: what that balance lacks is far more than any sensor's noise, and feedback hides it from the position.
 fn measured(
     run: &recording::Run,
-    law: Law,
+    law: SimulatedLaw,
     baseline: &recording::Baseline,
     floors: &recording::PerChannel<f64>,
 ) -> Result<Vec<Measured>, PrepareError> {

@@ -2,7 +2,7 @@
 
 use super::data::{Channel, Run};
 use crate::plant::effects::SignalScale;
-use crate::plant::simulate::Law;
+use crate::plant::simulate::SimulatedLaw;
 
 /// Time over which the rate of a command is taken, s.
 const SPAN: f64 = 0.004;
@@ -102,8 +102,8 @@ fn command(run: &Run) -> Option<Vec<f64>> {
     let shown = &run.channel(Channel::Displacement)?.values;
     let errors = run.input.iter().zip(shown).map(|(reference, x)| reference - x);
     match run.law {
-        Law::Recorded => Some(run.input.clone()),
-        Law::Pi { kp, ki } => {
+        SimulatedLaw::Recorded => Some(run.input.clone()),
+        SimulatedLaw::Pi { kp, ki } => {
             let mut sum = 0.0;
             let of = |error: f64| {
                 sum += if error.is_finite() { error * run.dt } else { 0.0 };
@@ -111,7 +111,7 @@ fn command(run: &Run) -> Option<Vec<f64>> {
             };
             Some(errors.map(of).collect())
         }
-        Law::Cascade { kp, kv } => {
+        SimulatedLaw::Cascade { kp, kv } => {
             let rate = |k: usize| if k == 0 { 0.0 } else { (shown[k] - shown[k - 1]) / run.dt };
             Some(errors.enumerate().map(|(k, error)| kv * (kp * error - rate(k))).collect())
         }

@@ -10,7 +10,7 @@ use super::frequency::multitaper::multitaper;
 use super::frequency::transfer::{Order, Trial, choose};
 use super::frequency::{Response, ResponseError};
 use crate::motion::filter::Edge;
-use crate::plant::simulate::Law;
+use crate::plant::simulate::SimulatedLaw;
 use crate::recording::signal::filled;
 
 /// Windows of the response.
@@ -82,7 +82,9 @@ fn pair(run: &Run, output: Channel) -> Option<Pair> {
     let motion = filled(&run.channel(output)?.values);
     let command = match run.law {
         // What is compared was low-passed, so what drives has to be.
-        Law::Recorded => run.filter.as_ref().map_or(run.input.clone(), |f| f.zero_phase(&run.input, Edge::Hold)),
+        SimulatedLaw::Recorded => {
+            run.filter.as_ref().map_or(run.input.clone(), |f| f.zero_phase(&run.input, Edge::Hold))
+        }
         _ => filled(&run.channel(Channel::Command)?.values),
     };
     Some((command, motion))
@@ -118,7 +120,7 @@ mod tests {
             ticks: 1,
             input: (0..n).map(|k| (0..40).map(|i| tone(k, i)).sum()).collect(),
             added: Vec::new(),
-            law: Law::Recorded,
+            law: SimulatedLaw::Recorded,
             shaping: crate::plant::simulate::Shaping::default(),
             loop_noise: None,
             moving_start: false,

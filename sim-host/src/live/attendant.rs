@@ -8,7 +8,7 @@ use shakedown_core::link::{DeviceHealth, HostRequest, Report, Setup, Source};
 
 use super::bench::{Answer, BenchError, Facts, Phase};
 use crate::device::{
-    Drive, DriveError, Kept, Line, LinkClient, Progress, ProofTest, Recorder, SessionError, Telemetry,
+    DriveError, Kept, Line, LinkClient, Progress, ProofTest, Recorder, SessionError, Telemetry, TestRunner,
 };
 
 mod arming;
@@ -49,7 +49,7 @@ pub struct Attendant<L> {
     facts: Facts,
     setup: Setup,
     storage: Storage,
-    drive: Option<Drive>,
+    drive: Option<TestRunner>,
     recorder: Option<Recorder>,
     arming: Arming,
     vitals: Option<DeviceHealth>,
@@ -221,8 +221,8 @@ impl<L: Line> Attendant<L> {
             self.recorder = Some(recorder.map_err(|e| e.to_string())?);
         }
         let drive = match self.storage.attended {
-            Some(time) if self.setup.wiring.source == Source::Analog => Drive::attended(None, time),
-            _ => Drive::new(None, self.storage.reference.clone()),
+            Some(time) if self.setup.wiring.source == Source::Analog => TestRunner::attended(None, time),
+            _ => TestRunner::new(None, self.storage.reference.clone()),
         };
         self.drive = Some(drive.operated());
         self.gone = 0;
@@ -256,7 +256,7 @@ impl<L: Line> Attendant<L> {
         match &mut self.drive {
             Some(drive) => drive.end(),
             None if at_rest => return self.say("nothing is under way; the relay is open"),
-            None => self.drive = Some(Drive::closing()),
+            None => self.drive = Some(TestRunner::closing()),
         }
         self.stopping = true;
         self.say("stopping");

@@ -17,7 +17,7 @@ use crate::scalar::Scalar;
 pub(crate) use balance::{MeasuredMotion, balance};
 use dynamics::{Dynamics, STATES};
 pub(crate) use law::NotchFilter;
-pub use law::{Law, Notch, Shaping};
+pub use law::{Notch, Shaping, SimulatedLaw};
 use sample::Sample;
 
 /// Longest integration step, s.
@@ -34,18 +34,18 @@ pub(super) const MOST_STEPS: f64 = 12.0;
 
 /// What drives a simulated run.
 #[derive(Debug, Clone, Copy)]
-pub struct Drive<'a> {
+pub struct Excitation<'a> {
     /// Sampling period, s.
     pub dt: f64,
     /// Controller ticks in one sample.
     pub ticks: usize,
-    /// Reference displacement at each sample, m; the command itself where the law is [`Law::Recorded`].
+    /// Reference displacement at each sample, m; the command itself where the law is [`SimulatedLaw::Recorded`].
     pub input: &'a [f64],
     /// Known increments added to what the controller sends, one for each sample; empty for none. The command that a
     /// trace shows holds them, as the recorded one does.
     pub added: &'a [f64],
     /// The controller that ran.
-    pub law: Law,
+    pub law: SimulatedLaw,
     /// What surrounds it.
     pub shaping: Shaping,
     /// Standard deviation of the displacement sensor's noise, m, which the controller passes on to the command.
@@ -140,14 +140,14 @@ pub enum SimulateError {
 pub fn simulate<S: Scalar>(
     baseline: &Baseline<S>,
     effects: &[EffectParameters<S>],
-    drive: &Drive,
+    drive: &Excitation,
     start: &Start<S>,
 ) -> Result<Trace<S>, SimulateError> {
     Ok(run(Dynamics::new(baseline, effects)?, drive, start, true))
 }
 
 /// Runs a plant; `matrices` lets linear stretches be taken by [`linear`], which changes no more than rounding.
-fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, matrices: bool) -> Trace<S> {
+fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Excitation, start: &Start<S>, matrices: bool) -> Trace<S> {
     dynamics.shake(&drive.law.noise(drive.sensor_noise, drive.dt / drive.ticks as f64));
     let mut state = dynamics.rest(start);
     let (n, wanted) = (drive.input.len(), drive.wanted);
@@ -182,7 +182,7 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Drive, start: &Start<S>, ma
 
 /// Integration steps in one controller tick: no longer than [`LONGEST_STEP`], short enough for the fastest equation up to
 /// [`MOST_STEPS`], in any case short enough to be stable, and even in number where an effect advances with whole steps.
-fn substeps(drive: &Drive, (fastest, stiffest): (f64, f64), whole: bool) -> usize {
+fn substeps(drive: &Excitation, (fastest, stiffest): (f64, f64), whole: bool) -> usize {
     let tick = drive.dt / drive.ticks as f64;
     let longest = LONGEST_STEP.min(RESOLVED / fastest.max(1e-9));
     let steps = ((tick / longest) - 1e-9).ceil().clamp(1.0, MOST_STEPS).max((tick * stiffest / STABLE).ceil()) as usize;

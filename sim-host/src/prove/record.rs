@@ -3,7 +3,9 @@
 mod reply;
 mod truth;
 
-pub use reply::{Candidate, Estimate, Fit, Found, Holdout, Location, Named, Region, Remainder, Reply, Stretch};
+pub use reply::{
+    Candidate, Estimate, Found, Holdout, HoldoutScore, Location, Named, Region, Remainder, Reply, Stretch,
+};
 pub use truth::{Misstated, TrueEffect, TrueLocation, TrueRegion, Truth};
 
 use serde::{Deserialize, Serialize};

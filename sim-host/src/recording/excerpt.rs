@@ -48,11 +48,11 @@ fn strongest(run: &Run, length: usize) -> Run {
 mod tests {
     use super::*;
     use crate::recording::doubt::tests::experiment;
-    use crate::recording::law::{Law, Shaping};
+    use crate::recording::law::{RecordedLaw, Shaping};
 
     #[test]
     fn the_stretch_with_the_most_motion_is_kept() {
-        let mut experiment = experiment(&Law::ProportionalIntegral { kp: 2.0, ki: 0.5 }, Shaping::default(), 1);
+        let mut experiment = experiment(&RecordedLaw::ProportionalIntegral { kp: 2.0, ki: 0.5 }, Shaping::default(), 1);
         let run = &mut experiment.runs[0];
         let mut quiet = run.channel(Channel::Reference).unwrap().to_vec();
         // Swells and fades: a step would be the strongest motion of all.

@@ -6,7 +6,7 @@ use super::document::read_text;
 use super::document::{Section, Source, parse};
 use super::error::{Place, Problem, RecordingError};
 use super::holdout::{HeldBack, assign};
-use super::law::{Law, Shaping};
+use super::law::{RecordedLaw, Shaping};
 use super::model::{Baseline, Model};
 use super::run::{Run, Use};
 use crate::files::layout::Stated;
@@ -45,7 +45,7 @@ pub struct Experiment {
 #[derive(Debug, Clone)]
 struct RunEntry {
     file: String,
-    law: Law,
+    law: RecordedLaw,
     shaping: Shaping,
     controller_rate_hz: Option<f64>,
     stated: Option<Use>,
@@ -118,7 +118,7 @@ fn stem(path: &Path) -> String {
 
 fn add_inputs(inputs: &mut Vec<PathBuf>, run: &Run) {
     let settings = match &run.law {
-        Law::Core { path, .. } => Some(path.clone()),
+        RecordedLaw::Core { path, .. } => Some(path.clone()),
         _ => None,
     };
     for path in std::iter::once(run.path.clone()).chain(settings) {
@@ -144,8 +144,8 @@ fn places_of(entries: Vec<RunEntry>) -> Vec<Place> {
 
 fn run_entry(section: &Section<'_>, folder: &Path) -> Result<RunEntry, RecordingError> {
     let file = section.required("file", "name the recording, relative to the experiment")?;
-    let none = || Ok((Law::Open, Shaping::default()));
-    let (law, shaping) = section.get("controller").map_or_else(none, |e| Law::read(&e, folder))?;
+    let none = || Ok((RecordedLaw::Open, Shaping::default()));
+    let (law, shaping) = section.get("controller").map_or_else(none, |e| RecordedLaw::read(&e, folder))?;
     let entry = RunEntry {
         file: file.string()?.to_owned(),
         law,
@@ -201,7 +201,7 @@ fn purpose(entry: &super::document::Entry<'_>) -> Result<Use, RecordingError> {
 /// Refuses an experiment without the channels that its model and its controller take.
 fn check_needs(
     model: &Model,
-    law: &Law,
+    law: &RecordedLaw,
     sources: &PerChannel<ChannelSource>,
     place: &Place,
 ) -> Result<(), RecordingError> {
@@ -217,10 +217,10 @@ fn check_needs(
         return Ok(());
     }
     match law {
-        Law::Open if missing(Channel::Command) => {
+        RecordedLaw::Open if missing(Channel::Command) => {
             return refuse("command", "no controller is given, so the recorded command must drive the model");
         }
-        Law::Open => {}
+        RecordedLaw::Open => {}
         _ if missing(Channel::Reference) => {
             return refuse("reference", "the simulation closes the loop from it; without it leave `controller` out");
         }

@@ -90,7 +90,7 @@ fn before_rest(run: &Run, third: usize) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::recording::clock::Clock;
-    use crate::recording::{Law, PerChannel};
+    use crate::recording::{PerChannel, RecordedLaw};
     use Use::{Fit, HoldOut};
 
     fn run(n: usize) -> Run {
@@ -102,7 +102,7 @@ mod tests {
             channels: PerChannel::default(),
             noise: PerChannel::default(),
             loop_noise: None,
-            law: Law::Open,
+            law: RecordedLaw::Open,
             shaping: crate::recording::Shaping::default(),
             controller_rate_hz: None,
             purpose: Fit,

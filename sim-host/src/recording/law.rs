@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The loop that ran; a simulation closes the same loop from the reference.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Law {
+pub enum RecordedLaw {
     /// No controller: the recorded command drives the model.
     Open,
     /// `u[k] = kp e[k] + ki dt (e[0] + ... + e[k])`, plain: no anti-windup, no limits.
@@ -35,7 +35,7 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl RecordedLaw {
     /// Reads a run's `controller`, with what surrounds it; a settings file is looked for beside the experiment.
     pub(crate) fn read(entry: &Entry<'_>, folder: &Path) -> Result<(Self, Shaping), RecordingError> {
         const CHOICES: &str = "{ kp, ki }, { kind = \"cascade\", kp, kv }, { core = \"settings.toml\" }, \"none\"";

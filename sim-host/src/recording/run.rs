@@ -2,7 +2,7 @@
 
 use super::channel::{Channel, PerChannel};
 use super::clock::Clock;
-use super::law::{Law, Shaping};
+use super::law::{RecordedLaw, Shaping};
 use super::signal::filled;
 use std::path::PathBuf;
 
@@ -33,7 +33,7 @@ pub struct Run {
     /// Stated standard deviation of the displacement noise that the controller saw, m; that of the channel where it is none.
     pub loop_noise: Option<f64>,
     /// The controller that ran.
-    pub law: Law,
+    pub law: RecordedLaw,
     /// What surrounds it.
     pub shaping: Shaping,
     /// Rate of that controller, Hz; the recording's where the experiment does not say.
@@ -63,7 +63,7 @@ impl Run {
     /// True where the reference and the stated controller drive a simulation: the recorded displacement and command are then compared
     /// and nothing else.
     pub(crate) fn simulates_its_loop(&self) -> bool {
-        self.law != Law::Open && self.channel(Channel::Reference).is_some()
+        self.law != RecordedLaw::Open && self.channel(Channel::Reference).is_some()
     }
 
     /// A channel's samples in SI.

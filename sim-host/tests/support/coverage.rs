@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use shakedown::blocks::identify::{
     Channel, Effort, Fit, Local, Measured, Model, ModelEffect, NINETY, Run, SignalScales, Value, predict, profiles,
 };
-use shakedown::blocks::plant::{Kind, Law, entry};
+use shakedown::blocks::plant::{Kind, SimulatedLaw, entry};
 
 const DT: f64 = 0.005;
 const SECONDS: f64 = 15.0;
@@ -83,7 +83,7 @@ fn run(number: i32) -> Run {
         ticks: 1,
         input: input.collect(),
         added: Vec::new(),
-        law: Law::Pi { kp: 8.0, ki: 1.0 },
+        law: SimulatedLaw::Pi { kp: 8.0, ki: 1.0 },
         shaping: shakedown::blocks::plant::Shaping::default(),
         loop_noise: None,
         moving_start: false,

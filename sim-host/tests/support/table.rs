@@ -1,6 +1,8 @@
 //! Runs of the paper's table with effects, by the library's own simulation, with noise that is the same wherever it runs.
 
-use shakedown::blocks::plant::{Baseline, Drive, EffectParameters, Law, Shaping, Start, Wanted, simulate};
+use shakedown::blocks::plant::{
+    Baseline, EffectParameters, Excitation, Shaping, SimulatedLaw, Start, Wanted, simulate,
+};
 use std::fmt::Write as _;
 
 /// Numbers between -1 and 1, four summed, nearly normal; the same wherever this runs.
@@ -42,12 +44,12 @@ fn reference(seed: u64) -> Vec<f64> {
 pub(crate) fn recorded(b0: f64, effects: &[EffectParameters<f64>], seed: u64) -> String {
     let baseline = Baseline::Servo { b1: 0.69, b0, a1: 57.65, velocity_limit: 0.242 };
     let (reference, dt) = (reference(seed), 1.0 / RATE);
-    let drive = Drive {
+    let drive = Excitation {
         dt,
         ticks: 1,
         input: &reference,
         added: &[],
-        law: Law::Pi { kp: 3.7, ki: 0.6 },
+        law: SimulatedLaw::Pi { kp: 3.7, ki: 0.6 },
         shaping: Shaping::default(),
         sensor_noise: 0.0,
         wanted: Wanted::ALL,

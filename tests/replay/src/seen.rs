@@ -1,6 +1,6 @@
-//! The world around the emulated board: the bench at its converters, a host's [`Drive`] at its line.
+//! The world around the emulated board: the bench at its converters, a host's [`TestRunner`] at its line.
 
-use shakedown::device::{Drive, DriveError, LinkClient, Progress};
+use shakedown::device::{DriveError, LinkClient, Progress, TestRunner};
 use shakedown_core::link::{Setup, StopCause};
 
 use crate::bench::Bench;
@@ -30,7 +30,7 @@ pub struct Seen {
     /// The table.
     pub bench: Bench,
     /// The host's side of the run.
-    pub drive: Drive,
+    pub drive: TestRunner,
     /// Its end of the line.
     pub talker: LinkClient,
     /// By tick.
@@ -81,7 +81,7 @@ impl Seen {
         let limit = record.len() + 30_000;
         Self {
             bench: Bench::new(setup, record.clone()),
-            drive: Drive::new(Some(setup), record),
+            drive: TestRunner::new(Some(setup), record),
             talker: LinkClient::new(),
             codes: Vec::new(),
             instructions: Vec::new(),

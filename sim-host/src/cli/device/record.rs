@@ -7,7 +7,7 @@ use crate::cli::output::{Outputs, print};
 use crate::cli::reference::resampled;
 use crate::cli::unseen::say_unseen;
 use crate::cli::{Failure, progress};
-use crate::device::{Drive, Kept, PROOF_TEST, Port, Recorder, RecorderError, Session};
+use crate::device::{Kept, PROOF_TEST, Port, Recorder, RecorderError, Session, TestRunner};
 use crate::files::Unfinished;
 use serde_json::{Value, json};
 use shakedown_core::link::{Setup, Source};
@@ -58,7 +58,7 @@ pub(super) struct Run {
 
 /// What a run plays, what that is counted in, and how many of them there are.
 struct Planned {
-    drive: Drive,
+    drive: TestRunner,
     what: &'static str,
     total: u64,
 }
@@ -106,14 +106,14 @@ impl Run {
             (Some(file), _, Source::Streamed | Source::Rehearsal) => {
                 let record = resampled(file, &self.column, f64::from(setup.control.rate))?;
                 let total = record.len() as u64;
-                Ok(Planned { drive: Drive::new(new, record), what: "points", total })
+                Ok(Planned { drive: TestRunner::new(new, record), what: "points", total })
             }
             (None, Some(seconds), Source::Analog) => {
                 let time =
                     Duration::try_from_secs_f64(seconds).ok().filter(|time| (1..=DAY).contains(&time.as_millis()));
                 let wrong = || Failure::Input(format!("--seconds {seconds}: between 0.001 and 86400, please"));
                 let total = time.ok_or_else(wrong)?.as_millis() as u64;
-                Ok(Planned { drive: Drive::attended(new, total), what: "ms", total })
+                Ok(Planned { drive: TestRunner::attended(new, total), what: "ms", total })
             }
             (Some(file), _, Source::Analog) => Err(Failure::Input(format!(
                 "{}: the device takes its reference from its converter and would not play it; set `wiring.source = \"streamed\"` in \

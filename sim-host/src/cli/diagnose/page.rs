@@ -204,7 +204,7 @@ pub(in super::super) fn parameters(effect: &NamedEffect) -> Option<Table> {
 
 /// The model's own values that were fitted.
 fn refitted(examined: &Examined) -> BTreeMap<String, Quantity> {
-    let model = &examined.conclusion.after.fit.model;
+    let model = &examined.conclusion.accepted.fit.model;
     let free = |key: &str| model.kind.parameters().iter().zip(&model.own).any(|(p, v)| p.key == key && v.free);
     examined.diagnosis.model.iter().filter(|(key, _)| free(key)).map(|(key, q)| (key.clone(), q.clone())).collect()
 }
@@ -268,7 +268,7 @@ pub(in super::super) fn predicted(examined: &Examined) -> Section {
     for (i, run) in examined.judging_runs().iter().enumerate() {
         for (j, measured) in run.measured.iter().enumerate() {
             let of = |judged: &crate::diagnose::judged::ScoredModel| judged.hold.predicted[i].channels[j].clone();
-            let (before, after) = (of(&examined.conclusion.before), of(&examined.conclusion.after));
+            let (before, after) = (of(&examined.conclusion.stated), of(&examined.conclusion.accepted));
             if before.iter().all(|v| v.is_nan()) {
                 continue;
             }

@@ -25,7 +25,7 @@ pub(super) fn section(examined: &Examined) -> Section {
         items.push(Item::Text(format!("In the signal path: {}.", blocks.join(", "))));
     }
     items.extend(traces::location(location).into_iter().map(Item::Table));
-    let fit = &examined.conclusion.before.fit;
+    let fit = &examined.conclusion.stated.fit;
     let runs = &examined.prepared.fit;
     for name in most_telling(&location.time, runs) {
         let Some((run, local)) = runs.iter().zip(&fit.locals).find(|(run, _)| run.name == name) else { continue };

@@ -1,7 +1,7 @@
 //! What a campaign of faults, or one run of it, looks like.
 
 use crate::faults::case::Case;
-use crate::faults::rig::{Pair, Seen};
+use crate::faults::rig::{Pair, TruthSample};
 use crate::faults::summary::Row;
 use crate::faults::watcher::{MARGIN, Outcome, STROKE, Violation};
 use crate::faults::{Beside, Summary};
@@ -195,7 +195,7 @@ pub(super) fn run_page(case: &Case, pair: &Pair, table: Table) -> Page {
     let time: Vec<f64> = seen.iter().map(|s| s.time).collect();
     let onset = time.get(case.onset).copied().unwrap_or(0.0);
     let end = time.last().copied().unwrap_or(0.0);
-    let series = |name: &str, style, of: &dyn Fn(&Seen) -> f64| Series {
+    let series = |name: &str, style, of: &dyn Fn(&TruthSample) -> f64| Series {
         name: name.into(),
         x: time.clone(),
         y: seen.iter().map(of).collect(),

@@ -5,7 +5,7 @@ use super::super::histories::{self, Opening};
 use super::super::indices;
 use super::Outcome;
 use crate::closed_loop::scenario::Scenario;
-use crate::closed_loop::trial::{Scores, Seen, Setup, TrialError};
+use crate::closed_loop::trial::{ScoredSignal, Scores, Setup, TrialError};
 use crate::motion::spectrum::{periods, response_spectrum};
 use crate::plant::sensors::GRAVITY;
 use crate::recording::Described;
@@ -178,7 +178,7 @@ fn figures(outcome: &Outcome) -> Table {
 fn spectra(outcome: &Outcome) -> Result<Plot, Failure> {
     let failed = |e: String| Failure::Work(format!("run: spectra: {e}"));
     let periods = periods(0.05, 5.0, 80);
-    let response = outcome.ideal.response(Seen::Truly).map_err(|e| failed(e.to_string()))?;
+    let response = outcome.ideal.response(ScoredSignal::Truly).map_err(|e| failed(e.to_string()))?;
     let spectrum = |a: &[f64]| {
         response_spectrum(a, response.dt, 0.05, &periods).map(|s| s.s_a_in_g()).map_err(|e| failed(e.to_string()))
     };

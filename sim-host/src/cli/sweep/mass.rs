@@ -4,7 +4,7 @@ use super::super::present::Part;
 use super::super::{Failure, progress};
 use super::bode::{self, RATE};
 use crate::closed_loop::bode::{Curve, Grid, farthest_apart, survey};
-use crate::closed_loop::published::Gains;
+use crate::closed_loop::published::PublishedGains;
 use crate::closed_loop::{Clock, ClosedLoopError, named};
 use crate::plant::oil_column::{Column, Loaded};
 use crate::plant::paper::Paper;
@@ -49,7 +49,7 @@ pub(super) fn run(args: &bode::Args) -> Result<Part, Failure> {
 
 fn measure(mass: f64, grid: &Grid, done: impl Fn() + Sync) -> Result<Curve, ClosedLoopError> {
     let clock = Clock::new(RATE, 10)?;
-    let unity = Gains { displacement: (1.0, 0.0), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };
+    let unity = PublishedGains { displacement: (1.0, 0.0), acceleration: (0.0, 0.0), velocity: (0.0, 0.0) };
     let settings = named::settings(unity, RATE);
     let column = Column::usual(mass);
     let make = || Ok((Loaded::new(Paper::default(), column, clock.plant_step())?, Controller::new(&settings)?));

@@ -6,7 +6,7 @@
 //! settings is tried at every bandwidth. They compute in `f64`, so that rounding is not held against them.
 
 use super::super::design::Table;
-use super::super::{Actuation, Law, Measured};
+use super::super::{Actuation, ControlLaw, Measured};
 use nalgebra::{DMatrix, DVector};
 use shakedown_core::blocks::filter::{MotionObserver, MotionState};
 use std::f64::consts::TAU;
@@ -83,7 +83,7 @@ impl ThreeVariable {
     }
 }
 
-impl Law for ThreeVariable {
+impl ControlLaw for ThreeVariable {
     fn step(&mut self, m: &Measured) -> Actuation {
         let [x, v, a] = self.eyes.look(m);
         let jerk = (m.reference_acceleration - self.before) * self.rate;
@@ -197,7 +197,7 @@ fn regulator(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: f64) -> DV
     gain.row(0).transpose()
 }
 
-impl Law for Lqi {
+impl ControlLaw for Lqi {
     fn step(&mut self, m: &Measured) -> Actuation {
         let [x, v, a] = self.eyes.look(m);
         let error = m.reference - x;
@@ -249,7 +249,7 @@ impl Adrc {
     }
 }
 
-impl Law for Adrc {
+impl ControlLaw for Adrc {
     fn step(&mut self, m: &Measured) -> Actuation {
         let ([z1, z2, z3], w, dt) = (self.state, self.observer, self.dt);
         let predicted = z1 + dt * z2;

@@ -5,10 +5,10 @@
 //! taken out, so that all rows are held against the same instant.
 
 use super::super::published::{Event, Named};
-use super::super::trial::{Scores, Seen, Setup, Trial, TrialError};
+use super::super::trial::{ScoredSignal, Scores, Setup, Trial, TrialError};
 use super::super::twin::Twin;
 use super::Case;
-use crate::motion::fit::named::Fit;
+use crate::motion::fit::named::RecordFit;
 use rayon::prelude::*;
 
 /// The fits that have a row, `None` being the record as it is.
@@ -56,12 +56,12 @@ pub fn rows(cases: &[Case], table: &Twin, done: impl Fn() + Sync) -> Result<Vec<
 
 fn row(case: &Case, fit: Option<&'static str>, table: &Twin) -> Result<FittedRow, TrialError> {
     let setup = Setup { table: table.clone(), ..Setup::paper(Named::Strong) };
-    let given = match fit.and_then(Fit::parse) {
+    let given = match fit.and_then(RecordFit::parse) {
         None => case.motion.clone(),
         Some(fit) => fit.apply(&case.motion, setup.table.velocity_limit(), f64::from(setup.settings.stroke), |_| {})?,
     };
     let trial = setup.play(&given)?.fitted_from(&case.motion);
-    let whole = trial.scores(Seen::Truly, None)?;
+    let whole = trial.scores(ScoredSignal::Truly, None)?;
     Ok(FittedRow { event: case.event, fit, whole, reached: reached(&trial), spike: spike(&trial) })
 }
 

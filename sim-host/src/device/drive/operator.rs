@@ -1,7 +1,7 @@
 //! A run in an operator's hands: armed, started, held and ended by a person and not by the record alone.
 
 use super::step::Step;
-use super::{Drive, Play};
+use super::{Play, TestRunner};
 
 /// What an operator decides during a run; a run that nobody operates starts when it can and never holds.
 #[derive(Debug, Clone, Copy, Default)]
@@ -14,7 +14,7 @@ pub(super) struct Operator {
     pub(super) hold: bool,
 }
 
-impl Drive {
+impl TestRunner {
     /// Ends whatever test the device is in, one that another host began included: stops it, waits for the stand, disarms.
     pub fn closing() -> Self {
         let operator = Operator { present: true, ..Operator::default() };

@@ -9,7 +9,7 @@ const KP: f64 = 30.0;
 
 /// A proportional loop around that table, 200 Hz.
 fn pattern() -> Run {
-    Run { law: Law::Pi { kp: KP, ki: 0.0 }, ..recorded(&model(TRUTH), 1) }
+    Run { law: SimulatedLaw::Pi { kp: KP, ki: 0.0 }, ..recorded(&model(TRUTH), 1) }
 }
 
 fn with(id: &str, values: &[f64]) -> Model {

@@ -1,7 +1,7 @@
 //! Another reading of what was stated of the set-up, put into the runs for a trial and into the experiment where it holds.
 
 use crate::identify::data::{Channel, Run};
-use crate::plant::simulate::Law;
+use crate::plant::simulate::SimulatedLaw;
 use crate::recording::signal::shifted;
 use crate::recording::{self, Doubt, Experiment, SetUpFinding};
 
@@ -44,7 +44,7 @@ impl Reading {
                     }
                 }
                 Self::Integral(factor) => {
-                    if let Law::Pi { ki, .. } = &mut run.law {
+                    if let SimulatedLaw::Pi { ki, .. } = &mut run.law {
                         *ki *= factor;
                     }
                 }
@@ -65,7 +65,7 @@ impl Reading {
                 Self::LateReference(by) => shift(run, recording::Channel::Reference, |series| shifted(series, *by)),
                 Self::Late(channel, by) => shift(run, channel.recorded(), |series| at_its_time(series, *by)),
                 Self::Integral(factor) => {
-                    if let recording::Law::ProportionalIntegral { ki, .. } = &mut run.law {
+                    if let recording::RecordedLaw::ProportionalIntegral { ki, .. } = &mut run.law {
                         *ki *= factor;
                     }
                 }
@@ -83,7 +83,7 @@ impl Reading {
             Self::LateReference(by) => late(recording::Channel::Reference, *by),
             Self::Late(channel, by) => late(channel.recorded(), *by),
             Self::Integral(factor) => match run.law {
-                recording::Law::ProportionalIntegral { ki, .. } => {
+                recording::RecordedLaw::ProportionalIntegral { ki, .. } => {
                     Some(SetUpFinding::gain(Doubt::ControllerKi, ki, factor * ki, "unit of u per m s"))
                 }
                 _ => None,

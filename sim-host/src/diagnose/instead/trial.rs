@@ -8,7 +8,7 @@ use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::score_beside;
 use crate::identify::model::Model;
 use crate::identify::stated::expect_near_stated;
-use crate::plant::simulate::{Law, SimulateError};
+use crate::plant::simulate::{SimulateError, SimulatedLaw};
 
 /// Trials of an integral gain, as shares of it: the first two on either side of what was stated, the others from a parabola.
 const TRIALS: usize = 3;
@@ -88,7 +88,7 @@ fn fitted(
 /// A model with the integral gain that fits best, where the command does not say what it was.
 pub(super) fn integral(base: &Base<'_>, examined: &Examined) -> Result<Option<Tried>, SimulateError> {
     let runs = &examined.prepared.fit;
-    let integrates = |run: &Run| matches!(run.law, Law::Pi { ki, .. } if ki != 0.0);
+    let integrates = |run: &Run| matches!(run.law, SimulatedLaw::Pi { ki, .. } if ki != 0.0);
     if !super::unrecorded(runs) || !runs.iter().all(integrates) {
         return Ok(None);
     }

@@ -3,7 +3,7 @@
 use crate::identify::data::Run;
 use crate::identify::model::Model;
 use crate::identify::prepare::Prepared;
-use crate::plant::simulate::Law;
+use crate::plant::simulate::SimulatedLaw;
 use std::f64::consts::PI;
 
 /// Length of a test, s.
@@ -41,7 +41,7 @@ pub(super) enum Shape {
 
 /// The loop's gains in a test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Gains {
+pub(super) enum GainScaling {
     /// As in the runs at hand.
     AsTheyWere,
     /// Half of that.
@@ -87,7 +87,7 @@ pub(super) fn shapes(pattern: &Run, reach: &Reach) -> Vec<Shape> {
 }
 
 /// A run of a shape: rate, loop, channels and noise as in `pattern`; its measurements are yet to come.
-pub(super) fn run(pattern: &Run, shape: Shape, gains: Gains, reach: &Reach) -> Run {
+pub(super) fn run(pattern: &Run, shape: Shape, gains: GainScaling, reach: &Reach) -> Run {
     let samples = (DURATION / pattern.dt) as usize;
     let at = |k: usize| {
         let t = k as f64 * pattern.dt;
@@ -95,8 +95,8 @@ pub(super) fn run(pattern: &Run, shape: Shape, gains: Gains, reach: &Reach) -> R
         reach.middle + place(shape, t, reach) * ease * ease * (3.0 - 2.0 * ease)
     };
     let law = match (gains, pattern.law) {
-        (Gains::Halved, Law::Pi { kp, ki }) => Law::Pi { kp: 0.5 * kp, ki: 0.5 * ki },
-        (Gains::Halved, Law::Cascade { kp, kv }) => Law::Cascade { kp: 0.5 * kp, kv },
+        (GainScaling::Halved, SimulatedLaw::Pi { kp, ki }) => SimulatedLaw::Pi { kp: 0.5 * kp, ki: 0.5 * ki },
+        (GainScaling::Halved, SimulatedLaw::Cascade { kp, kv }) => SimulatedLaw::Cascade { kp: 0.5 * kp, kv },
         (_, law) => law,
     };
     let mut run = pattern.clone();
@@ -133,7 +133,7 @@ fn place(shape: Shape, t: f64, reach: &Reach) -> f64 {
 }
 
 /// A test as one would ask for it.
-pub(super) fn in_words(shape: Shape, gains: Gains, reach: &Reach) -> String {
+pub(super) fn in_words(shape: Shape, gains: GainScaling, reach: &Reach) -> String {
     let mm = |m: f64| format!("{:.3} mm", m * 1e3);
     let moved = match shape {
         Shape::Sine { frequency, amplitude } => format!("a sine of {frequency} Hz, {} either side", mm(amplitude)),
@@ -148,8 +148,8 @@ pub(super) fn in_words(shape: Shape, gains: Gains, reach: &Reach) -> String {
         Shape::Hold => "the loop closed, the reference at rest".to_owned(),
     };
     let gains = match gains {
-        Gains::AsTheyWere => "gains as they were",
-        Gains::Halved => "outer gains halved",
+        GainScaling::AsTheyWere => "gains as they were",
+        GainScaling::Halved => "outer gains halved",
     };
     format!("{moved}, {DURATION} s, {gains}")
 }

@@ -29,11 +29,11 @@ fn what_hides_beneath_an_overstated_noise_is_found() {
     let prepared = prepared(&truth, 3.0);
     let options = Options::default();
     let first = select(&split(prepared.clone(), None).weighing, &options).unwrap();
-    assert_eq!(first.decision.after.added, ["viscous_friction"]);
+    assert_eq!(first.decision.accepted.added, ["viscous_friction"]);
     let (mut whole, mut seen) = (prepared.clone(), prepared);
     let left = by_names(&first.decision);
     let (_, second) = with_noise_as_left(&mut whole, &mut seen, &options).unwrap();
-    assert_eq!(second.decision.after.added, ["viscous_friction", "coulomb_friction"], "{left:?}");
+    assert_eq!(second.decision.accepted.added, ["viscous_friction", "coulomb_friction"], "{left:?}");
     for (measured, made) in whole.fit[0].measured.iter().zip(&recorded(&truth, 1).measured) {
         assert!((measured.noise / made.noise - 1.0).abs() < 0.1, "{}", measured.noise / made.noise);
     }
@@ -45,6 +45,6 @@ fn where_nothing_hides_nothing_changes() {
     let prepared = prepared(&model(TRUTH).with(viscous(2.5, 0.0, (-0.2, 2.0))), 3.0);
     let (mut whole, mut seen) = (prepared.clone(), prepared.clone());
     let (_, selected) = with_noise_as_left(&mut whole, &mut seen, &Options::default()).unwrap();
-    assert_eq!(selected.decision.after.added, ["viscous_friction"]);
+    assert_eq!(selected.decision.accepted.added, ["viscous_friction"]);
     assert_eq!(whole.fit[0].measured[0].noise, prepared.fit[0].measured[0].noise);
 }

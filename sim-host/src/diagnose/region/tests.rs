@@ -37,8 +37,8 @@ fn an_effect_that_acts_in_a_part_of_the_runs_is_named_with_its_window() {
     let whole: Vec<f64> = (0..=PARTS).map(|i| 15.0 * i as f64 / PARTS as f64).collect();
     let truth = model(TRUTH).with(window(&plain, Along::Time, (4.0, 10.0), &whole).unwrap());
     let decision = decided(prepared(&truth));
-    assert_eq!(decision.after.added, ["viscous_friction"], "{:?}", decision.unlisted);
-    let placed = &decision.after.fit.model.effects[0];
+    assert_eq!(decision.accepted.added, ["viscous_friction"], "{:?}", decision.unlisted);
+    let placed = &decision.accepted.fit.model.effects[0];
     let values = placed.numbers();
     let (along, from, to) = regional::window(placed.entry, &values).expect("a window");
     assert!(along == Along::Time && (from - 4.0).abs() < 0.2 && (to - 10.0).abs() < 0.2, "{from} to {to}");
@@ -65,8 +65,8 @@ fn an_effect_that_acts_everywhere_has_no_region() {
     let truth = model(TRUTH).with(viscous(30.0, 0.0, (-0.2, 2.0)));
     let decision = decided(prepared(&truth));
     let plain = viscous(30.0, 0.0, (-0.2, 2.0)).entry.parameters.len();
-    assert_eq!(decision.after.added, ["viscous_friction"]);
-    assert_eq!(decision.after.fit.model.effects[0].values.len(), plain);
+    assert_eq!(decision.accepted.added, ["viscous_friction"]);
+    assert_eq!(decision.accepted.fit.model.effects[0].values.len(), plain);
 }
 
 /// Stamps that are half a per cent apart from the truth: the clock is found, and nothing else.
@@ -76,11 +76,11 @@ fn a_clock_at_another_rate_is_found_and_corrected() {
     off.fit.iter_mut().for_each(|run| run.dt /= 1.005);
     clock::doubt(&mut off);
     let decision = decided(off.clone());
-    let finding = clock::found(&decision.after.fit, off.fit[0].dt).expect("a clock");
+    let finding = clock::found(&decision.accepted.fit, off.fit[0].dt).expect("a clock");
     assert!((finding.found / finding.stated.unwrap() - 1.005).abs() < 5e-4, "{finding:?}");
     clock::settle(&mut off, Some(&finding));
     let corrected = decided(off);
-    assert!(corrected.after.added.is_empty() && !corrected.unlisted, "{:?}", corrected.after.added);
+    assert!(corrected.accepted.added.is_empty() && !corrected.unlisted, "{:?}", corrected.accepted.added);
 }
 
 /// Only the accelerometer was recorded, and the region ends within the outermost tenth of what the runs reach.
@@ -96,8 +96,8 @@ fn a_region_of_a_displacement_that_was_not_recorded_is_found() {
         run.measured.retain(|m| m.channel == crate::identify::data::Channel::Acceleration);
     }
     let decision = decided(prepared);
-    assert_eq!(decision.after.added, ["viscous_friction"], "{:?}", decision.unlisted);
-    let placed = &decision.after.fit.model.effects[0];
+    assert_eq!(decision.accepted.added, ["viscous_friction"], "{:?}", decision.unlisted);
+    let placed = &decision.accepted.fit.model.effects[0];
     let values = placed.numbers();
     let (along, from, to) = regional::window(placed.entry, &values).expect("a window");
     assert_eq!(along, Along::Displacement);

@@ -16,8 +16,8 @@ fn named(truth: &Model) -> (Weighing, Decision) {
     let signal_scales = SignalScales::of(&fit, 1.0);
     let candidates: Vec<ScoredModel> = vec![ScoredModel { probability: 0.8, ..after.clone() }];
     let decision = Decision {
-        before,
-        after,
+        stated: before,
+        accepted: after,
         candidates,
         ties: Vec::new(),
         unlisted: false,
@@ -34,12 +34,12 @@ fn named(truth: &Model) -> (Weighing, Decision) {
 #[test]
 fn a_name_that_a_curve_outdoes_is_taken_back() {
     let (weighing, mut decision) = named(&model(TRUTH).with(viscous(120.0, -0.6, (-2.0, 2.0))));
-    let left = decision.after.hold.chi2;
+    let left = decision.accepted.hold.chi2;
     assert!(left > DOUBTFUL, "the equation of friction leaves chi2 {left}");
     let curve = reject_for_curve(&weighing, &mut decision).unwrap().expect("a curve along velocity");
     assert!(curve.remainder.as_ref().is_some_and(|r| r.id.ends_with("by_velocity")));
     assert!(curve.judged.hold.chi2 - 1.0 < OUTDONE * (left - 1.0), "{} of {left}", curve.judged.hold.chi2);
-    assert!(decision.unlisted && decision.after.added.is_empty());
+    assert!(decision.unlisted && decision.accepted.added.is_empty());
     assert_eq!(decision.partial.unwrap().added, ["viscous_friction"]);
     assert!((decision.candidates[0].probability + decision.unlisted_probability - 1.0).abs() < 1e-9);
 }
@@ -50,6 +50,6 @@ fn a_name_beside_which_something_else_is_left_stands() {
     let mut hum = ModelEffect::start(entry("mains_hum").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
     hum.values.iter_mut().zip([50.0, 0.0, 0.2, 0.0]).for_each(|(slot, value)| slot.value = value);
     let (weighing, mut decision) = named(&model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))).with(hum));
-    assert!(decision.after.hold.chi2 > DOUBTFUL, "hum is left: chi2 {}", decision.after.hold.chi2);
+    assert!(decision.accepted.hold.chi2 > DOUBTFUL, "hum is left: chi2 {}", decision.accepted.hold.chi2);
     assert!(reject_for_curve(&weighing, &mut decision).unwrap().is_none() && !decision.unlisted);
 }

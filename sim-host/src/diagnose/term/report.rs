@@ -44,7 +44,7 @@ pub struct Curve {
 
 /// What is reported of an equation that is part of the model handed on; none where it is not.
 pub(in super::super) fn reported(found: &Found, conclusion: &Conclusion) -> Option<Term> {
-    let fit = &conclusion.after.fit;
+    let fit = &conclusion.accepted.fit;
     let placed = fit.model.effects.iter().find(|p| p.entry.id == found.id)?;
     let prefix = format!("{}.", found.id);
     let own = |(key, q): (String, Quantity)| Some((key.strip_prefix(&prefix)?.to_owned(), q));

@@ -26,8 +26,8 @@ fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclu
     let (before, after) = (judged(model(TRUTH), &cut.weighing), judged(named, &cut.weighing));
     let candidates = vec![ScoredModel { probability: 0.98, ..after.clone() }];
     let decision = Decision {
-        before,
-        after: ScoredModel { probability: 0.98, ..after },
+        stated: before,
+        accepted: ScoredModel { probability: 0.98, ..after },
         candidates,
         ties: Vec::new(),
         unlisted: false,
@@ -49,8 +49,12 @@ fn a_name_that_holds_on_the_test_stands() {
     let truth = with_viscous(90.0);
     let conclusion = concluded(&truth, &truth, with_viscous(50.0));
     assert!(conclusion.refusal.is_none() && !conclusion.unlisted && conclusion.held_out);
-    assert_eq!(conclusion.after.added, ["viscous_friction"]);
-    assert!(conclusion.after.hold.chi2 < 1.1 && conclusion.before.hold.chi2 > 2.0, "{}", conclusion.before.hold.chi2);
+    assert_eq!(conclusion.accepted.added, ["viscous_friction"]);
+    assert!(
+        conclusion.accepted.hold.chi2 < 1.1 && conclusion.stated.hold.chi2 > 2.0,
+        "{}",
+        conclusion.stated.hold.chi2
+    );
 }
 
 /// What was there on the runs fitted and is not on the run held out makes that one worse than the stated model does: the
@@ -81,7 +85,7 @@ fn beside_friction(model: &Model, times: f64) -> Model {
 fn a_rest_beyond_the_noise_takes_a_share_of_the_belief() {
     let with_rest = |truth: &Model| {
         let conclusion = concluded(truth, truth, with_viscous(50.0));
-        (conclusion.after.hold.chi2, conclusion.decision.candidates[0].probability)
+        (conclusion.accepted.hold.chi2, conclusion.decision.candidates[0].probability)
     };
     let truth = with_viscous(90.0);
     let (left, sure) = with_rest(&truth);
@@ -95,7 +99,7 @@ fn a_rest_beyond_the_noise_takes_a_share_of_the_belief() {
 fn a_rest_that_only_the_test_shows_is_unforeseen() {
     let truth = with_viscous(90.0);
     let conclusion = concluded(&truth, &beside_friction(&truth, 20.0), with_viscous(50.0));
-    let (fit, held) = (conclusion.after.fit.chi2(), conclusion.after.hold.chi2);
+    let (fit, held) = (conclusion.accepted.fit.chi2(), conclusion.accepted.hold.chi2);
     assert!(fit < 1.1 && held > 2.5, "{fit} {held}");
     assert!(conclusion.unforeseen());
     assert!(!concluded(&truth, &truth, with_viscous(50.0)).unforeseen());
@@ -147,7 +151,7 @@ fn stretches_of_a_run_that_was_fitted_start_where_it_does() {
 #[test]
 fn each_channel_has_its_say_in_what_is_worse() {
     let truth = with_viscous(90.0);
-    let Conclusion { before, after, judging, .. } = concluded(&truth, &truth, with_viscous(50.0));
+    let Conclusion { stated: before, accepted: after, judging, .. } = concluded(&truth, &truth, with_viscous(50.0));
     let refused = |displacement: f64, acceleration: f64| {
         let mut named = after.clone();
         for (channel, nrmse) in &mut named.hold.nrmse {
@@ -170,9 +174,9 @@ fn an_excerpt_begins_elsewhere_than_its_run() {
     let with = |fit, holdout| Prepared { model: model(TRUTH), fit, holdout, signal_scales };
     let (whole, excerpt) = (with(fit, vec![recorded(&truth, 3)]), with(excerpt, Vec::new()));
     let conclusion = judged_on(whole, Some(excerpt), with_viscous(50.0));
-    assert_eq!(conclusion.after.added, ["viscous_friction"]);
-    assert!(conclusion.after.fit.chi2() < 1.1, "{}", conclusion.after.fit.chi2());
-    assert!(conclusion.after.hold.chi2 < 1.1, "{}", conclusion.after.hold.chi2);
+    assert_eq!(conclusion.accepted.added, ["viscous_friction"]);
+    assert!(conclusion.accepted.fit.chi2() < 1.1, "{}", conclusion.accepted.fit.chi2());
+    assert!(conclusion.accepted.hold.chi2 < 1.1, "{}", conclusion.accepted.hold.chi2);
 }
 
 /// Where nothing is missing and a name's size is nothing, the verdict is that nothing is missing: not that what is has no name.
@@ -192,6 +196,8 @@ fn a_name_of_no_size_leaves_the_stated_model_standing() {
 fn what_the_judging_runs_need_is_there() {
     let truth = with_viscous(20.0);
     let conclusion = concluded(&truth, &truth, with_viscous(10.0));
-    assert!(is_needed(&conclusion.before, &conclusion.after), "{}", conclusion.before.hold.chi2);
-    assert!(!is_needed(&conclusion.after, &conclusion.before) && !is_needed(&conclusion.after, &conclusion.after));
+    assert!(is_needed(&conclusion.stated, &conclusion.accepted), "{}", conclusion.stated.hold.chi2);
+    assert!(
+        !is_needed(&conclusion.accepted, &conclusion.stated) && !is_needed(&conclusion.accepted, &conclusion.accepted)
+    );
 }

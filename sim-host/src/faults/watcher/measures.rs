@@ -3,7 +3,7 @@
 
 use crate::faults::case::Case;
 use crate::faults::class::{HIDDEN, WINDOW};
-use crate::faults::rig::{AFTER, Seen};
+use crate::faults::rig::{AFTER, TruthSample};
 use shakedown_core::Trip;
 use std::collections::VecDeque;
 
@@ -29,7 +29,7 @@ pub(super) struct Stands {
 
 impl Stands {
     /// One tick after a trip; whether the run goes on.
-    pub(super) fn see(&mut self, seen: &Seen) -> bool {
+    pub(super) fn see(&mut self, seen: &TruthSample) -> bool {
         if seen.knocked || self.since.is_none() {
             self.since = Some(seen.time);
         }
@@ -58,7 +58,7 @@ pub(super) struct Shaken {
 
 impl Shaken {
     /// One tick of so many a second (1/s).
-    pub(super) fn see(&mut self, seen: &Seen, rate: f64) {
+    pub(super) fn see(&mut self, seen: &TruthSample, rate: f64) {
         if seen.trip.is_some() && !std::mem::replace(&mut self.tripped, true) {
             self.velocities.clear();
         }
@@ -104,7 +104,7 @@ pub(super) struct Unexplained {
 
 impl Unexplained {
     /// One tick of `dt` (s), of so many a second (1/s).
-    pub(super) fn see(&mut self, seen: &Seen, dt: f64, rate: f64) {
+    pub(super) fn see(&mut self, seen: &TruthSample, dt: f64, rate: f64) {
         self.of_late.push_back(seen.unexplained);
         self.all.see(seen.unexplained, dt);
         if self.of_late.len() as f64 > WINDOW * rate
@@ -135,7 +135,7 @@ pub(super) struct Lately {
 
 impl Lately {
     /// One tick of `case`.
-    pub(super) fn see(&mut self, seen: &Seen, case: &Case) {
+    pub(super) fn see(&mut self, seen: &TruthSample, case: &Case) {
         self.ways.push_back([seen.x.abs(), (seen.x - seen.reference).abs()]);
         if self.ways.len() as f64 > LATELY * case.rate() {
             self.ways.pop_front();

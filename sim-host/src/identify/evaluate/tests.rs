@@ -2,7 +2,7 @@ use super::*;
 use crate::identify::model::{ModelEffect as Effect, SignalScales};
 use crate::plant::effects::entry;
 use crate::plant::model::Kind;
-use crate::plant::simulate::{Law, Shaping};
+use crate::plant::simulate::{Shaping, SimulatedLaw};
 
 const DT: f64 = 0.005;
 
@@ -51,7 +51,7 @@ fn run() -> Run {
         from: 0.0,
         ticks: 1,
         added: Vec::new(),
-        law: Law::Pi { kp: 6.0, ki: 1.0 },
+        law: SimulatedLaw::Pi { kp: 6.0, ki: 1.0 },
         shaping: Shaping::default(),
         loop_noise: None,
         moving_start: false,

@@ -4,7 +4,7 @@ use crate::identify::evaluate::predict;
 use crate::identify::model::{ModelEffect, SignalScales, Value};
 use crate::plant::effects::entry;
 use crate::plant::model::Kind;
-use crate::plant::simulate::Law;
+use crate::plant::simulate::SimulatedLaw;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -47,7 +47,7 @@ pub(crate) fn recorded(model: &Model, seed: u64) -> Run {
         ticks: 1,
         input: input.collect(),
         added: Vec::new(),
-        law: Law::Pi { kp: 8.0, ki: 1.0 },
+        law: SimulatedLaw::Pi { kp: 8.0, ki: 1.0 },
         shaping: crate::plant::simulate::Shaping::default(),
         loop_noise: None,
         moving_start: false,

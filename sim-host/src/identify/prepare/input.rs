@@ -17,7 +17,7 @@ pub(super) fn with_pressure_feedback(mut added: Vec<f64>, run: &recording::Run) 
 pub(super) fn shaping(run: &recording::Run, ticks: usize) -> Shaping {
     let recording::Shaping { kvf, notch, late_command, late_displacement, .. } = run.shaping;
     let summed = match run.law {
-        recording::Law::ProportionalIntegral { ki, .. } => ki * run.error_before,
+        recording::RecordedLaw::ProportionalIntegral { ki, .. } => ki * run.error_before,
         _ => 0.0,
     };
     // A notch stands between the law and what was recorded of it.
@@ -41,7 +41,7 @@ const BEGINNING: usize = 64;
 /// makes of the samples since; none without a recorded command, where the errors recorded before the part say it.
 fn integral_at_start(run: &recording::Run) -> Option<f64> {
     use recording::Channel as C;
-    let recording::Law::ProportionalIntegral { kp, ki } = run.law else { return None };
+    let recording::RecordedLaw::ProportionalIntegral { kp, ki } = run.law else { return None };
     let of = |channel| run.channel(channel).and_then(filled);
     let (reference, displacement, command) = (of(C::Reference)?, of(C::Displacement)?, of(C::Command)?);
     let added = of(C::Disturbance).unwrap_or_default();

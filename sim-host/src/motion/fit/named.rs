@@ -10,7 +10,7 @@ use serde::Deserialize;
 /// A way to fit a record before it is played.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "String")]
-pub enum Fit {
+pub enum RecordFit {
     /// One of the paper's choices (Fig. 13), which know the velocity limit alone.
     Area(Choice),
     /// A method of this project, or the paper's Eq. 10 beside them.
@@ -25,7 +25,7 @@ pub const ASKED: f64 = 0.975;
 /// Seconds of preview where a name says only `preview`.
 pub const PREVIEW: f64 = 0.5;
 
-impl Fit {
+impl RecordFit {
     /// Every fit with its name.
     pub const ALL: [(&'static str, Self); 11] = [
         ("clip", Self::Method(Method::Clip)),
@@ -76,7 +76,7 @@ impl Fit {
     }
 }
 
-impl TryFrom<String> for Fit {
+impl TryFrom<String> for RecordFit {
     type Error = String;
 
     fn try_from(name: String) -> Result<Self, String> {
@@ -96,12 +96,12 @@ mod tests {
         let motion = recipe.generate(2).unwrap().motion();
         let limit = 0.6 * peak(&motion.velocity);
         let stroke = 2.0 * peak(&motion.displacement);
-        for name in Fit::names() {
-            let fit = Fit::parse(name).unwrap();
+        for name in RecordFit::names() {
+            let fit = RecordFit::parse(name).unwrap();
             let fitted = fit.apply(&motion, limit, stroke, |_| {}).unwrap();
             assert!(peak(&fitted.velocity) <= limit * 1.0001, "{name}: {} of {limit}", peak(&fitted.velocity));
             assert!(peak(&fitted.acceleration) > 0.2 * peak(&motion.acceleration), "{name}");
         }
-        assert!(Fit::try_from(String::from("cut")).unwrap_err().contains("expected one of clip taut convex"));
+        assert!(RecordFit::try_from(String::from("cut")).unwrap_err().contains("expected one of clip taut convex"));
     }
 }

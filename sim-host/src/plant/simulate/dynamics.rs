@@ -56,15 +56,15 @@ pub(super) struct Work<S> {
     /// The state half way, after a step that was asked for it.
     pub(super) moved: Vec<S>,
     /// The start of the step, after the command's update.
-    pub(super) start: Seen<S>,
-    later: Seen<S>,
+    pub(super) start: EvaluatedState<S>,
+    later: EvaluatedState<S>,
     /// What the valve was asked to let through at each stage, m/s.
     pub(super) demands: [f64; 4],
 }
 
 /// What the equations imply at one instant.
 #[derive(Debug, Clone)]
-pub(super) struct Seen<S> {
+pub(super) struct EvaluatedState<S> {
     /// The motion.
     pub(super) at: Instant<S>,
     /// Force per table mass, m/s2.
@@ -214,7 +214,7 @@ impl<S: Scalar> Dynamics<S> {
             sensed_velocity: zero,
             velocity_limit: self.velocity_limit,
         };
-        let seen = Seen { at, force: zero, demand: 0.0 };
+        let seen = EvaluatedState { at, force: zero, demand: 0.0 };
         let k = std::array::from_fn(|_| states.clone());
         Work { k, moved: states, start: seen.clone(), later: seen, demands: [0.0; 4] }
     }
@@ -385,7 +385,7 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// Derivatives of every state into `dy`; the motion and the force they imply into `seen`.
-    fn rates(&self, time: f64, opening: &Opening<S>, y: &[S], dy: &mut [S], seen: &mut Seen<S>) {
+    fn rates(&self, time: f64, opening: &Opening<S>, y: &[S], dy: &mut [S], seen: &mut EvaluatedState<S>) {
         let hooked;
         let mut opening = opening;
         if self.any.valve {
@@ -396,7 +396,7 @@ impl<S: Scalar> Dynamics<S> {
             hooked = self.opening(spool);
             opening = &hooked;
         }
-        let Seen { at, force, demand } = seen;
+        let EvaluatedState { at, force, demand } = seen;
         (at.time, at.displacement, at.velocity) = (time, y[DISPLACEMENT], y[SPEED]);
         let flow = match self.baseline {
             Baseline::Servo { .. } => self.flow(at, y[SPEED] + opening.direct, y, demand),

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 /// The controller that ran.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Law {
+pub enum SimulatedLaw {
     /// `u[k] = kp e[k] + ki dt (e[0] + ... + e[k])`, `e = reference - displacement`.
     Pi {
         /// Proportional gain, unit of u per m.
@@ -24,7 +24,7 @@ pub enum Law {
     Recorded,
 }
 
-impl Law {
+impl SimulatedLaw {
     /// True where the loop is closed from a reference, false where a recorded command drives the model.
     pub fn simulates_reference(&self) -> bool {
         !matches!(self, Self::Recorded)
@@ -167,7 +167,7 @@ impl CommandNoise {
 /// A law on its way through a run.
 #[derive(Debug, Clone)]
 pub(super) struct Running<S> {
-    law: Law,
+    law: SimulatedLaw,
     shaping: Shaping,
     tick: f64,
     sum: S,
@@ -216,16 +216,16 @@ impl<S: Scalar> Running<S> {
     fn answer(&mut self, input: f64, displacement: S) -> S {
         let error = -displacement + input;
         match self.law {
-            Law::Pi { kp, ki } => {
+            SimulatedLaw::Pi { kp, ki } => {
                 self.sum += error;
                 error * kp + self.sum * (ki * self.tick) + self.shaping.integral
             }
-            Law::Cascade { kp, kv } => {
+            SimulatedLaw::Cascade { kp, kv } => {
                 let velocity = self.before.map_or(self.velocity, |before| (displacement - before) / self.tick);
                 self.before = Some(displacement);
                 (error * kp - velocity) * kv
             }
-            Law::Recorded => S::from(input),
+            SimulatedLaw::Recorded => S::from(input),
         }
     }
 }

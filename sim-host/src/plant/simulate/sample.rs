@@ -2,7 +2,7 @@
 
 use super::dynamics::{Dynamics, State};
 use super::linear::Linear;
-use super::{Drive, Trace, Wanted};
+use super::{Excitation, Trace, Wanted};
 use crate::plant::effects::Instant;
 use crate::scalar::Scalar;
 
@@ -34,7 +34,7 @@ impl<S: Scalar> Sample<S> {
     pub(super) fn new(
         dynamics: &mut Dynamics<S>,
         rest: &State<S>,
-        drive: &Drive,
+        drive: &Excitation,
         steps: usize,
         matrices: bool,
     ) -> Self {

@@ -20,12 +20,12 @@ fn paper<S: Scalar>() -> Baseline<S> {
 
 fn run<S: Scalar>(effects: &[EffectParameters<S>]) -> Trace<S> {
     let input = reference(1200);
-    let drive = Drive {
+    let drive = Excitation {
         dt: DT,
         ticks: 1,
         input: &input,
         added: &[],
-        law: Law::Pi { kp: 6.0, ki: 1.0 },
+        law: SimulatedLaw::Pi { kp: 6.0, ki: 1.0 },
         shaping: Shaping::default(),
         sensor_noise: 1e-5,
         wanted: Wanted::ALL,
@@ -114,8 +114,8 @@ fn matrices_give_what_the_rule_gives() {
             a1: Dual::variable(57.65, 1),
             velocity_limit: Dual::variable(0.242, 2),
         };
-        let law = Law::Pi { kp: 6.0, ki: 1.0 };
-        let drive = Drive {
+        let law = SimulatedLaw::Pi { kp: 6.0, ki: 1.0 };
+        let drive = Excitation {
             dt: DT,
             ticks,
             input: &input,
@@ -150,12 +150,12 @@ fn without_effects_it_is_the_papers_plant() {
     // The exact solution of one step: z settles as one exponential, x is its integral.
     let (b1, b0, a1, u) = (0.69, 138.0, 57.65, 0.05);
     let input = vec![u; 200];
-    let drive = Drive {
+    let drive = Excitation {
         dt: DT,
         ticks: 1,
         input: &input,
         added: &[],
-        law: Law::Recorded,
+        law: SimulatedLaw::Recorded,
         shaping: Shaping::default(),
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
@@ -174,12 +174,12 @@ fn without_effects_it_is_the_papers_plant() {
 #[test]
 fn an_unknown_effect_is_refused_by_name() {
     let effects = [EffectParameters { id: "phlogiston", parameters: vec![1.0] }];
-    let drive = Drive {
+    let drive = Excitation {
         dt: DT,
         ticks: 1,
         input: &[0.0],
         added: &[],
-        law: Law::Recorded,
+        law: SimulatedLaw::Recorded,
         shaping: Shaping::default(),
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
@@ -195,12 +195,12 @@ fn effects_on_a_rigid_mass_have_their_units() {
     let moved = |id: &'static str, parameters: &[f64], command: f64| {
         let input = vec![command; 251];
         let wanted = Wanted::default();
-        let drive = Drive {
+        let drive = Excitation {
             dt: DT,
             ticks: 1,
             input: &input,
             added: &[],
-            law: Law::Recorded,
+            law: SimulatedLaw::Recorded,
             shaping: Shaping::default(),
             sensor_noise: 0.0,
             wanted,

@@ -56,7 +56,7 @@ pub struct Candidate {
 
 /// A chi2 on the runs held out.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Fit {
+pub struct HoldoutScore {
     /// Mean of (residual / noise)^2.
     #[serde(default)]
     pub chi2: Option<f64>,
@@ -67,10 +67,10 @@ pub struct Fit {
 pub struct Holdout {
     /// Of the refitted baseline.
     #[serde(default)]
-    pub before: Fit,
+    pub before: HoldoutScore,
     /// Of the accepted model.
     #[serde(default)]
-    pub after: Fit,
+    pub after: HoldoutScore,
 }
 
 /// Something found wrong with the set-up or with the data.

@@ -4,7 +4,7 @@ use super::missing::longest;
 use super::ticks::Ticks;
 use super::{Fault, Finding, Severity};
 use crate::recording::channel::{Channel, PerChannel};
-use crate::recording::law::{Law, Shaping};
+use crate::recording::law::{RecordedLaw, Shaping};
 use crate::recording::run::Run;
 use crate::recording::signal::{deviation, filled, quantile};
 use nalgebra::{DMatrix, DVector};
@@ -51,18 +51,18 @@ impl Replay {
         let error: Vec<f64> = reference.iter().zip(&displacement).map(|(r, x)| r - x).collect();
         // A cut run starts with an unknown integral; every run has an unknown null of the converter.
         match &run.law {
-            Law::Open => None,
-            Law::ProportionalIntegral { kp, ki } => {
+            RecordedLaw::Open => None,
+            RecordedLaw::ProportionalIntegral { kp, ki } => {
                 let terms = ticks.seen(&error, |error, dt| [error.to_vec(), integral(error, dt)]);
                 Some(Self::linear(&command, &terms, [*kp, *ki], ["kp", "ki"]))
             }
-            Law::Cascade { kp, kv } => {
+            RecordedLaw::Cascade { kp, kv } => {
                 let [error, _] = ticks.seen(&error, |error, _| [error.to_vec(), Vec::new()]);
                 let [velocity, _] = ticks.seen(&displacement, |x, dt| [backward(x, dt), Vec::new()]);
                 let terms = [error, velocity.iter().map(|v| -v).collect()];
                 Some(Self::linear(&command, &terms, [kp * kv, *kv], ["kp kv", "kv"]))
             }
-            Law::Core { settings, .. } => {
+            RecordedLaw::Core { settings, .. } => {
                 let replayed = core(settings, &reference, &displacement, signals)?;
                 Some(Self::linear(&command, &[replayed, vec![0.0; command.len()]], [1.0, 0.0], ["core", ""]))
             }

@@ -6,7 +6,7 @@ use crate::recording::clock::{self, Clock};
 use crate::recording::experiment::{ChannelSource, Origin};
 use crate::recording::run::Use;
 use crate::recording::unit::Unit;
-use crate::recording::{Experiment, Law, Servo};
+use crate::recording::{Experiment, RecordedLaw, Servo};
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
@@ -117,11 +117,11 @@ impl Bench {
             let noisy = lagged_a + hum + 0.02 * 9.80665 * random.normal();
             columns.iter_mut().zip([r, measured, noisy, u]).for_each(|(c, value)| c.push(value));
         }
-        run_of(columns, dt, Law::ProportionalIntegral { kp: self.kp, ki: 0.6 })
+        run_of(columns, dt, RecordedLaw::ProportionalIntegral { kp: self.kp, ki: 0.6 })
     }
 }
 
-fn run_of([reference, displacement, acceleration, command]: [Vec<f64>; 4], dt: f64, law: Law) -> Run {
+fn run_of([reference, displacement, acceleration, command]: [Vec<f64>; 4], dt: f64, law: RecordedLaw) -> Run {
     let time: Vec<f64> = (0..reference.len()).map(|k| k as f64 * dt).collect();
     let mut channels = PerChannel::default();
     channels.set(Channel::Reference, reference);
@@ -254,7 +254,7 @@ fn a_controller_that_is_reproduced_vouches_for_its_channels() {
         3.7 * e + 0.6 * integral
     });
     let command = command.collect();
-    let law = Law::ProportionalIntegral { kp: 3.7, ki: 0.6 };
+    let law = RecordedLaw::ProportionalIntegral { kp: 3.7, ki: 0.6 };
     let run = run_of([reference, displacement, series(2, -0.5), command], dt, law);
     assert_eq!(bad(&run), [], "{:#?}", findings(&run));
     let other = changed(&run, Channel::Command, |k, u| u + 0.2 * (0.37 * (k * k % 1009) as f64).sin());
@@ -282,7 +282,7 @@ fn harmonics_of_a_saw_tooth_are_no_hum() {
             let row = [0.01 * moving * tone(1.0), 0.005 * moving * square, moving * spikes + noise, 0.0];
             columns.iter_mut().zip(row).for_each(|(column, x)| column.push(x));
         }
-        let run = run_of(columns, dt, Law::ProportionalIntegral { kp: 3.7, ki: 0.6 });
+        let run = run_of(columns, dt, RecordedLaw::ProportionalIntegral { kp: 3.7, ki: 0.6 });
         hum::check(&run).iter().any(|f| f.channel == "acceleration")
     };
     assert!(!hums(0.0), "a harmonic was mistaken for hum");
@@ -308,7 +308,7 @@ fn each_fault_is_called_by_its_name() {
             let value = run.channel(channel).unwrap()[from];
             changed(&run, channel, |k, x| if (from..to).contains(&k) { value } else { x })
         };
-        let with_law = |law: Law| Run { law, ..run.clone() };
+        let with_law = |law: RecordedLaw| Run { law, ..run.clone() };
         let second = |s: f64| (s * bench.rate) as usize;
         let cases = vec![
             (changed(&run, Acceleration, |_, a| -a), "acceleration", Fault::Inverted),
@@ -333,8 +333,16 @@ fn each_fault_is_called_by_its_name() {
             (held(Acceleration, middle, middle + second(0.5)), "acceleration", Fault::Stuck),
             (clip(Displacement, 0.6), "displacement", Fault::Clipped),
             (clip(Acceleration, 0.4), "acceleration", Fault::Clipped),
-            (with_law(Law::ProportionalIntegral { kp: 2.0 * bench.kp, ki: 0.6 }), "command", Fault::WrongController),
-            (with_law(Law::ProportionalIntegral { kp: -bench.kp, ki: -0.6 }), "command", Fault::WrongController),
+            (
+                with_law(RecordedLaw::ProportionalIntegral { kp: 2.0 * bench.kp, ki: 0.6 }),
+                "command",
+                Fault::WrongController,
+            ),
+            (
+                with_law(RecordedLaw::ProportionalIntegral { kp: -bench.kp, ki: -0.6 }),
+                "command",
+                Fault::WrongController,
+            ),
             (
                 changed(
                     &run,
@@ -350,7 +358,7 @@ fn each_fault_is_called_by_its_name() {
                 Fault::MissingStretch,
             ),
             (
-                changed(&with_law(Law::Open), Displacement, |k, x| {
+                changed(&with_law(RecordedLaw::Open), Displacement, |k, x| {
                     if (middle..middle + second(0.2)).contains(&k) { f64::NAN } else { x }
                 }),
                 "displacement",
@@ -416,7 +424,7 @@ fn stamps_that_repeat_scatter_or_are_missing_are_found() {
 }
 
 thread_local! {
-    static CLEAN_RUN: Run = run_of(std::array::from_fn(|_| vec![0.0; 16]), 1e-3, Law::Open);
+    static CLEAN_RUN: Run = run_of(std::array::from_fn(|_| vec![0.0; 16]), 1e-3, RecordedLaw::Open);
 }
 
 fn data() -> PathBuf {

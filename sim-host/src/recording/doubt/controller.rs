@@ -8,7 +8,7 @@ use super::replay::{Linear, gains};
 use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
 use crate::recording::experiment::Experiment;
-use crate::recording::law::{Law, Shaping};
+use crate::recording::law::{RecordedLaw, Shaping};
 use crate::recording::run::Run;
 use crate::recording::signal::shifted;
 use nalgebra::{DMatrix, DVector};
@@ -42,8 +42,8 @@ struct Fitted {
 /// Fits each stated law and corrects it.
 pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     let mut findings = Vec::new();
-    let mut seen: Vec<(Law, Shaping)> = Vec::new();
-    let laws: Vec<(Law, Shaping)> = experiment.runs.iter().map(|run| (run.law.clone(), run.shaping)).collect();
+    let mut seen: Vec<(RecordedLaw, Shaping)> = Vec::new();
+    let laws: Vec<(RecordedLaw, Shaping)> = experiment.runs.iter().map(|run| (run.law.clone(), run.shaping)).collect();
     for (law, shaping) in laws {
         if seen.contains(&(law.clone(), shaping)) {
             continue;
@@ -122,16 +122,18 @@ fn credible(stated: [f64; 2], found: &[f64]) -> bool {
 }
 
 /// The law with its fitted gains, each left as stated where it is not told apart from that.
-fn corrected(law: &Law, fitted: &Fitted) -> Law {
+fn corrected(law: &RecordedLaw, fitted: &Fitted) -> RecordedLaw {
     let pick = |stated: f64, i: usize| match (fitted.gains.get(i), fitted.std.get(i)) {
         (Some(&found), Some(&std)) if moved(stated, found, std, 0.1 * ROUNDED) => found,
         _ => stated,
     };
     match law {
-        Law::ProportionalIntegral { kp, ki } => Law::ProportionalIntegral { kp: pick(*kp, 0), ki: pick(*ki, 1) },
-        Law::Cascade { kp, kv } => {
+        RecordedLaw::ProportionalIntegral { kp, ki } => {
+            RecordedLaw::ProportionalIntegral { kp: pick(*kp, 0), ki: pick(*ki, 1) }
+        }
+        RecordedLaw::Cascade { kp, kv } => {
             let (product, inner) = (pick(kp * kv, 0), pick(*kv, 1));
-            Law::Cascade { kp: product / inner, kv: inner }
+            RecordedLaw::Cascade { kp: product / inner, kv: inner }
         }
         other => other.clone(),
     }
@@ -144,13 +146,16 @@ fn moved(stated: f64, found: f64, std: f64, least: f64) -> bool {
 }
 
 /// The gains that are not as stated.
-fn different(stated: &Law, found: &Law, fitted: &Fitted, runs: &[&Run]) -> Vec<SetUpFinding> {
+fn different(stated: &RecordedLaw, found: &RecordedLaw, fitted: &Fitted, runs: &[&Run]) -> Vec<SetUpFinding> {
     let rows: Vec<(Doubt, f64, f64, f64, &str)> = match (stated, found) {
-        (Law::ProportionalIntegral { kp, ki }, Law::ProportionalIntegral { kp: found_kp, ki: found_ki }) => vec![
+        (
+            RecordedLaw::ProportionalIntegral { kp, ki },
+            RecordedLaw::ProportionalIntegral { kp: found_kp, ki: found_ki },
+        ) => vec![
             (Doubt::ControllerKp, *kp, *found_kp, fitted.std[0], "unit of u per m"),
             (Doubt::ControllerKi, *ki, *found_ki, fitted.std[1], "unit of u per m s"),
         ],
-        (Law::Cascade { kp, kv }, Law::Cascade { kp: found_kp, kv: found_kv }) => vec![
+        (RecordedLaw::Cascade { kp, kv }, RecordedLaw::Cascade { kp: found_kp, kv: found_kv }) => vec![
             (Doubt::ControllerKp, *kp, *found_kp, fitted.std[0] / kv.abs(), "1/s"),
             (Doubt::ControllerKv, *kv, *found_kv, fitted.std[1], "unit of u s per m"),
         ],

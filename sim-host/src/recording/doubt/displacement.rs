@@ -7,7 +7,7 @@ use super::replay::{Linear, gains, parabola};
 use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
 use crate::recording::experiment::Experiment;
-use crate::recording::law::Law;
+use crate::recording::law::RecordedLaw;
 use crate::recording::noise;
 use crate::recording::run::Run;
 
@@ -55,7 +55,7 @@ fn drift(run: &Run, noise: f64) -> Option<Drift> {
 fn rise(run: &Run, noise: f64) -> Option<f64> {
     let stated = gains(&run.law)?;
     let kp = match run.law {
-        Law::ProportionalIntegral { kp, .. } => kp,
+        RecordedLaw::ProportionalIntegral { kp, .. } => kp,
         _ => stated[0],
     };
     let linear = Linear::of(
@@ -83,7 +83,7 @@ fn rise(run: &Run, noise: f64) -> Option<f64> {
     // kp d1 t + ki d1 t^2 / 2: where there is an integral it must show, or the slope is an offset's integral.
     let half = 0.5 * run.duration();
     let integral = match run.law {
-        Law::ProportionalIntegral { ki, .. } => ki,
+        RecordedLaw::ProportionalIntegral { ki, .. } => ki,
         _ => 0.0,
     };
     let by_curve = (integral * half > 0.05 * kp.abs()).then(|| 2.0 * curve / (integral * half));

@@ -3,7 +3,7 @@
 use crate::plant::simulate::NotchFilter;
 use crate::recording::channel::Channel;
 use crate::recording::check::Ticks;
-use crate::recording::law::Law;
+use crate::recording::law::RecordedLaw;
 use crate::recording::run::Run;
 use crate::recording::signal::{filled, shifted};
 use nalgebra::{DMatrix, DVector};
@@ -20,11 +20,11 @@ pub(super) struct Linear {
 }
 
 /// The gains that a law multiplies its terms by; none for a law without gains.
-pub(super) fn gains(law: &Law) -> Option<[f64; 2]> {
+pub(super) fn gains(law: &RecordedLaw) -> Option<[f64; 2]> {
     match law {
-        Law::ProportionalIntegral { kp, ki } => Some([*kp, *ki]),
-        Law::Cascade { kp, kv } => Some([kp * kv, *kv]),
-        Law::Open | Law::Core { .. } => None,
+        RecordedLaw::ProportionalIntegral { kp, ki } => Some([*kp, *ki]),
+        RecordedLaw::Cascade { kp, kv } => Some([kp * kv, *kv]),
+        RecordedLaw::Open | RecordedLaw::Core { .. } => None,
     }
 }
 
@@ -48,15 +48,15 @@ impl Linear {
         let error: Vec<f64> = reference.iter().zip(&displacement).map(|(r, x)| r - x).collect();
         let ticks = Ticks::of(run);
         let mut terms: Vec<Vec<f64>> = match &run.law {
-            Law::ProportionalIntegral { .. } => {
+            RecordedLaw::ProportionalIntegral { .. } => {
                 ticks.seen(&error, |error, dt| [error.to_vec(), integral(error, dt)]).into()
             }
-            Law::Cascade { .. } => {
+            RecordedLaw::Cascade { .. } => {
                 let [error, _] = ticks.seen(&error, |error, _| [error.to_vec(), Vec::new()]);
                 let [velocity, _] = ticks.seen(&displacement, |x, dt| [backward(x, dt), Vec::new()]);
                 vec![error, velocity.iter().map(|v| -v).collect()]
             }
-            Law::Open | Law::Core { .. } => return None,
+            RecordedLaw::Open | RecordedLaw::Core { .. } => return None,
         };
         if feed_forward {
             let [rate, _] = ticks.seen(&reference, |r, dt| [backward(r, dt), Vec::new()]);
@@ -99,9 +99,9 @@ impl Linear {
 pub(super) fn answer(run: &Run, less: &[f64]) -> Option<Vec<f64>> {
     let ticks = Ticks::of(run);
     let [first, second] = match &run.law {
-        Law::ProportionalIntegral { .. } => ticks.seen(less, |error, dt| [error.to_vec(), integral(error, dt)]),
-        Law::Cascade { .. } => ticks.seen(less, |error, dt| [error.to_vec(), backward(error, dt)]),
-        Law::Open | Law::Core { .. } => return None,
+        RecordedLaw::ProportionalIntegral { .. } => ticks.seen(less, |error, dt| [error.to_vec(), integral(error, dt)]),
+        RecordedLaw::Cascade { .. } => ticks.seen(less, |error, dt| [error.to_vec(), backward(error, dt)]),
+        RecordedLaw::Open | RecordedLaw::Core { .. } => return None,
     };
     let [a, b] = gains(&run.law)?;
     Some(first.iter().zip(&second).map(|(p, q)| a * p + b * q).collect())

@@ -3,7 +3,7 @@ use crate::recording::check::{Fault, Finding, Severity};
 use crate::recording::clock::Clock;
 use crate::recording::experiment::Experiment;
 use crate::recording::holdout::HeldBack;
-use crate::recording::law::{Law, Shaping};
+use crate::recording::law::{RecordedLaw, Shaping};
 use crate::recording::model::{Accuracy, Baseline, Model, Servo};
 use crate::recording::run::{Run, Use};
 use crate::recording::{Channel, PerChannel};
@@ -16,10 +16,10 @@ const N: usize = 8000;
 const NOISE: f64 = 1e-5;
 
 /// A table of one lag behind a PI law, its displacement recorded as the controller saw it.
-pub(in crate::recording) fn experiment(ran: &Law, shaping: Shaping, seed: u64) -> Experiment {
+pub(in crate::recording) fn experiment(ran: &RecordedLaw, shaping: Shaping, seed: u64) -> Experiment {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
-    let Law::ProportionalIntegral { kp, ki } = *ran else { panic!("a PI law") };
+    let RecordedLaw::ProportionalIntegral { kp, ki } = *ran else { panic!("a PI law") };
     let (mut x, mut sum, mut before) = (0.0, 0.0, 0.0);
     let mut seen_before = vec![0.0; shaping.late_displacement + 1];
     let (mut reference, mut displacement, mut command) = (Vec::new(), Vec::new(), Vec::new());
@@ -82,8 +82,8 @@ pub(in crate::recording) fn experiment(ran: &Law, shaping: Shaping, seed: u64) -
     }
 }
 
-fn pi(kp: f64, ki: f64) -> Law {
-    Law::ProportionalIntegral { kp, ki }
+fn pi(kp: f64, ki: f64) -> RecordedLaw {
+    RecordedLaw::ProportionalIntegral { kp, ki }
 }
 
 fn kinds(found: &SetUp) -> Vec<Doubt> {
@@ -104,7 +104,7 @@ fn gains_stated_one_per_cent_wrong_are_found_to_a_part_in_ten_thousand() {
     stated.runs[0].law = pi(4.04, 0.97);
     let found = doubt(&stated);
     assert_eq!(kinds(&found), [Doubt::ControllerKp, Doubt::ControllerKi]);
-    let Law::ProportionalIntegral { kp, ki } = found.experiment.runs[0].law else { panic!() };
+    let RecordedLaw::ProportionalIntegral { kp, ki } = found.experiment.runs[0].law else { panic!() };
     assert!((kp / 4.0 - 1.0).abs() < 1e-4 && (ki - 1.0).abs() < 1e-3, "{kp} {ki}");
 }
 
@@ -151,7 +151,7 @@ fn hum_of_the_displacement_is_taken_off() {
 /// cleaned displacement. One that never saw it is left alone.
 #[test]
 fn what_a_controller_made_of_hum_is_kept() {
-    let cascade = Law::Cascade { kp: 58.0, kv: 225.0 };
+    let cascade = RecordedLaw::Cascade { kp: 58.0, kv: 225.0 };
     let hum = |k: usize| 3e-5 * (std::f64::consts::TAU * 50.0 * k as f64 * DT + 0.7).sin();
     let of = |seen: f64| {
         let mut run = experiment(&pi(4.0, 1.0), Shaping::default(), 5);
@@ -179,7 +179,7 @@ fn what_a_controller_made_of_hum_is_kept() {
 /// A gap that no interpolation can stand for cuts a run in two; a short one does not.
 #[test]
 fn a_long_gap_cuts_the_run() {
-    let law = Law::ProportionalIntegral { kp: 2.0, ki: 0.5 };
+    let law = RecordedLaw::ProportionalIntegral { kp: 2.0, ki: 0.5 };
     let with_gap = |seconds: f64, alone: Option<Channel>| {
         let mut experiment = experiment(&law, Shaping::default(), 3);
         let run = &mut experiment.runs[0];
@@ -213,7 +213,7 @@ fn a_small_stated_value_is_not_shown_as_nothing() {
 
 /// The accelerometer of [`experiment`] with a motion on it that its range cuts off.
 fn cut_off(range: f64) -> Experiment {
-    let mut cut = experiment(&Law::ProportionalIntegral { kp: 3.0, ki: 0.5 }, Shaping::default(), 3);
+    let mut cut = experiment(&RecordedLaw::ProportionalIntegral { kp: 3.0, ki: 0.5 }, Shaping::default(), 3);
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let mut noise = || f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5;
     let swing = |k: usize| (4.0 * k as f64 * DT).sin() + 0.4 * (13.0 * k as f64 * DT).sin();

@@ -37,7 +37,7 @@ fn channels_come_in_si_on_an_even_grid() {
     assert_eq!(run.channel(Channel::Displacement).unwrap()[3], 6.0 * 1e-3);
     assert_eq!(run.channel(Channel::Acceleration).unwrap()[0], 0.5 * 9.806_65);
     assert_eq!(run.noise.get(Channel::Displacement), Some(&(0.02 * 1e-3)));
-    assert_eq!(run.law, Law::ProportionalIntegral { kp: 3.7, ki: 0.6 });
+    assert_eq!(run.law, RecordedLaw::ProportionalIntegral { kp: 3.7, ki: 0.6 });
     assert_eq!(experiment.inputs.len(), 2);
 }
 

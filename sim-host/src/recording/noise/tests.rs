@@ -1,5 +1,5 @@
 use super::*;
-use crate::recording::Law;
+use crate::recording::RecordedLaw;
 use crate::recording::clock::Clock;
 use crate::recording::run::Use;
 use std::f64::consts::PI;
@@ -38,7 +38,7 @@ fn run(seed: u64, acceleration_noise: &[f64], resting: bool) -> Run {
         channels,
         noise: PerChannel::default(),
         loop_noise: None,
-        law: Law::Open,
+        law: RecordedLaw::Open,
         shaping: crate::recording::Shaping::default(),
         controller_rate_hz: None,
         purpose: Use::Fit,

@@ -4,7 +4,7 @@ use super::super::asking::prompted;
 use super::{failed, inputs};
 use crate::cli::Failure;
 use crate::cli::output::print;
-use crate::device::{Drive, Port, Row, Session, SessionError};
+use crate::device::{Port, Row, Session, SessionError, TestRunner};
 use crate::faults::limit_switches;
 use crate::files::Unfinished;
 use shakedown_core::link::{HostRequest, Report, Setup, answer};
@@ -131,9 +131,9 @@ impl Oil<'_> {
 
     /// Plays `record`, m, and says how it went; its telemetry.
     fn play(&mut self, record: Vec<f32>, text: &mut String) -> Result<Vec<Row>, Failure> {
-        let mut drive = Drive::new(None, record);
+        let mut drive = TestRunner::new(None, record);
         let unfinished = Unfinished::begin();
-        let go_on = |_: &mut Drive, _| {
+        let go_on = |_: &mut TestRunner, _| {
             if unfinished.asked_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let ended = match self.session.drive(&mut drive, go_on) {

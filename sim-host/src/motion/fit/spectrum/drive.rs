@@ -7,7 +7,7 @@ use super::super::Limits;
 use super::super::convex::program::Program;
 
 /// The variables of a written motion inside a program, and the rows of its limits.
-pub(super) struct Drive {
+pub(super) struct DriveVariables {
     /// First of the accelerations, in units of the reference's peak.
     first: usize,
     /// How many.
@@ -19,7 +19,7 @@ pub(super) struct Drive {
 /// Accelerations beyond so many times the reference's peak are not looked for.
 const REACH: f64 = 20.0;
 
-impl Drive {
+impl DriveVariables {
     /// Adds a motion that keeps `limits`, starts at rest where `reference` starts, and ends at rest.
     pub(super) fn new(program: &mut Program, reference: &Motion, limits: &Limits) -> Self {
         let (count, dt) = (reference.len(), reference.dt);

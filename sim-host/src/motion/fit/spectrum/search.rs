@@ -3,7 +3,7 @@
 use super::super::super::Motion;
 use super::super::convex::program::{Program, Solution};
 use super::super::{FitError, Limits};
-use super::drive::Drive;
+use super::drive::DriveVariables;
 use super::{Band, Ordinate, Oscillator, Peak, SpectrumFit};
 
 /// The share of the tolerance kept in hand: half of it for constraints broken by so little that they need not be added,
@@ -64,7 +64,7 @@ impl<'a> Search<'a> {
     /// The nearest waveform under the constraints, and by how much their tolerance had to be exceeded.
     pub(super) fn solve(&self) -> Result<(Motion, f64), FitError> {
         let mut program = Program::default();
-        let drive = Drive::new(&mut program, self.reference, self.limits);
+        let drive = DriveVariables::new(&mut program, self.reference, self.limits);
         drive.waveform(&mut program, self.reference);
         let (solution, excess) = self.constrained(program, &drive, PENALTY)?;
         Ok((drive.motion(self.reference, &solution.x), solution.x[excess].max(0.0)))
@@ -73,13 +73,18 @@ impl<'a> Search<'a> {
     /// Below this deviation no motion within the limits comes that peaks where the constraints ask.
     pub(super) fn least_deviation(&self) -> Result<f64, FitError> {
         let mut program = Program::default();
-        let drive = Drive::new(&mut program, self.reference, self.limits);
+        let drive = DriveVariables::new(&mut program, self.reference, self.limits);
         let (solution, _) = self.constrained(program, &drive, 1.0)?;
         Ok(self.tolerance() + solution.bound.max(0.0))
     }
 
     /// Solves under the constraints, each of them loosened by one variable that costs `weight`; gives its index too.
-    fn constrained(&self, mut program: Program, drive: &Drive, weight: f64) -> Result<(Solution, usize), FitError> {
+    fn constrained(
+        &self,
+        mut program: Program,
+        drive: &DriveVariables,
+        weight: f64,
+    ) -> Result<(Solution, usize), FitError> {
         let far = self.targets.iter().map(|t| self.farthest(t)).fold(1.0, f64::max);
         let excess = program.variables(1, far);
         program.at_most(&[(excess, -1.0)], 0.0);
@@ -102,7 +107,14 @@ impl<'a> Search<'a> {
 
     /// The response at a peak's time, in units of the ordinate asked for and with the peak's sign times `side`, less the
     /// excess.
-    fn terms(&self, drive: &Drive, target: &Target, peak: Peak, side: f64, excess: usize) -> Vec<(usize, f64)> {
+    fn terms(
+        &self,
+        drive: &DriveVariables,
+        target: &Target,
+        peak: Peak,
+        side: f64,
+        excess: usize,
+    ) -> Vec<(usize, f64)> {
         let scale = side * peak.value.signum() * drive.unit / target.asked;
         let row = target.oscillator.row(peak.time, self.reference.dt, drive.count);
         row.map(|(k, weight)| (drive.at(k), scale * weight)).chain([(excess, -1.0)]).collect()

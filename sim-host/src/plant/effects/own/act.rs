@@ -5,7 +5,7 @@ use super::super::{Dither, Effect, Flow, Hooks, Instant};
 use super::memory::Memory;
 use super::program::Program;
 use super::register::registered;
-use super::state::Seen;
+use super::state::OwnInputs;
 use super::{Sense, State};
 use crate::scalar::Scalar;
 
@@ -25,7 +25,7 @@ pub(in crate::plant::effects) fn build<S: Scalar>(id: &str, parameters: &[S]) ->
     let bristles = known.own.program.uses(State::VelocitySign).then(|| Bristles::new(S::from(PRESLIDING)));
     let (program, sense) = (&known.own.program, known.own.sense);
     let fastest = fastest(program, &parameters, divisor, sense);
-    let (seen, memory, place) = (Seen::none(), Memory::new(program.memories()), None);
+    let (seen, memory, place) = (OwnInputs::none(), Memory::new(program.memories()), None);
     let idle = (program.is_scaled() && parameters[0].value() == 0.0).then(|| Idle::of(program, &parameters));
     Some(Box::new(Acting { program, sense, parameters, divisor, bristles, memory, idle, seen, place, fastest }))
 }
@@ -49,7 +49,7 @@ struct Acting<S> {
     /// Where it is nothing times something.
     idle: Option<Idle>,
     /// What was seen last: way and time, and for a command the motion.
-    seen: Seen<S>,
+    seen: OwnInputs<S>,
     place: Option<S>,
     fastest: f64,
 }
@@ -71,7 +71,7 @@ impl Idle {
 }
 
 impl<S: Scalar> Acting<S> {
-    fn value(&self, seen: &Seen<S>) -> S {
+    fn value(&self, seen: &OwnInputs<S>) -> S {
         let elapsed = seen.time - self.seen.time;
         if let Some(idle) = &self.idle {
             let scaled = self.program.value(&seen.plain(), &idle.parameters, &idle.memory, elapsed);
@@ -88,13 +88,20 @@ impl<S: Scalar> Acting<S> {
         }
     }
 
-    fn at(&self, at: &Instant<S>) -> Seen<S> {
+    fn at(&self, at: &Instant<S>) -> OwnInputs<S> {
         let velocity_sign = match &self.bristles {
             Some(bristles) => bristles.share(at.displacement, at.time),
             None => S::from(0.0),
         };
         let path = self.seen.path + (at.displacement - self.place.unwrap_or(at.displacement)).abs();
-        Seen { displacement: at.displacement, velocity: at.velocity, velocity_sign, path, time: at.time, ..self.seen }
+        OwnInputs {
+            displacement: at.displacement,
+            velocity: at.velocity,
+            velocity_sign,
+            path,
+            time: at.time,
+            ..self.seen
+        }
     }
 }
 
@@ -158,11 +165,11 @@ impl<S: Scalar> Effect<S> for Acting<S> {
     }
 
     fn sense_displacement(&self, displacement: S, _y: &[S]) -> S {
-        displacement + self.value(&Seen { displacement, ..self.seen })
+        displacement + self.value(&OwnInputs { displacement, ..self.seen })
     }
 
     fn sense_acceleration(&self, acceleration: S, at: &Instant<S>) -> S {
-        acceleration + self.value(&Seen { acceleration, ..self.at(at) })
+        acceleration + self.value(&OwnInputs { acceleration, ..self.at(at) })
     }
 }
 
@@ -175,7 +182,7 @@ fn fastest<S: Scalar>(program: &Program, parameters: &[S], divisor: S, sense: Se
     let parameters: Vec<f64> = parameters.iter().map(|p| p.value()).collect();
     let memory = Memory::at_zero(program.memories());
     let force = |x: f64, v: f64, s: f64| {
-        let seen = Seen { displacement: x, velocity: v, velocity_sign: s, ..Seen::none() };
+        let seen = OwnInputs { displacement: x, velocity: v, velocity_sign: s, ..OwnInputs::none() };
         program.value(&seen, &parameters, &memory, 0.0) / divisor.value()
     };
     let (dx, dv) = (1e-6, 1e-5);

@@ -1,7 +1,7 @@
 //! Whether an effect of a user's own stays finite over what a table passes through.
 
 use super::memory::Memory;
-use super::state::Seen;
+use super::state::OwnInputs;
 use super::{Own, State};
 use crate::scalar::{Dual, Scalar};
 
@@ -57,7 +57,7 @@ fn check_at(own: &Own, values: &[f64]) -> Result<(), NotFinite> {
 fn value_at(own: &Own, tried: &[(State, f64)], values: &[f64], by: usize) -> Dual<1> {
     let along = by == values.len();
     let state = |value: f64| if along { Dual::variable(value, 0) } else { Dual::from(value) };
-    let mut seen = Seen::<Dual<1>>::none();
+    let mut seen = OwnInputs::<Dual<1>>::none();
     for (which, value) in tried {
         match which {
             State::Displacement => seen.displacement = state(*value),

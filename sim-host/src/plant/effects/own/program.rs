@@ -2,7 +2,7 @@
 
 use super::expression::{Function, Operation, Tree};
 use super::memory::Memory;
-use super::state::{Seen, State};
+use super::state::{OwnInputs, State};
 use crate::scalar::Scalar;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,12 +69,24 @@ impl Program {
     }
 
     /// The value, `elapsed` seconds after its memory was settled.
-    pub(super) fn value<S: Scalar>(&self, seen: &Seen<S>, parameters: &[S], memory: &Memory<S>, elapsed: f64) -> S {
+    pub(super) fn value<S: Scalar>(
+        &self,
+        seen: &OwnInputs<S>,
+        parameters: &[S],
+        memory: &Memory<S>,
+        elapsed: f64,
+    ) -> S {
         self.evaluate(seen, parameters, |place, input, by| memory.follow(place, input, by, elapsed))
     }
 
     /// Takes what is seen into its memory, `elapsed` seconds after the last time.
-    pub(super) fn settle<S: Scalar>(&self, seen: &Seen<S>, parameters: &[S], memory: &mut Memory<S>, elapsed: f64) {
+    pub(super) fn settle<S: Scalar>(
+        &self,
+        seen: &OwnInputs<S>,
+        parameters: &[S],
+        memory: &mut Memory<S>,
+        elapsed: f64,
+    ) {
         let mut next = memory.settled();
         self.evaluate(seen, parameters, |place, input, by| {
             let now = memory.follow(place, input, by, elapsed);
@@ -86,7 +98,7 @@ impl Program {
 
     fn evaluate<S: Scalar>(
         &self,
-        seen: &Seen<S>,
+        seen: &OwnInputs<S>,
         parameters: &[S],
         mut recall: impl FnMut((Operation, usize), S, S) -> S,
     ) -> S {

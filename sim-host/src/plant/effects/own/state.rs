@@ -74,7 +74,7 @@ impl State {
 
 /// The values of every state.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seen<S> {
+pub(super) struct OwnInputs<S> {
     pub(super) displacement: S,
     pub(super) velocity: S,
     pub(super) acceleration: S,
@@ -84,7 +84,7 @@ pub(super) struct Seen<S> {
     pub(super) time: f64,
 }
 
-impl<S: Scalar> Seen<S> {
+impl<S: Scalar> OwnInputs<S> {
     pub(super) fn none() -> Self {
         let zero = S::from(0.0);
         Self {
@@ -99,8 +99,8 @@ impl<S: Scalar> Seen<S> {
     }
 
     /// The values alone.
-    pub(super) fn plain(&self) -> Seen<f64> {
-        Seen {
+    pub(super) fn plain(&self) -> OwnInputs<f64> {
+        OwnInputs {
             displacement: self.displacement.value(),
             velocity: self.velocity.value(),
             acceleration: self.acceleration.value(),

@@ -1,7 +1,7 @@
 use super::super::Instant;
 use super::memory::Memory;
 use super::program::Program;
-use super::state::Seen;
+use super::state::OwnInputs;
 use super::*;
 use crate::scalar::Dual;
 
@@ -11,7 +11,7 @@ fn program(text: &str) -> Program {
 }
 
 fn value(text: &str, x: f64, v: f64) -> f64 {
-    let seen = Seen { displacement: x, velocity: v, velocity_sign: v.signum(), ..Seen::none() };
+    let seen = OwnInputs { displacement: x, velocity: v, velocity_sign: v.signum(), ..OwnInputs::none() };
     let program = program(text);
     program.value(&seen, &[2.0, 3.0], &Memory::new(program.memories()), 0.0)
 }
@@ -57,10 +57,10 @@ fn derivatives_agree_with_central_differences() {
     ] {
         let program = program(text);
         let at = |p: f64| {
-            let seen = Seen { displacement: 0.7, ..Seen::none() };
+            let seen = OwnInputs { displacement: 0.7, ..OwnInputs::none() };
             program.value(&seen, &[p, 3.0], &Memory::new(program.memories()), 0.0)
         };
-        let seen = Seen { displacement: Dual::<1>::from(0.7), ..Seen::none() };
+        let seen = OwnInputs { displacement: Dual::<1>::from(0.7), ..OwnInputs::none() };
         let parameters = [Dual::variable(2.0, 0), Dual::from(3.0)];
         let dual = program.value(&seen, &parameters, &Memory::new(program.memories()), 0.0);
         let slope = (at(2.0 + 1e-6) - at(2.0 - 1e-6)) / 2e-6;
@@ -119,7 +119,7 @@ fn one_name_stands_for_one_equation() {
 /// A lag of half a second follows a step as the exponential does, whatever the steps; a play follows 0.1 behind.
 #[test]
 fn lag_and_play_remember() {
-    let place = |displacement: f64| Seen { displacement, ..Seen::none() };
+    let place = |displacement: f64| OwnInputs { displacement, ..OwnInputs::none() };
     for steps in [1, 7] {
         let lag = program("lag(x, p)");
         let mut memory = Memory::new(lag.memories());
