@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use serde::ser::{Serialize, SerializeTuple as _, Serializer};
-use shakedown::device::{LinkClient, Sheet, Telemetry};
+use shakedown::blocks::device::{LinkClient, Sheet, Telemetry};
 use shakedown_core::link::{MAX_FRAME, Report, encode};
 use shakedown_firmware::defaults;
 

@@ -11,8 +11,8 @@
 )]
 
 use criterion::Criterion;
-use shakedown::plant::paper::{FixedStep, Paper};
-use shakedown::plant::sensors::{SensorModel, Sensors};
+use shakedown::blocks::plant::paper::{FixedStep, Paper};
+use shakedown::blocks::plant::sensors::{SensorModel, Sensors};
 use shakedown::simulate::{Clock, ControlLaw, Named, PlainPi, Trace, run};
 use shakedown_core::Controller;
 use std::error::Error;

@@ -12,9 +12,9 @@
     reason = "a bench prints its figures and stops where it cannot"
 )]
 
+use shakedown::blocks::faults::dice::FaultRng;
 use shakedown::blocks::plant::{Baseline, EffectParameters, Excitation, SimulatedLaw, Start, Wanted, simulate};
 use shakedown::diagnose::{Options, diagnose};
-use shakedown::faults::dice::FaultRng;
 use shakedown::recording::Experiment;
 use std::fmt::Write as _;
 use std::path::Path;

@@ -5,11 +5,11 @@
 //! in FOLDER, as `shakedown device run` keeps it. The memory of the process is read after every simulated hour and must not grow after the first.
 #![allow(clippy::print_stdout, reason = "what an example has to say")]
 
-use shakedown::device::{Kept, LinkClient, Recorder, RecorderError, Telemetry};
-use shakedown::faults::Motions;
-use shakedown::plant::Plant as _;
-use shakedown::plant::paper::{FixedStep, Paper};
-use shakedown::plant::sensors::{SensorModel, Sensors};
+use shakedown::blocks::device::{Kept, LinkClient, Recorder, RecorderError, Telemetry};
+use shakedown::blocks::faults::Motions;
+use shakedown::blocks::plant::Plant as _;
+use shakedown::blocks::plant::paper::{FixedStep, Paper};
+use shakedown::blocks::plant::sensors::{SensorModel, Sensors};
 use shakedown_core::link::{Batch, MAX_BATCH, MAX_FRAME, Record, Report, Scale, Setup, Source, Wiring, encode};
 use shakedown_core::settings::{Detection, Gains, GuardSettings};
 use shakedown_core::{Controller, Modification, OperatorRequest, Sample, Settings, State};

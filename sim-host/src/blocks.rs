@@ -7,9 +7,24 @@ pub mod closed_loop {
     pub use crate::closed_loop::{bode, design, learning, sweep_recording, table1};
 }
 
+/// A controller at the other end of its link: client, recorder, session.
+pub mod device {
+    pub use crate::device::*;
+}
+
 /// Parts of [`mod@crate::diagnose`].
 pub mod diagnose {
     pub use crate::diagnose::locate::leftover;
+}
+
+/// The campaigns that examine the guard.
+pub mod faults {
+    pub use crate::faults::*;
+}
+
+/// Files that are whole or not there at all.
+pub mod files {
+    pub use crate::files::*;
 }
 
 /// Parts of [`mod@crate::identify`].
@@ -28,6 +43,12 @@ pub mod identify {
     pub use crate::identify::starts::fitted;
 }
 
+/// The server of the operator's page.
+#[cfg(all(feature = "cli", not(target_family = "wasm")))]
+pub mod live {
+    pub use crate::live::*;
+}
+
 /// Parts of [`crate::fit`].
 pub mod motion {
     pub use crate::motion::fit::named::{ASKED, RecordFit};
@@ -36,13 +57,20 @@ pub mod motion {
     pub use crate::motion::{qualify, spectrum};
 }
 
-/// Parts of [`crate::plant`].
+/// Models of tables, and the paper's.
 pub mod plant {
     pub use crate::plant::effects::{ENTRIES, Entry, build, entry, identifiers};
     pub use crate::plant::model::{Baseline, Kind};
     pub use crate::plant::simulate::{
         EffectParameters, Excitation, Notch, Shaping, SimulatedLaw, Start, Wanted, simulate,
     };
+    pub use crate::plant::{Plant, paper, sensors};
+}
+
+/// The examination of diagnosis: cases, answers, scores.
+#[cfg(feature = "cli")]
+pub mod prove {
+    pub use crate::prove::*;
 }
 
 /// Parts of [`crate::recording`].
@@ -64,4 +92,9 @@ pub mod recording {
     pub use crate::recording::binary::hdf5::parse as parse_hdf5;
     pub use crate::recording::binary::rpc::parse as parse_rpc;
     pub use crate::recording::binary::tdms::parse as parse_tdms;
+}
+
+/// Pages and plots.
+pub mod report {
+    pub use crate::report::*;
 }

@@ -3,7 +3,7 @@
 //! ```
 //! use shakedown::blocks::closed_loop::sweep_recording::write;
 //! use shakedown::identify::identify;
-//! use shakedown::plant::paper::Paper;
+//! use shakedown::blocks::plant::paper::Paper;
 //! use shakedown::recording::Experiment;
 //!
 //! // Sweeps of the simulated table, with the noise of a laboratory's sensors and starting values that are off.

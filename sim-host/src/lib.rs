@@ -23,29 +23,29 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`device`] talks to a controller on its link, [`report`] draws pages, [`faults`] and `prove` examine guard and diagnosis.
-//! [`blocks`] are the parts one by one, for benchmarks and tools of one's own. The rest is private.
+//! [`blocks`] are the parts one by one, for benchmarks and tools of one's own: the link to a device, the pages, the campaigns that
+//! examine guard and diagnosis among them. The rest is private.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports, reason = "the command line alone uses some"))]
 
 pub mod blocks;
 #[cfg(feature = "cli")]
 pub mod cli;
 mod closed_loop;
-pub mod device;
+mod device;
 pub mod diagnose;
 mod digits;
-pub mod faults;
-pub mod files;
+mod faults;
+mod files;
 pub mod fit;
 pub mod identify;
 #[cfg(all(feature = "cli", not(target_family = "wasm")))]
-pub mod live;
+mod live;
 mod motion;
-pub mod plant;
+mod plant;
 #[cfg(feature = "cli")]
-pub mod prove;
+mod prove;
 pub mod recording;
-pub mod report;
+mod report;
 mod scalar;
 pub mod simulate;
 

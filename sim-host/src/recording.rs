@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use shakedown::blocks::closed_loop::sweep_recording::write;
-//! use shakedown::plant::paper::Paper;
+//! use shakedown::blocks::plant::paper::Paper;
 //! use shakedown::recording::{Experiment, check, is_bad_data};
 //!
 //! let folder = tempfile::tempdir()?;

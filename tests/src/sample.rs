@@ -1,6 +1,6 @@
 //! A page with one of everything a report can hold, made from plain formulas.
 
-use shakedown::report::{Axis, Band, Item, Matrix, Page, Plot, Section, Series, Style, Table};
+use shakedown::blocks::report::{Axis, Band, Item, Matrix, Page, Plot, Section, Series, Style, Table};
 use std::f64::consts::TAU;
 
 /// A string that breaks out of anything that does not escape it.

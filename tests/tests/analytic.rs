@@ -18,8 +18,8 @@
 
 use nalgebra::Complex;
 use shakedown::blocks::closed_loop::settings;
-use shakedown::plant::paper::{FixedStep, Paper};
-use shakedown::plant::sensors::{SensorModel, Sensors};
+use shakedown::blocks::plant::paper::{FixedStep, Paper};
+use shakedown::blocks::plant::sensors::{SensorModel, Sensors};
 use shakedown::simulate::{Clock, ControlLaw, PlainPi, PublishedGains, Trace, run};
 use shakedown_core::Controller;
 

@@ -7,11 +7,11 @@
     reason = "the lint knows test functions, not helpers"
 )]
 
-use shakedown::faults::campaign::{join, run, run_shard};
-use shakedown::faults::class::{Channel, Fault};
-use shakedown::faults::spoil::SignalFault;
-use shakedown::faults::watcher::{Violation, judge};
-use shakedown::faults::{Beside, CampaignError, Case, Class, Motions, Plan, Summary};
+use shakedown::blocks::faults::campaign::{join, run, run_shard};
+use shakedown::blocks::faults::class::{Channel, Fault};
+use shakedown::blocks::faults::spoil::SignalFault;
+use shakedown::blocks::faults::watcher::{Violation, judge};
+use shakedown::blocks::faults::{Beside, CampaignError, Case, Class, Motions, Plan, Summary};
 use shakedown_core::Settings;
 use shakedown_core::settings::{
     EnvelopeSettings, GuardSettings, PlausibilitySettings, ValveMonitorSettings, WitnessSettings,

@@ -22,12 +22,12 @@ const SIZE: usize = 8 << 20;
 fn writer() {
     let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
     if std::env::var_os(CLEANS).is_some() {
-        shakedown::files::clean_up_when_interrupted();
+        shakedown::blocks::files::clean_up_when_interrupted();
     }
     let contents = [vec![b'a'; SIZE], vec![b'b'; SIZE]];
     loop {
         for content in &contents {
-            shakedown::files::write_whole(&folder.join("file"), content).unwrap();
+            shakedown::blocks::files::write_whole(&folder.join("file"), content).unwrap();
         }
     }
 }

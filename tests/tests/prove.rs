@@ -8,9 +8,9 @@
 )]
 
 use serde_json::{Value, json};
-use shakedown::prove::campaign::{CampaignError, Plan, join, run};
-use shakedown::prove::summary::summarise;
-use shakedown::prove::{Answer, Examinee, laboratory};
+use shakedown::blocks::prove::campaign::{CampaignError, Plan, join, run};
+use shakedown::blocks::prove::summary::summarise;
+use shakedown::blocks::prove::{Answer, Examinee, laboratory};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -7,7 +7,7 @@
     reason = "the lint knows test functions, not helpers"
 )]
 
-use shakedown::report::{Axis, Band, Item, Matrix, Page, Plot, Section, Series, Style, Table};
+use shakedown::blocks::report::{Axis, Band, Item, Matrix, Page, Plot, Section, Series, Style, Table};
 use std::path::Path;
 
 fn strings<const N: usize>(cells: [&str; N]) -> Vec<String> {

@@ -9,7 +9,7 @@
 )]
 
 use serde_json::Value;
-use shakedown::report::Page;
+use shakedown::blocks::report::Page;
 use shakedown_tests::browser::{Browser, chromium};
 use shakedown_tests::sample::page;
 

@@ -6,10 +6,10 @@ use std::time::Instant;
 use pyo3::prelude::*;
 use shakedown::blocks::closed_loop::bode::{self, Grid};
 use shakedown::blocks::closed_loop::design::{Demand, Spread, Table, answer as design_answer};
+use shakedown::blocks::plant::sensors::SensorModel;
 use shakedown::diagnose::Options;
 use shakedown::fit::{Answer, Compared, Limits, Method, Norm, PREVIEW, modify};
 use shakedown::identify::{answer, identify as identify_with};
-use shakedown::plant::sensors::SensorModel;
 use shakedown::recording::{Experiment, Model};
 use shakedown::simulate::{ScoredSignal, Setup, Trial, Twin};
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use shakedown::plant::Plant;
-use shakedown::plant::sensors::{SensorModel, Sensors};
+use shakedown::blocks::plant::Plant;
+use shakedown::blocks::plant::sensors::{SensorModel, Sensors};
 use shakedown::recording::Model;
 use shakedown::simulate::{Clock, Twin};
 

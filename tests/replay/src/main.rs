@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use shakedown::device::Progress;
-use shakedown::files::write_whole;
+use shakedown::blocks::device::Progress;
+use shakedown::blocks::files::write_whole;
+use shakedown::blocks::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use shakedown::recording::file;
-use shakedown::report::{Axis, Item, Page, Plot, Section, Series, Style, Table};
 use shakedown_core::Mode;
 use shakedown_firmware::defaults;
 use shakedown_replay::bench::near_field;
@@ -78,7 +78,7 @@ fn replay(arguments: &Arguments) -> Result<(), Failed> {
     match &arguments.json {
         Some(path) if path.as_os_str() == "-" => print(&text),
         Some(path) => write_whole(path, text.as_bytes()).map_err(|e| (1, format!("{}: {e}", path.display())))?,
-        None => print(&shakedown::report::terminal::table(&table, None)),
+        None => print(&shakedown::blocks::report::terminal::table(&table, None)),
     }
     match &ran.world.progress {
         Progress::Done => Ok(()),

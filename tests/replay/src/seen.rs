@@ -1,6 +1,6 @@
 //! The world around the emulated board: the bench at its converters, a host's [`TestRunner`] at its line.
 
-use shakedown::device::{DriveError, LinkClient, Progress, TestRunner};
+use shakedown::blocks::device::{DriveError, LinkClient, Progress, TestRunner};
 use shakedown_core::link::{Setup, StopCause};
 
 use crate::bench::Bench;

@@ -7,7 +7,7 @@
 )]
 
 use crate::common::{image, near_field, outboard, seen::Seen, setup, setup_outboard, twin};
-use shakedown::device::Progress;
+use shakedown::blocks::device::Progress;
 use shakedown_core::link::Setup;
 use shakedown_core::{Mode, State};
 use shakedown_replay::World as _;

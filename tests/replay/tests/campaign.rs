@@ -8,10 +8,10 @@
 )]
 
 use crate::common::{image, near_field, seen::Mischief, seen::Seen, setup};
-use shakedown::device::{DriveError, Progress};
-use shakedown::faults::class::Channel;
-use shakedown::faults::spoil::Spoiled;
-use shakedown::faults::{Case, Clock, Fault, Motions, Promise};
+use shakedown::blocks::device::{DriveError, Progress};
+use shakedown::blocks::faults::class::Channel;
+use shakedown::blocks::faults::spoil::Spoiled;
+use shakedown::blocks::faults::{Case, Clock, Fault, Motions, Promise};
 use shakedown_core::Mode;
 use shakedown_core::link::{Setup, StopCause};
 use std::sync::{Arc, Mutex};

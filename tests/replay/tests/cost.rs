@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::common::{g474_image, image, near_field, outboard, seen::Seen, setup, setup_outboard};
-use shakedown::device::Progress;
+use shakedown::blocks::device::Progress;
 use shakedown_core::Mode;
 use shakedown_core::link::Setup;
 use shakedown_replay::{Ran, Stack};

@@ -9,7 +9,7 @@
 use std::process::Command;
 
 use crate::common::{image, near_field, seen::Seen, setup, tool};
-use shakedown::device::{Kept, Progress, Recorder};
+use shakedown::blocks::device::{Kept, Progress, Recorder};
 use shakedown_core::Mode;
 
 /// Noise of the sensors beyond the converters' steps, codes: the paper's 0.04 mm and 0.02 g.

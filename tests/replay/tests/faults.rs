@@ -8,8 +8,8 @@
 )]
 
 use crate::common::{image, near_field, seen::Mischief, seen::Seen, setup};
-use shakedown::device::{DriveError, Progress};
-use shakedown::faults::limit_switches;
+use shakedown::blocks::device::{DriveError, Progress};
+use shakedown::blocks::faults::limit_switches;
 use shakedown_core::link::{HostRequest, Scale, Setup, Source, StopCause};
 use shakedown_core::settings::{FlowSettings, NotchSettings, TrackingSettings};
 use shakedown_core::{Mode, State, Trip};

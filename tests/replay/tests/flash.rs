@@ -8,7 +8,7 @@
 )]
 
 use crate::common::{bench::Bench, image, setup};
-use shakedown::device::LinkClient;
+use shakedown::blocks::device::LinkClient;
 use shakedown_core::link::{DeviceHealth, HostRequest, RefusedBecause, Report, Setup};
 use shakedown_core::{Mode, State};
 use shakedown_firmware::defaults;

@@ -12,7 +12,7 @@
 mod g474;
 
 use crate::common::{image, outboard};
-use shakedown::device::LinkClient;
+use shakedown::blocks::device::LinkClient;
 use shakedown_core::link::OptionPurpose::{self, Banks, BrownOut, ReadProtection, Watchdog, WriteProtection};
 use shakedown_core::link::{HostRequest, OptionByte, Report};
 use shakedown_replay::{Fitted, Tick, World};

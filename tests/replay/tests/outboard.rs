@@ -7,7 +7,7 @@
 )]
 
 use crate::common::{near_field, outboard, seen::Mischief, seen::Seen, setup_outboard};
-use shakedown::device::{DriveError, Progress};
+use shakedown::blocks::device::{DriveError, Progress};
 use shakedown_core::link::StopCause;
 use shakedown_core::{Mode, Trip};
 use shakedown_replay::Ran;

@@ -7,8 +7,8 @@
 )]
 
 use crate::common::{image, near_field, seen::Mischief, seen::Seen, setup, twin};
-use shakedown::device::{DriveError, Progress};
-use shakedown::plant::{
+use shakedown::blocks::device::{DriveError, Progress};
+use shakedown::blocks::plant::{
     Plant as _,
     paper::{FixedStep, Paper},
 };
@@ -72,7 +72,7 @@ fn first_difference(setup: Setup, seconds: usize, spoil: impl FnMut(usize, u16) 
     assert_eq!((telemetry.gaps(), telemetry.dropped()), (&[][..], 0));
     let twin = twin::run(setup, &record, telemetry, seen.codes.len() - 1, spoil);
     assert!(telemetry.rows().len() > seen.codes.len() - 200);
-    let alike = |row: &&shakedown::device::Row| {
+    let alike = |row: &&shakedown::blocks::device::Row| {
         let at = row.tick as usize;
         let Some(entry) = twin.entries.get(at) else { return true };
         let motion = (seen.codes[at].output, twin.codes[at].output);

@@ -8,7 +8,7 @@
 )]
 
 use crate::common::{bench::Bench, image, near_field, seen::Mischief, seen::Seen, setup};
-use shakedown::device::LinkClient;
+use shakedown::blocks::device::LinkClient;
 use shakedown_core::link::{HostRequest, RefusedBecause, Report, Setup, answer};
 use shakedown_core::{Mode, State};
 use shakedown_replay::{Tick, World};

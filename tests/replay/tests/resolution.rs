@@ -10,7 +10,7 @@
 use std::path::PathBuf;
 
 use crate::common::{bench::Bench, image, outboard, setup, setup_outboard};
-use shakedown::device::LinkClient;
+use shakedown::blocks::device::LinkClient;
 use shakedown_core::Mode;
 use shakedown_core::link::{Report, Setup};
 use shakedown_replay::{Fitted, Tick, World};

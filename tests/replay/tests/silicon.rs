@@ -10,7 +10,7 @@
 use crate::common::{
     bench::Bench, g474_image, image, near_field, outboard, seen::Mischief, seen::Seen, setup, setup_outboard,
 };
-use shakedown::device::{LinkClient, Progress};
+use shakedown::blocks::device::{LinkClient, Progress};
 use shakedown_core::Mode;
 use shakedown_core::link::{Clock, HostRequest, Report, StopCause};
 use shakedown_replay::{Oscillator, Ran, Tick, World};

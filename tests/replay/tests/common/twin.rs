@@ -1,7 +1,7 @@
 //! The same run on the host: the firmware's own [`ControlLoop`] around the same core, the same bench, and orders at the ticks at
 //! which the device's telemetry says that it took them.
 
-use shakedown::device::Telemetry;
+use shakedown::blocks::device::Telemetry;
 use shakedown_core::link::Setup;
 use shakedown_core::{OperatorRequest, State};
 use shakedown_firmware::ControlLoop;
