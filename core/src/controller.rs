@@ -215,16 +215,13 @@ impl Controller {
         let Some(ramps) = self.config.ramps else { return };
         if let Some(cause) = cause {
             self.supervisor.doubt(cause);
-            // What is behind the device subtracts the LVDT (Fig. 2, or an existing position controller): with its reading lost or
-            // not believed the zero-flow output is not known, and a ramp would end at some command.
-            let lost = cause == Trip::SensorLost && missing.intersects(Channels::DISPLACEMENT);
-            if self.config.cancellation != 0.0 && (lost || cause.doubts_displacement()) {
-                self.supervisor.open_relay_at_once();
-            }
         }
-        // The same for a trip of any cause while its reading comes and goes.
-        let tripped = self.supervisor.state() == State::Tripped;
-        if tripped && self.config.cancellation != 0.0 && missing.intersects(Channels::DISPLACEMENT) {
+        // After a trip of any cause no command is known to stop the table where the valve is not believed, or where what is behind the
+        // device subtracts an LVDT (Fig. 2, or an existing position controller) that is lost or not believed: a ramp would end at some
+        // command.
+        let doubted = |of: fn(Trip) -> bool| cause.is_some_and(of) || self.monitors.found().is_some_and(of);
+        let lost = missing.intersects(Channels::DISPLACEMENT) || doubted(Trip::doubts_displacement);
+        if doubted(Trip::doubts_valve) || (lost && self.config.cancellation != 0.0) {
             self.supervisor.open_relay_at_once();
         }
         self.supervisor.advance(ramps);

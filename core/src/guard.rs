@@ -131,14 +131,13 @@ pub enum Trip {
 }
 
 impl Trip {
-    /// Whether no command is known to stop the table after this trip, whatever the wiring: the relay then opens at the tick
-    /// of the trip instead of at the end of the safe ramp.
-    pub(crate) const fn opens_relay_at_once(self) -> bool {
+    /// Whether the valve is not believed after this trip: no command is then known to stop the table, whatever the wiring.
+    pub(crate) fn doubts_valve(self) -> bool {
         matches!(self, Self::ValveStuck)
     }
 
     /// Whether the LVDT is not believed after this trip. A loop that subtracts it then has no output that is known to be zero flow.
-    pub(crate) const fn doubts_displacement(self) -> bool {
+    pub(crate) fn doubts_displacement(self) -> bool {
         matches!(self, Self::DisplacementStuck | Self::DisplacementNoisy | Self::SensorsDisagree)
     }
 }

@@ -136,6 +136,11 @@ impl Monitors {
         self.latch.cause().or(lost).or(moves.then_some(Trip::SensorsDisagree))
     }
 
+    /// What the monitors that take turns last found, whatever was found at once.
+    pub(super) fn found(&self) -> Option<Trip> {
+        self.latch.found
+    }
+
     /// One tick, with these needed readings `missing`: what remains is judged, and the rest is waited for. Gives why the
     /// guard should trip.
     pub(super) fn step(

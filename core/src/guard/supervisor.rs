@@ -238,7 +238,7 @@ impl Supervisor {
         }
         self.command = if self.moves() { 1.0 } else { 0.0 };
         self.trip = Some(cause);
-        self.open_at_once = cause.opens_relay_at_once();
+        self.open_at_once = cause.doubts_valve();
         self.enter(State::Tripped);
     }
 

@@ -349,6 +349,24 @@ fn valve_stuck_hard_over() {
     }
 }
 
+/// A valve that sticks hard over near the end of the stroke trips the envelope first. It is not believed soon after, and the relay does
+/// not wait for the end of a ramp that nothing follows.
+#[test]
+fn a_valve_that_is_doubted_in_the_safe_ramp_opens_the_relay() {
+    let mut rig = Rig::running(&settings(Mode::Guard));
+    while rig.t < 3.0 {
+        let reference = 0.09 * (0.5 * rig.t).min(1.0);
+        rig.tick(reference, |_| ());
+    }
+    rig.table.stuck = Some(5.0);
+    while rig.tick(0.09, |_| ()).status.relay == Relay::Closed {}
+    let (tripped, cause) = rig.tripped.unwrap();
+    assert_eq!(cause, Trip::Displacement);
+    assert!(rig.t - tripped < 0.03, "the relay opened {} s after the trip", rig.t - tripped);
+    rig.swing(0.2, |_| ());
+    assert!(rig.farthest < 0.115, "{} m", rig.farthest);
+}
+
 #[test]
 fn valve_stuck_shut() {
     for mode in [Mode::Guard, Mode::Controller] {

@@ -10,7 +10,7 @@ pub(super) struct TripLatch {
     /// As of the last tick.
     pub(super) now: Option<Trip>,
     /// As of the last turn of the monitor that found it, and how many ticks ago that was.
-    found: Option<Trip>,
+    pub(super) found: Option<Trip>,
     since: u8,
 }
 
