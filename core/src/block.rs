@@ -55,6 +55,17 @@ impl<T: Copy> Held<T> {
 }
 
 /// A configuration that advances a state by one tick.
+///
+/// ```
+/// use shakedown_core::blocks::filter::{Lag, LagState};
+/// use shakedown_core::blocks::{Block, Held};
+///
+/// let lag = Lag::<f32>::new(0.01, 1e-3)?;
+/// let mut state = LagState::default();
+/// let first = lag.advance(&mut state, 1.0); // the bare recurrence
+/// assert_eq!(lag.step(&mut state, f32::NAN), Held::Last(first)); // and behind its wall
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 pub trait Block<S: Scalar = f32> {
     /// What a tick remembers; the default is rest.
     type State: Copy + Default;

@@ -9,14 +9,16 @@
 
 mod arming;
 mod frame;
+mod request;
 mod wiring;
 
 pub use crate::units::Scale;
 pub use arming::{Challenge, answer};
 pub use frame::{
-    Batch, Clock, DeviceHealth, HostRequest, Identity, MAX_BATCH, MAX_OPTIONS, MAX_POINTS, OptionByte, OptionPurpose,
-    Points, Record, RefusedBecause, Report, StopCause,
+    Batch, Clock, DeviceHealth, Identity, MAX_BATCH, MAX_OPTIONS, OptionByte, OptionPurpose, Record, RefusedBecause,
+    Report, StopCause,
 };
+pub use request::{HostRequest, MAX_POINTS, Points};
 pub use wiring::{Setup, SetupError, Source, Wiring};
 
 use serde::{Serialize, de::DeserializeOwned};
@@ -31,6 +33,16 @@ pub const MAX_FRAME: usize = 640;
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// Why a frame could not be written or read.
+///
+/// ```
+/// use shakedown_core::link::{HostRequest, LinkError, MAX_FRAME, decode, encode};
+///
+/// let mut frame = [0; MAX_FRAME];
+/// let length = encode(&HostRequest::Stop, &mut frame)?;
+/// frame[1] ^= 1; // a bit falls over on the way
+/// assert_eq!(decode::<HostRequest>(&mut frame[..length - 1]), Err(LinkError::Garbled));
+/// # Ok::<(), LinkError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LinkError {

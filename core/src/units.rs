@@ -8,10 +8,25 @@
 use crate::block::{BlockError, require};
 
 /// What a converter counts, from 0 to its full scale.
+///
+/// ```
+/// use shakedown_core::units::Code;
+///
+/// assert!(Code(4095) > Code(0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Code(pub u16);
 
 /// A voltage on a wire, V.
+///
+/// ```
+/// use shakedown_core::units::{Channel, Volt};
+///
+/// // A command of +/-10 V over a table of +/-0.2 m.
+/// let command = Channel::new(Volt(0.0), 0.02)?;
+/// assert!((command.to_si(Volt(5.0)) - 0.1).abs() < 1e-6);
+/// # Ok::<(), shakedown_core::blocks::BlockError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Volt(pub f32);
 

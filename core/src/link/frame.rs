@@ -1,4 +1,4 @@
-//! The frames themselves.
+//! What a device says.
 
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
@@ -6,62 +6,18 @@ use serde::{Deserialize, Serialize};
 use super::{Challenge, Setup};
 use crate::guard::{State, Trip};
 
-/// Most points of a reference in one frame.
-pub const MAX_POINTS: usize = 64;
-
 /// Most records of telemetry in one frame.
 pub const MAX_BATCH: usize = 16;
 
-/// What a host asks of a device.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename = "Request")]
-pub enum HostRequest {
-    /// Who are you? Answered by [`Report::Identity`].
-    Identify,
-    /// Answered by [`Report::Setup`].
-    ReadSetup,
-    /// Takes effect whole, between two ticks, without a bump. The wiring and the rate change only while the test is off
-    /// or tripped.
-    WriteSetup(Setup),
-    /// Keeps the setup now in force over a reset. Only while off or tripped: the ticks stop for a second or two.
-    Save,
-    /// Answered by [`Report::Challenge`].
-    RequestArming,
-    /// The answer to the challenge: closes the relay and holds the table where it stands.
-    Arm(u64),
-    /// Starts the test.
-    Start,
-    /// Fades the test out and holds the table; a streamed reference ends.
-    Stop,
-    /// Opens the relay, from a stand.
-    Disarm,
-    /// Clears a trip whose cause is gone. The only way out of one.
-    ClearTrip,
-    /// Trips, from anywhere.
-    Trip,
-    /// Points of the reference, ahead of time. Answered by [`Report::Credit`], whether they were taken or not: they are
-    /// not when `first` is not the next point wanted, or when they do not all fit.
-    Reference(Points),
-    /// Puts a code on the output, for commissioning: only while off, and until the next request that is not this one.
-    Probe(u16),
-    /// Answered by [`Report::Vitals`].
-    ReadVitals,
-    /// Answered by [`Report::Options`].
-    ReadOptions,
-}
-
-/// Points of a reference, one a tick.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Points {
-    /// Index of the first of them, counted from the start of the record.
-    pub first: u32,
-    /// Displacement, m.
-    pub points: Vec<f32, MAX_POINTS>,
-    /// The record ends with the last of them.
-    pub last: bool,
-}
-
 /// What a device counts time by.
+///
+/// ```
+/// use shakedown_core::link::{Clock, Identity};
+///
+/// // An internal oscillator drifts by per cents: a host may want to say so.
+/// let drifts = |device: &Identity| device.clock == Clock::Internal;
+/// # let _ = drifts;
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
@@ -74,6 +30,19 @@ pub enum Clock {
 }
 
 /// Who a device is.
+///
+/// ```
+/// use shakedown_core::link::{Clock, Identity};
+///
+/// let device = Identity {
+///     firmware: [0, 1, 0],
+///     full_scale: 65_520,
+///     buffer: 1024,
+///     clock: Clock::Crystal,
+///     highest_rate: 5000,
+/// };
+/// assert!(device.buffer >= 1000); // a second of a streamed reference at 1 kHz
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Firmware version: major, minor, patch.
@@ -92,6 +61,13 @@ pub struct Identity {
 pub const MAX_OPTIONS: usize = 8;
 
 /// What an option byte decides.
+///
+/// ```
+/// use shakedown_core::link::{OptionByte, OptionPurpose};
+///
+/// let resets_at_low_supply = |byte: &OptionByte| byte.purpose == OptionPurpose::BrownOut && byte.found == byte.wanted;
+/// # let _ = resets_at_low_supply;
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OptionPurpose {
@@ -108,6 +84,14 @@ pub enum OptionPurpose {
 }
 
 /// One setting that a chip takes from its flash at power-on, as a board reads it back.
+///
+/// ```
+/// use shakedown_core::link::{OptionByte, OptionPurpose};
+///
+/// let name = "BOR_LEV".try_into().unwrap();
+/// let byte = OptionByte { purpose: OptionPurpose::BrownOut, name, found: 3, wanted: 0 };
+/// assert_ne!(byte.found, byte.wanted); // the chip would not reset at a low supply
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OptionByte {
     /// What it decides.
@@ -121,6 +105,15 @@ pub struct OptionByte {
 }
 
 /// Why a device tripped, stopped by itself, or does not arm.
+///
+/// ```
+/// use shakedown_core::Trip;
+/// use shakedown_core::link::StopCause;
+///
+/// let by_the_guard = |cause: StopCause| matches!(cause, StopCause::Guard(_));
+/// assert!(by_the_guard(StopCause::Guard(Trip::SensorLost)));
+/// assert!(!by_the_guard(StopCause::Underrun)); // the host was too slow
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "Cause")]
 pub enum StopCause {
@@ -141,6 +134,14 @@ pub enum StopCause {
 }
 
 /// Why a request was not carried out.
+///
+/// ```
+/// use shakedown_core::link::{RefusedBecause, Report};
+///
+/// // A stream that is ahead of the device waits; every other refusal is for the operator.
+/// let waits = |report: &Report| *report == Report::Refused(RefusedBecause::Full);
+/// assert!(waits(&Report::Refused(RefusedBecause::Full)));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RefusedBecause {
     /// Not in this state.
@@ -160,6 +161,13 @@ pub enum RefusedBecause {
 }
 
 /// One tick as the device saw it: the codes it read and wrote, and what lay between them.
+///
+/// ```
+/// use shakedown_core::link::Record;
+///
+/// let tick = Record { reference: 0.01, fitted: 0.008, ..Record::default() };
+/// assert!(tick.fitted < tick.reference); // the record modifier held the table back
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Record {
     /// Reference as it came, m.
@@ -175,6 +183,17 @@ pub struct Record {
 }
 
 /// Records of telemetry in the order of their ticks.
+///
+/// ```
+/// use shakedown_core::State;
+/// use heapless::Vec;
+/// use shakedown_core::link::{Batch, Record};
+///
+/// let records = Vec::from_slice(&[Record::default(); 2]).unwrap();
+/// let batch = Batch { first: 100, every: 10, state: State::Running, dropped: 0, records };
+/// // Ticks 100 and 110: the next batch begins at 120 unless some were dropped.
+/// assert_eq!(batch.first + u32::from(batch.every) * 2, 120);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Batch {
     /// Tick of the first record, counted from the device's reset.
@@ -190,6 +209,22 @@ pub struct Batch {
 }
 
 /// How a device fares.
+///
+/// ```
+/// use shakedown_core::State;
+/// use shakedown_core::link::DeviceHealth;
+///
+/// let health = DeviceHealth {
+///     state: State::Off,
+///     cause: None,
+///     ticks: 0,
+///     dropped: 0,
+///     garbled: 0,
+///     stored: true,
+///     buffered: 0,
+/// };
+/// assert!(health.stored && health.cause.is_none()); // it may be armed
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "Vitals")]
 pub struct DeviceHealth {
@@ -210,21 +245,31 @@ pub struct DeviceHealth {
 }
 
 /// What a device says.
+///
+/// ```
+/// use shakedown_core::link::{Report, MAX_FRAME, decode, encode};
+///
+/// let mut frame = [0; MAX_FRAME];
+/// let said = Report::Done;
+/// let length = encode(&said, &mut frame)?;
+/// assert_eq!(decode::<Report>(&mut frame[..length - 1])?, said);
+/// # Ok::<(), shakedown_core::link::LinkError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Report {
-    /// To [`HostRequest::Identify`].
+    /// To [`HostRequest::Identify`](super::HostRequest::Identify).
     Identity(Identity),
-    /// To [`HostRequest::ReadSetup`].
+    /// To [`HostRequest::ReadSetup`](super::HostRequest::ReadSetup).
     Setup(Setup),
-    /// To [`HostRequest::RequestArming`].
+    /// To [`HostRequest::RequestArming`](super::HostRequest::RequestArming).
     Challenge(Challenge),
-    /// To [`HostRequest::ReadVitals`], and of its own accord at every change of state.
+    /// To [`HostRequest::ReadVitals`](super::HostRequest::ReadVitals), and of its own accord at every change of state.
     Vitals(DeviceHealth),
     /// The request was carried out.
     Done,
     /// It was not.
     Refused(RefusedBecause),
-    /// To [`HostRequest::Reference`], and of its own accord as the buffer empties: what may be sent.
+    /// To [`HostRequest::Reference`](super::HostRequest::Reference), and of its own accord as the buffer empties: what may be sent.
     Credit {
         /// Index of the next point wanted.
         next: u32,
@@ -233,6 +278,6 @@ pub enum Report {
     },
     /// Telemetry.
     Telemetry(Batch),
-    /// To [`HostRequest::ReadOptions`]; empty where the device has none.
+    /// To [`HostRequest::ReadOptions`](super::HostRequest::ReadOptions); empty where the device has none.
     Options(Vec<OptionByte, MAX_OPTIONS>),
 }

@@ -7,6 +7,12 @@ use crate::settings::{Mode, Settings, SettingsError};
 use crate::units::Scale;
 
 /// Where the reference comes from.
+///
+/// ```
+/// use shakedown_core::link::Source;
+///
+/// assert!(Source::Rehearsal.streamed() && !Source::Analog.streamed());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Source {
@@ -19,6 +25,24 @@ pub enum Source {
 }
 
 /// What the converters' codes mean.
+///
+/// ```
+/// use shakedown_core::link::{Scale, Source, Wiring};
+///
+/// // 16 bits over +/-10 V: an LVDT of 20 mm/V, an accelerometer of 1 g/V.
+/// let per_volt = |si: f32| Scale { zero: 32_767.5, per_code: si * 20.0 / 65_535.0 };
+/// let wiring = Wiring {
+///     source: Source::Analog,
+///     reference: per_volt(0.02),
+///     displacement: per_volt(0.02),
+///     acceleration: per_volt(9.81),
+///     external: per_volt(0.02),
+///     output: per_volt(0.02),
+///     full_scale: 65_535,
+///     rails_are_faults: true,
+/// };
+/// assert_eq!(wiring.margin(), 16); // codes at either end that are no reading
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wiring {
@@ -73,6 +97,13 @@ pub struct Setup {
 }
 
 /// Why a [`Setup`] was refused.
+///
+/// ```
+/// use shakedown_core::link::SetupError;
+///
+/// let error = SetupError::Wiring { field: "output", value: 0.0 };
+/// assert_eq!(error.to_string(), "wiring.output is 0, which no converter can have");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SetupError {
