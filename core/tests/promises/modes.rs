@@ -1,8 +1,8 @@
 //! Wiring and modes: the hard-wired loop cancels, what passes through passes unchanged, and no change makes a bump.
 
 use proptest::prelude::*;
-use shakedown_core::settings::{Gains, InnerLoop, ValveSettings};
-use shakedown_core::{Controller, Mode, Modification, Sample, Settings};
+use shakedown_core::settings::{EnvelopeSettings, Gains, GuardSettings, InnerLoop, InputSettings, ValveSettings};
+use shakedown_core::{Controller, Mode, Modification, OperatorRequest, Sample, Settings};
 
 use crate::table::Table;
 
@@ -141,5 +141,51 @@ fn an_observer_turned_on_away_from_zero_makes_no_velocity() {
     for _ in 0..1000 {
         let command = controller.step(&at);
         assert!(command.valve.abs() < 1e-6, "{}", command.valve);
+    }
+}
+
+/// A reference that asks for all of the stroke is led to where a table can still be stopped that brakes as the reference does, at 1 m/s2: for
+/// v up to 0.242 m/s, max(v latency + v^2 / (2 deceleration) - v^2 / 2) beyond it and one and a half margins are left, in closed form.
+#[test]
+fn a_modified_reference_comes_as_far_as_the_guard_lets_it() {
+    for (latency, deceleration) in [(0.05, 5.0), (0.1, 10.0), (0.05, 20.0), (0.2, 5.0)] {
+        let envelope = EnvelopeSettings {
+            stopping_latency: latency as f32,
+            stopping_deceleration: deceleration as f32,
+            ..EnvelopeSettings::default()
+        };
+        let guard = GuardSettings { envelope, ..GuardSettings::default() };
+        let modified = Settings { modification: Modification::Causal, mode: Mode::Modifier, ..Settings::default() };
+        let settings = Settings { guard: Some(guard), ..modified };
+        let mut controller = Controller::new(&settings).unwrap();
+        controller.step(&Sample::default());
+        controller.request(OperatorRequest::Arm).unwrap();
+        controller.request(OperatorRequest::Start).unwrap();
+        // The table is where its reference was a tick ago.
+        let (mut farthest, mut ways) = (0.0_f32, [0.0_f32; 3]);
+        for _ in 0..6000 {
+            let acceleration = (ways[0] - 2.0 * ways[1] + ways[2]) * 1e6;
+            let command = controller.step(&Sample::new(0.3, ways[0], acceleration));
+            assert_eq!(command.status.trip, None);
+            ways = [command.reference, ways[0], ways[1]];
+            farthest = farthest.max(command.reference);
+        }
+        let needed = |v: f64| v * latency + v * v * (0.5 / deceleration - 0.5);
+        let most = (0..=242).map(|v| needed(1e-3 * f64::from(v))).fold(0.0, f64::max);
+        let wall = 0.12 - 1.5 * 0.005 - most;
+        assert!((f64::from(farthest) - wall).abs() < 5e-5, "{latency} s, {deceleration} m/s2: {farthest} m for {wall}");
+    }
+}
+
+/// A second displacement sensor is read where the settings name one, and missed nowhere else.
+#[test]
+fn a_second_displacement_sensor_is_missed_where_it_is_fitted() {
+    for second_displacement in [None, Some(0.01)] {
+        let inputs = InputSettings { second_displacement, ..InputSettings::default() };
+        let guard = GuardSettings { inputs, ..GuardSettings::default() };
+        let settings = Settings { guard: Some(guard), ..Settings::default() };
+        let mut controller = Controller::new(&settings).unwrap();
+        let missing = controller.step(&Sample { second_displacement: f32::NAN, ..Sample::default() }).status.missing;
+        assert_eq!(!missing.is_empty(), second_displacement.is_some());
     }
 }

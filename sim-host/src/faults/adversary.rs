@@ -102,7 +102,7 @@ fn promised(class: &Class, outcome: &Outcome) -> f64 {
             _ => 0.0,
         },
         Promise::Harmless(most) => way.max(outcome.beyond_null_m / most.max(1e-6)),
-        Promise::Inside | Promise::Roomy | Promise::Aided | Promise::Measured => way,
+        Promise::Inside | Promise::Roomy { .. } | Promise::Aided | Promise::Measured => way,
     }
 }
 

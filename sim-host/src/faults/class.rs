@@ -107,8 +107,11 @@ pub enum Promise {
     /// The table obeys, and stays inside its stroke.
     Inside,
     /// The same, by the valve command and the model alone where the reference leaves [`ROOM`] at either end, the LVDT goes wrong so
-    /// fast that they can tell, and the table's gain is near its model's or was learned before.
-    Roomy,
+    /// fast that they can tell, and the table's gain was learned before, or is near its model's where the fault cannot pass for a gain.
+    Roomy {
+        /// Whether the fault passes for another gain of the table while that is not learned.
+        as_gain: bool,
+    },
     /// The same where limit switches or a second displacement sensor are fitted: nothing else that the device reads contradicts
     /// the LVDT. Without them what becomes of it is measured.
     Aided,
@@ -160,16 +163,18 @@ impl std::fmt::Display for Promise {
             Self::Harmless(most) if most < 1e-6 => f.write_str("changes nothing, or reported"),
             Self::Harmless(most) => write!(f, "strays at most {} mm, or reported", (1e3 * most).round()),
             Self::Inside => f.write_str("stays inside its stroke"),
-            Self::Roomy => {
+            Self::Roomy { as_gain } => {
                 write!(
                     f,
-                    "stays inside its stroke; the guard alone where the reference leaves {:.0} mm, the LVDT outruns {:.0} mm/s by {:.0} mm, and the table's gain is within {:.0} % of its model's or the table moved for {:.0} s before",
+                    "stays inside its stroke; the guard alone where the reference leaves {:.0} mm, the LVDT outruns {:.0} mm/s by {:.0} mm, and ",
                     1e3 * ROOM,
                     1e3 * HIDDEN,
                     1e3 * OUTRUN,
-                    1e2 * NEAR_MODEL,
-                    LEARNED
-                )
+                )?;
+                if !as_gain {
+                    write!(f, "the table's gain is within {:.0} % of its model's or ", 1e2 * NEAR_MODEL)?;
+                }
+                write!(f, "the table moved for {LEARNED:.0} s before")
             }
             Self::Aided => f.write_str("stays inside its stroke with limit switches or a second displacement sensor"),
             Self::Measured => f.write_str("nothing: measured"),

@@ -217,7 +217,7 @@ impl<'a> Watcher<'a> {
                 Clock::Valve(lately, all) => self.unexplained.exceeds(lately, all),
                 Clock::Deviation(least) => off > least,
             },
-            Promise::Harmless(_) | Promise::Inside | Promise::Roomy | Promise::Aided | Promise::Measured => true,
+            Promise::Harmless(_) | Promise::Inside | Promise::Roomy { .. } | Promise::Aided | Promise::Measured => true,
         };
         if starts && self.started.is_none() {
             self.started = Some(before);
@@ -268,7 +268,9 @@ impl<'a> Watcher<'a> {
         }
         let promised = match promise {
             Promise::Aided => self.case.aided(),
-            Promise::Roomy => self.case.aided() || told_by_command(self.case, &self.outrun, self.moved),
+            Promise::Roomy { as_gain } => {
+                self.case.aided() || told_by_command(self.case, &self.outrun, self.moved, as_gain)
+            }
             _ => true,
         };
         if outside && promised {

@@ -26,10 +26,10 @@ fn disobeys(case: &Case) -> bool {
 }
 
 /// Whether the valve command can tell where the table is, by [`Promise::Roomy`]: the LVDT has outrun what is hidden so far, and the table
-/// moved for so long (s) before the fault.
-pub(super) fn told_by_command(case: &Case, outrun: &Outrun, moved: f64) -> bool {
+/// moved for so long (s) before a fault that may pass `as_gain`.
+pub(super) fn told_by_command(case: &Case, outrun: &Outrun, moved: f64, as_gain: bool) -> bool {
     let off = case.table.b0 / case.table.a1 / MODEL_GAIN - 1.0;
-    let known = off.abs() <= NEAR_MODEL || moved > LEARNED;
+    let known = (off.abs() <= NEAR_MODEL && !as_gain) || moved > LEARNED;
     known && case.peak() <= STROKE - ROOM && outrun.farthest > OUTRUN
 }
 

@@ -1,10 +1,13 @@
 //! What happens to LVDT and accelerometer.
 
 use super::super::Channel::{Acceleration, Displacement};
-use super::super::Promise::{Aided, Harmless, Inside, Reported, Roomy};
+use super::super::Promise::{self, Aided, Harmless, Inside, Reported};
 use super::super::{Channel, Class, Clock};
 use super::{bit, flicker, gain, hum, returning, second, signal, spikes};
 use crate::faults::spoil::SignalFault;
+
+/// An LVDT that creeps passes for no gain: it goes one way.
+const CREEPS: Promise = Promise::Roomy { as_gain: false };
 
 /// Lengths in m, accelerations in m/s2.
 pub(super) const SENSORS: &[Class] = &[
@@ -29,7 +32,7 @@ pub(super) const SENSORS: &[Class] = &[
     Class::new("lvdt-drifting", "LVDT: moves away at 0.15 to 1 m/s", Reported(Clock::Displacement(0.005), 0.5), |d| {
         signal(Displacement, SignalFault::Drifting(d.sign() * d.scale(0.15, 1.0)))
     }),
-    Class::new("lvdt-sliding", "LVDT: moves away at 20 to 150 mm/s", Roomy, |d| {
+    Class::new("lvdt-sliding", "LVDT: moves away at 20 to 150 mm/s", CREEPS, |d| {
         signal(Displacement, SignalFault::Drifting(d.sign() * d.scale(0.02, 0.15)))
     }),
     Class::new("lvdt-creeping", "LVDT: moves away at 0.5 to 20 mm/s", Aided, |d| {
@@ -38,7 +41,7 @@ pub(super) const SENSORS: &[Class] = &[
     Class::new(
         "lvdt-returning",
         "LVDT: moves away by 10 to 60 mm at 20 to 150 mm/s, and part of the way back",
-        Roomy,
+        CREEPS,
         |d| signal(Displacement, returning(d)),
     ),
     Class::new("lvdt-spikes", "LVDT: spikes of 1 to 200 mm, 1 to 20 ms", Harmless(0.03), |d| {
@@ -62,9 +65,12 @@ pub(super) const SENSORS: &[Class] = &[
     Class::new("lvdt-reversed", "LVDT: polarity turned", Harmless(0.06), |_| {
         signal(Displacement, SignalFault::Reversed)
     }),
-    Class::new("lvdt-gain", "LVDT: its gain goes to 0.5 to 1.5 of itself over 1 to 20 s", Roomy, |d| {
-        signal(Displacement, gain(d))
-    }),
+    Class::new(
+        "lvdt-gain",
+        "LVDT: its gain goes to 0.5 to 1.5 of itself over 1 to 20 s",
+        Promise::Roomy { as_gain: true },
+        |d| signal(Displacement, gain(d)),
+    ),
     Class::new("second-lvdt", "second displacement sensor: any of the above", Harmless(0.02), |d| {
         signal(Channel::Second, second(d))
     }),
