@@ -9,7 +9,7 @@ use super::class::{Clock, Fault, HIDDEN, Promise};
 use super::rig::{self, Pair, RigError, TruthSample};
 use measures::{Lately, Outrun, Shaken, Stands, Unexplained};
 pub(super) use reach::softened;
-use reach::{farthest, told_by_command};
+use reach::{farthest, told_of};
 use serde::{Deserialize, Serialize};
 use shakedown_core::{Mode, Relay, State};
 
@@ -268,9 +268,7 @@ impl<'a> Watcher<'a> {
         }
         let promised = match promise {
             Promise::Aided => self.case.aided(),
-            Promise::Roomy { as_gain } => {
-                self.case.aided() || told_by_command(self.case, &self.outrun, self.moved, as_gain)
-            }
+            Promise::Roomy { as_gain } => told_of(self.case, &self.outrun, self.moved, as_gain),
             _ => true,
         };
         if outside && promised {

@@ -25,12 +25,12 @@ fn disobeys(case: &Case) -> bool {
     disobeys(case.fault) || case.second.is_some_and(|(fault, _)| disobeys(fault))
 }
 
-/// Whether the valve command can tell where the table is, by [`Promise::Roomy`]: the LVDT has outrun what is hidden so far, and the table
-/// moved for so long (s) before a fault that may pass `as_gain`.
-pub(super) fn told_by_command(case: &Case, outrun: &Outrun, moved: f64, as_gain: bool) -> bool {
+/// Whether limit switches, a second sensor or the valve command can tell where the table is, by [`Promise::Roomy`]: the LVDT has
+/// outrun what is hidden so far, and the table moved for so long (s) before a fault that may pass `as_gain`.
+pub(super) fn told_of(case: &Case, outrun: &Outrun, moved: f64, as_gain: bool) -> bool {
     let off = case.table.b0 / case.table.a1 / MODEL_GAIN - 1.0;
     let known = (off.abs() <= NEAR_MODEL && !as_gain) || moved > LEARNED;
-    known && case.peak() <= STROKE - ROOM && outrun.farthest > OUTRUN
+    case.aided() || (known && case.peak() <= STROKE - ROOM && outrun.farthest > OUTRUN)
 }
 
 /// Whether a command softens what the specimen feels: none does where the loop behind the device follows a broken wire, the valve
