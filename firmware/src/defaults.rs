@@ -46,6 +46,7 @@ pub fn setup() -> Setup {
 pub fn setup_of(limits: Limits) -> Setup {
     Setup {
         telemetry_every: 1,
+        lease_ms: 0,
         wiring: wiring(limits.full_scale),
         control: Settings {
             anti_windup: true,

@@ -12,6 +12,7 @@ use crate::limits::Limits;
 use crate::queues::{LoopCommand, POINTS, Point, ServerEnd, TestStatus};
 
 mod awaited;
+mod lease;
 use awaited::Awaited;
 
 /// How long a challenge may be answered, ticks of the caller's millisecond clock.
@@ -58,6 +59,8 @@ pub struct LinkServer<'a> {
     credit_due: bool,
     told: Option<TestStatus>,
     garbled: u32,
+    /// When the host was last heard, or told to be silent, ms.
+    heard: u32,
     awaited: Option<Awaited>,
 }
 
@@ -84,6 +87,7 @@ impl<'a> LinkServer<'a> {
             credit_due: false,
             told: None,
             garbled: 0,
+            heard: 0,
             awaited: None,
         }
     }
@@ -106,6 +110,7 @@ impl<'a> LinkServer<'a> {
     /// What to do about `request`; `now` is in ms.
     pub fn take(&mut self, request: HostRequest, seen: LoopStatus, now: u32) -> Action {
         let state = seen.standing.state;
+        self.heard = now;
         let report = match request {
             HostRequest::Identify => Report::Identity(self.identity()),
             HostRequest::ReadSetup => Report::Setup(self.setup),
@@ -142,6 +147,7 @@ impl<'a> LinkServer<'a> {
 
     /// What the server has to say of its own accord: a change of state, room in the reference buffer, telemetry.
     pub fn volunteer(&mut self, seen: LoopStatus) -> Option<Report> {
+        self.keep_lease(seen);
         if self.told != Some(seen.standing) {
             let first = self.told.is_none();
             self.told = Some(seen.standing);

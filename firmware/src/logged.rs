@@ -34,6 +34,7 @@ fn cause(to: Formatter<'_>, cause: StopCause) {
         StopCause::SupplyLow => write!(to, ": supply low"),
         StopCause::Restarted => write!(to, ": restarted after a failure"),
         StopCause::Asked => write!(to, ": asked for"),
+        StopCause::HostSilent => write!(to, ": host silent"),
         StopCause::Guard(by) => trip(to, by),
     }
 }

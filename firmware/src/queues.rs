@@ -24,6 +24,8 @@ pub enum LoopCommand {
     Lend,
     /// Ask the core for this.
     Ask(OperatorRequest),
+    /// The host has said nothing for as long as it may.
+    HostSilent,
     /// Put this code on the output while the test is off; none ends it.
     Probe(Option<u16>),
 }
@@ -96,7 +98,8 @@ impl TestStatus {
             Some(StopCause::SupplyLow) => 4,
             Some(StopCause::Restarted) => 5,
             Some(StopCause::Asked) => 6,
-            Some(StopCause::Guard(trip)) => 7 | (trip as u32) << 8,
+            Some(StopCause::HostSilent) => 7,
+            Some(StopCause::Guard(trip)) => 8 | (trip as u32) << 8,
         };
         self.state as u32 | cause << 8
     }
@@ -114,6 +117,7 @@ impl TestStatus {
             4 => Some(StopCause::SupplyLow),
             5 => Some(StopCause::Restarted),
             6 => Some(StopCause::Asked),
+            7 => Some(StopCause::HostSilent),
             _ => Some(StopCause::Guard(trip)),
         };
         Self { state, cause }
@@ -232,8 +236,8 @@ mod tests {
 
     #[test]
     fn a_standing_survives_its_word() {
-        use StopCause::{Asked, EmergencyStop, Overrun, Restarted, SupplyLow, Underrun};
-        let boards = [EmergencyStop, Overrun, Underrun, SupplyLow, Restarted, Asked];
+        use StopCause::{Asked, EmergencyStop, HostSilent, Overrun, Restarted, SupplyLow, Underrun};
+        let boards = [EmergencyStop, Overrun, Underrun, SupplyLow, Restarted, Asked, HostSilent];
         let causes = boards.into_iter().chain(TRIPS.map(StopCause::Guard)).map(Some).chain([None]);
         for (cause, state) in causes.flat_map(|cause| STATES.map(|state| (cause, state))) {
             let standing = TestStatus { state, cause };

@@ -70,7 +70,7 @@ impl Day {
             guard: Some(GuardSettings::default()),
             ..Settings::default()
         };
-        let setup = Setup { telemetry_every: EVERY, wiring: wiring(), control: settings };
+        let setup = Setup { telemetry_every: EVERY, lease_ms: 0, wiring: wiring(), control: settings };
         Ok(Self {
             controller: Controller::new(&settings)?,
             plant: FixedStep::new(Paper::default(), 1.0 / (RATE * STEPS as f64), 0.0)?,

@@ -129,6 +129,8 @@ pub enum StopCause {
     Restarted,
     /// The host asked for it.
     Asked,
+    /// The host said nothing for as long as [`Setup::lease_ms`].
+    HostSilent,
     /// The core's guard.
     Guard(Trip),
 }

@@ -82,7 +82,7 @@ pub struct Wiring {
 ///     full_scale: 4095,
 ///     rails_are_faults: true,
 /// };
-/// let setup = Setup { telemetry_every: 1, wiring, control: Settings::default() };
+/// let setup = Setup { telemetry_every: 1, lease_ms: 0, wiring, control: Settings::default() };
 /// assert_eq!(setup.validate(), Err(SetupError::NoGuard)); // a device does not run without
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -90,6 +90,10 @@ pub struct Wiring {
 pub struct Setup {
     /// A record of telemetry every so many ticks; 0 sends none.
     pub telemetry_every: u16,
+    /// How long the host may say nothing while the device is armed before the test is faded out, and as long again before it is disarmed,
+    /// ms; 0 where the device needs no host, else at least [`Setup::SHORTEST_LEASE`].
+    #[serde(default)]
+    pub lease_ms: u16,
     /// How the device is wired.
     pub wiring: Wiring,
     /// What the core is set to.
@@ -118,6 +122,11 @@ pub enum SetupError {
         /// What was given.
         value: f32,
     },
+    /// A lease shorter than a host's own silence.
+    Lease {
+        /// What was given, ms.
+        given: u16,
+    },
     /// A channel of the wiring does not reach as far as the settings ask of it.
     Reach {
         /// The channel's name.
@@ -137,6 +146,13 @@ impl core::fmt::Display for SetupError {
             Self::Control(error) => write!(f, "control.{error}"),
             Self::NoGuard => write!(f, "control.guard is missing: a device does not run without one"),
             Self::Wiring { field, value } => write!(f, "wiring.{field} is {value}, which no converter can have"),
+            Self::Lease { given } => {
+                let shortest = Setup::SHORTEST_LEASE;
+                write!(
+                    f,
+                    "lease_ms is {given}, and a host may be silent for longer: at least {shortest}, or 0 for none"
+                )
+            }
             Self::Reach { field, reach: [low, high], needed: [from, to], remedy } => {
                 write!(f, "wiring.{field} reaches {low} to {high}, and {from} to {to} is needed: {remedy}")
             }
@@ -162,11 +178,17 @@ impl Wiring {
 }
 
 impl Setup {
+    /// Shortest lease, ms: a host asks every 100 ms how a test stands, and some of its frames may be lost.
+    pub const SHORTEST_LEASE: u16 = 500;
+
     /// Checks every field. A device takes a setup only when all of it holds.
     pub fn validate(&self) -> Result<(), SetupError> {
         self.control.validate().map_err(SetupError::Control)?;
         if self.control.guard.is_none() {
             return Err(SetupError::NoGuard);
+        }
+        if (1..Self::SHORTEST_LEASE).contains(&self.lease_ms) {
+            return Err(SetupError::Lease { given: self.lease_ms });
         }
         self.control.validate_for_device().map_err(SetupError::Control)?;
         let inputs = self.control.guard.map(|guard| guard.inputs).unwrap_or_default();

@@ -8,6 +8,7 @@ fn setup() -> Setup {
     let line = Scale { zero: 2048.0, per_code: -7.44e-5 };
     Setup {
         telemetry_every: 10,
+        lease_ms: 0,
         wiring: Wiring {
             source: Source::Analog,
             reference: line,

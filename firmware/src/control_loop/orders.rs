@@ -21,6 +21,7 @@ impl ControlLoop<'_> {
             Some(LoopCommand::TakeSetup) => return self.take_setup(),
             Some(LoopCommand::Lend) => self.lend(),
             Some(LoopCommand::Ask(request)) => self.ask(request),
+            Some(LoopCommand::HostSilent) => self.miss_host(),
             Some(LoopCommand::Probe(code)) => self.probe = code,
             None => {}
         }
@@ -80,6 +81,17 @@ impl ControlLoop<'_> {
         let (ticks, _) = self.counts();
         (self.left, self.due) = (1, ticks.wrapping_add(1));
         self.queues.verdicts.enqueue(verdict).is_ok()
+    }
+
+    /// Fades out a test whose host is silent, and disarms what has come to a stand.
+    fn miss_host(&mut self) {
+        let request = match self.controller.state() {
+            State::Running | State::Hold => OperatorRequest::Stop,
+            State::Ready => OperatorRequest::Off,
+            _ => return,
+        };
+        self.attribute_trip(Some(StopCause::HostSilent));
+        let _ = self.controller.request(request);
     }
 
     fn ask(&mut self, request: OperatorRequest) {

@@ -110,6 +110,20 @@ fn a_stream_that_runs_dry_fades_the_test_out_and_says_so() {
     });
 }
 
+/// A test whose host is silent fades out, then the device is disarmed; the cause says why both times.
+#[test]
+fn a_silent_host_ends_its_test_and_then_disarms() {
+    with_loop(|decide, server| {
+        running(decide, server, 100);
+        for state in [State::Ready, State::Off, State::Off] {
+            server.orders.enqueue(LoopCommand::HostSilent).unwrap();
+            (0..10).for_each(|_| _ = tick(decide, Events::default()));
+            assert_eq!(decide.standing(), TestStatus { state, cause: Some(StopCause::HostSilent) });
+        }
+        assert!(!decide.relay());
+    });
+}
+
 #[test]
 fn a_stream_that_ends_fades_the_test_out_in_order() {
     with_loop(|decide, server| {

@@ -163,3 +163,43 @@ proptest! {
         });
     }
 }
+
+/// A host that is silent for longer than its lease is missed while the device is armed, again and again until it is not; one that speaks
+/// in time is not, nor is any where none is asked for.
+#[test]
+fn a_silent_host_is_missed_while_the_device_is_armed() {
+    let missed = |lease_ms: u16, state: State, says_every: u32| {
+        let mut queues = Queues::new();
+        let (mut loop_end, server_end) = queues.split();
+        let setup = Setup { lease_ms, ..defaults::setup() };
+        let mut server = LinkServer::new(setup, false, Clock::Crystal, defaults::LIMITS, 1, server_end);
+        let mut missed = 0;
+        for ticks in 0..10_000 {
+            let seen = LoopStatus { ticks, ..seen(state) };
+            if ticks % says_every == 0 {
+                server.take(HostRequest::ReadVitals, seen, server.milliseconds(ticks));
+            }
+            server.volunteer(seen);
+            while let Some(order) = loop_end.orders.dequeue() {
+                assert_eq!(order, LoopCommand::HostSilent);
+                missed += 1;
+            }
+        }
+        missed
+    };
+    for state in [State::Ready, State::Running, State::Hold] {
+        assert_eq!(missed(2000, state, u32::MAX), 4, "{state:?}");
+        assert_eq!((missed(2000, state, 2000), missed(0, state, u32::MAX)), (0, 0), "{state:?}");
+    }
+    for state in [State::Off, State::RampDown, State::Tripped] {
+        assert_eq!(missed(2000, state, u32::MAX), 0, "{state:?}");
+    }
+}
+
+/// A host may be silent for less than half a second.
+#[test]
+fn a_lease_that_no_host_keeps_is_refused() {
+    let lease = |lease_ms| Setup { lease_ms, ..defaults::setup() }.validate();
+    assert_eq!([0, 500, u16::MAX].map(lease), [Ok(()); 3]);
+    assert_eq!([1, 499].map(lease), [1, 499].map(|given| Err(shakedown_core::link::SetupError::Lease { given })));
+}

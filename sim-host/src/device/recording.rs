@@ -144,7 +144,7 @@ pub(super) mod tests {
             full_scale: 4095,
             rails_are_faults: true,
         };
-        Setup { telemetry_every: 1, wiring, control: Settings::default() }
+        Setup { telemetry_every: 1, lease_ms: 0, wiring, control: Settings::default() }
     }
 
     #[test]

@@ -59,6 +59,7 @@ fn setup(control: &Settings) -> Setup {
     let scale = Scale { zero: 2048.0, per_code: 0.1524 / 2048.0 };
     Setup {
         telemetry_every: 1,
+        lease_ms: 0,
         wiring: Wiring {
             source: Source::Streamed,
             reference: scale,
