@@ -5,17 +5,19 @@ use shakedown_core::State;
 use super::{LinkServer, LoopStatus};
 use crate::queues::LoopCommand;
 
+/// Ticks in units of 16, modulo 2^16: two bytes that count 131 s at 8 kHz, twice the longest lease, across the end of the ticks' own count.
+pub(super) const fn sixteenth(ticks: u32) -> u16 {
+    (ticks / 16) as u16
+}
+
 impl LinkServer<'_> {
     /// Tells the loop of a host that is silent while the device is armed: a test is faded out, and after as long again the device is disarmed.
     pub(super) fn keep_lease(&mut self, seen: LoopStatus) {
-        let now = self.milliseconds(seen.ticks);
+        let lease = u32::from(self.setup.lease_ms);
         let armed = matches!(seen.standing.state, State::Ready | State::Running | State::Hold);
-        // The count of ticks begins anew after 2^32 of them.
-        if !armed || now < self.heard || self.setup.lease_ms == 0 {
-            self.heard = now.min(self.heard);
-        } else if now - self.heard > u32::from(self.setup.lease_ms)
-            && self.queues.orders.enqueue(LoopCommand::HostSilent).is_ok()
-        {
+        let now = sixteenth(seen.ticks);
+        let silent = self.milliseconds(16 * u32::from(now.wrapping_sub(self.heard)));
+        if armed && lease > 0 && silent > lease && self.queues.orders.enqueue(LoopCommand::HostSilent).is_ok() {
             self.heard = now;
         }
     }

@@ -174,9 +174,11 @@ fn a_silent_host_is_missed_while_the_device_is_armed() {
         let setup = Setup { lease_ms, ..defaults::setup() };
         let mut server = LinkServer::new(setup, false, Clock::Crystal, defaults::LIMITS, 1, server_end);
         let mut missed = 0;
-        for ticks in 0..10_000 {
+        // Across the end of the count of ticks.
+        for tick in 0..10_000 {
+            let ticks = 0_u32.wrapping_sub(5000).wrapping_add(tick);
             let seen = LoopStatus { ticks, ..seen(state) };
-            if ticks % says_every == 0 {
+            if tick % says_every == 0 {
                 server.take(HostRequest::ReadVitals, seen, server.milliseconds(ticks));
             }
             server.volunteer(seen);
