@@ -59,7 +59,7 @@ pub struct LinkServer<'a> {
     credit_due: bool,
     told: Option<TestStatus>,
     garbled: u32,
-    /// When the host was last heard, or told to be silent, sixteenths of the ticks modulo 2^16.
+    /// When the host was last heard, or its silence last told, in units of 16 ticks modulo 2^16.
     heard: u16,
     awaited: Option<Awaited>,
 }
@@ -110,7 +110,7 @@ impl<'a> LinkServer<'a> {
     /// What to do about `request`; `now` is in ms.
     pub fn take(&mut self, request: HostRequest, seen: LoopStatus, now: u32) -> Action {
         let state = seen.standing.state;
-        self.heard = lease::sixteenth(seen.ticks);
+        self.heard = lease::in_sixteens(seen.ticks);
         let report = match request {
             HostRequest::Identify => Report::Identity(self.identity()),
             HostRequest::ReadSetup => Report::Setup(self.setup),

@@ -12,11 +12,11 @@ pub const MAX_BATCH: usize = 16;
 /// What a device counts time by.
 ///
 /// ```
-/// use shakedown_core::link::{Clock, Identity};
+/// use shakedown_core::link::Clock;
 ///
 /// // An internal oscillator drifts by per cents: a host may want to say so.
-/// let drifts = |device: &Identity| device.clock == Clock::Internal;
-/// # let _ = drifts;
+/// let drifts = |clock: Clock| clock == Clock::Internal;
+/// assert!(drifts(Clock::Internal) && !drifts(Clock::Crystal));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -66,7 +66,8 @@ pub const MAX_OPTIONS: usize = 8;
 /// use shakedown_core::link::{OptionByte, OptionPurpose};
 ///
 /// let resets_at_low_supply = |byte: &OptionByte| byte.purpose == OptionPurpose::BrownOut && byte.found == byte.wanted;
-/// # let _ = resets_at_low_supply;
+/// let name = "BOR_LEV".try_into().unwrap();
+/// assert!(!resets_at_low_supply(&OptionByte { purpose: OptionPurpose::BrownOut, name, found: 3, wanted: 0 }));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -187,8 +188,8 @@ pub struct Record {
 /// Records of telemetry in the order of their ticks.
 ///
 /// ```
-/// use shakedown_core::State;
 /// use heapless::Vec;
+/// use shakedown_core::State;
 /// use shakedown_core::link::{Batch, Record};
 ///
 /// let records = Vec::from_slice(&[Record::default(); 2]).unwrap();

@@ -60,12 +60,12 @@ pub enum HostRequest {
 ///
 /// ```
 /// use heapless::Vec;
-/// use shakedown_core::link::{HostRequest, Points};
+/// use shakedown_core::link::{HostRequest, MAX_FRAME, MAX_POINTS, Points, encode};
 ///
-/// // Three millimetres up within three ticks, and the record ends.
-/// let points = Vec::from_slice(&[0.001, 0.002, 0.003]).unwrap();
+/// // As many points as there may be fit into one frame.
+/// let points = Vec::from_slice(&[0.001; MAX_POINTS]).unwrap();
 /// let request = HostRequest::Reference(Points { first: 0, points, last: true });
-/// # let _ = request;
+/// assert!(encode(&request, &mut [0; MAX_FRAME]).is_ok());
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Points {

@@ -6,7 +6,7 @@ use super::{LinkServer, LoopStatus};
 use crate::queues::LoopCommand;
 
 /// Ticks in units of 16, modulo 2^16: two bytes that count 131 s at 8 kHz, twice the longest lease, across the end of the ticks' own count.
-pub(super) const fn sixteenth(ticks: u32) -> u16 {
+pub(super) const fn in_sixteens(ticks: u32) -> u16 {
     (ticks / 16) as u16
 }
 
@@ -15,7 +15,7 @@ impl LinkServer<'_> {
     pub(super) fn keep_lease(&mut self, seen: LoopStatus) {
         let lease = u32::from(self.setup.lease_ms);
         let armed = matches!(seen.standing.state, State::Ready | State::Running | State::Hold);
-        let now = sixteenth(seen.ticks);
+        let now = in_sixteens(seen.ticks);
         let silent = self.milliseconds(16 * u32::from(now.wrapping_sub(self.heard)));
         if armed && lease > 0 && silent > lease && self.queues.orders.enqueue(LoopCommand::HostSilent).is_ok() {
             self.heard = now;

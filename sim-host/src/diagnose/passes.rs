@@ -34,8 +34,8 @@ pub(super) fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Re
         return Ok(first);
     }
     options.say("the runs fitted do not show it: opening half of those held out", 0.9);
-    let Conclusion { accepted: after, judging, .. } = &first.conclusion;
-    let opened = reopened(&first.whole, judging, &after.hold.predicted);
+    let Conclusion { accepted, judging, .. } = &first.conclusion;
+    let opened = reopened(&first.whole, judging, &accepted.hold.predicted);
     let second = pass(opened, options)?;
     let names = !second.conclusion.unlisted && !second.conclusion.consistent();
     let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();

@@ -79,16 +79,16 @@ pub(super) fn verdict(
 ) -> Result<Conclusion, SimulateError> {
     let (judging, held_out) = test.consume(whole);
     let last = |judged: &ScoredModel| last(judged, (whole, seen), &judging);
-    let before = last(&decision.stated)?;
+    let stated = last(&decision.stated)?;
     let mut partial = decision.partial.as_ref().map(last).transpose()?;
-    let curve = modelled.map(|modelled| last(&modelled.judged)).transpose()?.filter(|c| c.hold.chi2 < before.hold.chi2);
+    let curve = modelled.map(|modelled| last(&modelled.judged)).transpose()?.filter(|c| c.hold.chi2 < stated.hold.chi2);
     let selected = (!decision.accepted.added.is_empty()).then(|| last(&decision.accepted)).transpose()?;
     // Names that stand beside a curve are judged with it, and where that fails without it: the curve may be what fails.
     let beside = modelled.filter(|_| decision.more_missing && selected.is_none());
     let with_curve = if beside.is_some() { curve.clone() } else { None };
     let refused = |named: &ScoredModel| -> Result<Option<Refusal>, SimulateError> {
-        let failed = refusal(&before, named, &judging, decision.more_missing);
-        if failed.is_some() { Ok(failed) } else { untold(&before, named, whole, &judging) }
+        let failed = refusal(&stated, named, &judging, decision.more_missing);
+        if failed.is_some() { Ok(failed) } else { untold(&stated, named, whole, &judging) }
     };
     let mut named = selected.or(with_curve);
     let mut refusal = named.as_ref().map(refused).transpose()?.flatten();
@@ -100,11 +100,11 @@ pub(super) fn verdict(
         (named, refusal) = (Some(alone), None);
     }
     let (mut unlisted, mut more_missing) = (decision.unlisted, decision.more_missing);
-    let mut after = before.clone();
+    let mut accepted = stated.clone();
     match named {
-        Some(named) if refusal.is_none() => after = named,
+        Some(named) if refusal.is_none() => accepted = named,
         // Nothing is missing there, and nothing there speaks for the names.
-        Some(named) if matches!(refusal, Some(Refusal::NotTold { .. })) && !rest_beyond_noise(&before) => {
+        Some(named) if matches!(refusal, Some(Refusal::NotTold { .. })) && !rest_beyond_noise(&stated) => {
             (unlisted, more_missing) = (false, false);
             decision.fall_back(CALIBRATION.failed);
             partial = Some(named);
@@ -123,46 +123,36 @@ pub(super) fn verdict(
     }
     // A misfit far from the noise is physics whether or not it follows the motion.
     if !unlisted
-        && let follows = Followed::of(&judging, &after.hold.predicted)
-        && (!follows.is_modest(&after) || follows.is_certain())
+        && let follows = Followed::of(&judging, &accepted.hold.predicted)
+        && (!follows.is_modest(&accepted) || follows.is_certain())
     {
-        let quiet = follows.noise(&after);
+        let quiet = follows.noise(&accepted);
         // What shows on the runs held out alone: more than the names explain, or anything at all.
-        if !after.added.is_empty() {
-            let excess = accounted(&before, &after, |model| score(&model, &judging))?;
-            more_missing |= more_is_missing(&before, &after, excess, quiet);
-        } else if beyond(before.hold.chi2 - 1.0, &after, quiet).0 {
+        if !accepted.added.is_empty() {
+            let excess = accounted(&stated, &accepted, |model| score(&model, &judging))?;
+            more_missing |= more_is_missing(&stated, &accepted, excess, quiet);
+        } else if beyond(stated.hold.chi2 - 1.0, &accepted, quiet).0 {
             unlisted = true;
             decision.take_back(CALIBRATION.failed);
         }
     }
-    if !unlisted && !after.added.is_empty() && rest_beyond_noise(&after) {
+    if !unlisted && !accepted.added.is_empty() && rest_beyond_noise(&accepted) {
         decision.take_back(CALIBRATION.mimicked);
     }
     // Without a curve the nearest that the library has predicts better than the stated model, whatever its names are worth.
-    if unlisted && let Some(better) = curve.or(partial.clone().filter(|p| p.hold.chi2 < before.hold.chi2)) {
-        after = better;
+    if unlisted && let Some(better) = curve.or(partial.clone().filter(|p| p.hold.chi2 < stated.hold.chi2)) {
+        accepted = better;
     }
-    Ok(Conclusion {
-        stated: before,
-        accepted: after,
-        partial,
-        unlisted,
-        more_missing,
-        refusal,
-        judging,
-        held_out,
-        decision,
-    })
+    Ok(Conclusion { stated, accepted, partial, unlisted, more_missing, refusal, judging, held_out, decision })
 }
 
 /// The stated model's standing, for recordings of which nothing else can be said.
 pub(super) fn as_stated(whole: &Prepared, decision: Decision, test: Test) -> Result<Conclusion, SimulateError> {
     let (judging, held_out) = test.consume(whole);
-    let before = ScoredModel { hold: score(&decision.stated.fit.model, &judging)?, ..decision.stated.clone() };
+    let stated = ScoredModel { hold: score(&decision.stated.fit.model, &judging)?, ..decision.stated.clone() };
     Ok(Conclusion {
-        accepted: before.clone(),
-        stated: before,
+        accepted: stated.clone(),
+        stated,
         partial: None,
         unlisted: false,
         more_missing: false,
