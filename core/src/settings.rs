@@ -130,6 +130,25 @@ impl Settings {
         if self.mode == Mode::Modifier { 1.0 } else { self.inner_loop.cancellation(1.0) }
     }
 
+    /// Largest command either way beyond the one at which no oil flows, m: `valve.command_limit`, and where a guard stands before a
+    /// valve no more than its model needs for full speed and the envelope's acceleration at once.
+    ///
+    /// ```text
+    /// (velocity_limit + lag envelope.acceleration) / gain
+    /// ```
+    /// A command beyond moves the table no faster, but winds up the lag of the valve, and after a trip the table goes on at full
+    /// speed for `lag ln(command / wide open)`. Behind the device an existing loop has a gain of its own, which is not known.
+    pub(crate) fn command_limit(&self) -> f32 {
+        let valve = &self.valve;
+        match &self.guard {
+            Some(guard) if self.mode != Mode::Modifier => {
+                let asked = self.velocity_limit + valve.lag * guard.envelope.acceleration;
+                crate::math::min(valve.command_limit, asked / valve.gain)
+            }
+            _ => valve.command_limit,
+        }
+    }
+
     /// The speed that the table reaches both ways, m/s: what a modified reference keeps to.
     pub(crate) fn slower_limit(&self) -> f32 {
         self.velocity_limit * crate::math::min(self.tracking.map_or(1.0, |tracking| tracking.flow.asymmetry), 1.0)

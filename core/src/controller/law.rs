@@ -56,7 +56,7 @@ impl ThreeVariableState {
 impl ThreeVariable {
     /// The law of `settings`, or the field that does not hold.
     pub(super) fn new(s: &Settings) -> Result<Self, SettingsError> {
-        let (dt, limit) = (1.0 / s.rate, s.valve.command_limit);
+        let (dt, limit) = (1.0 / s.rate, s.command_limit());
         let acceleration = AccelerationLoop::new(loop_gains(s.acceleration), dt, s.washout_frequency, limit)?;
         Ok(Self {
             displacement: DisplacementLoop::new(loop_gains(s.displacement), dt, limit),
@@ -133,7 +133,7 @@ pub(super) fn tracking(settings: &Settings) -> Result<Option<Tracking>, Settings
     let around = Surroundings {
         dt: 1.0 / s.rate,
         valve: [s.valve.gain, s.valve.lag],
-        command_limit: s.valve.command_limit,
+        command_limit: s.command_limit(),
         velocity_limit: s.velocity_limit,
     };
     s.tracking.as_ref().map(|tracking| tracking.law(&around)).transpose().map_err(SettingsError::from)

@@ -140,7 +140,8 @@ pub struct ValveSettings {
     pub lag: f32,
     /// Command at which no oil flows, m, beside what the inner loop asks for.
     pub null_bias: f32,
-    /// Largest command either way, beyond the one at which no oil flows, m.
+    /// Largest command either way, beyond the one at which no oil flows, m. Under a guard, but in modifier mode, no more than
+    /// `(velocity_limit + lag guard.envelope.acceleration) / gain`: more moves the table no faster and stops it later.
     pub command_limit: f32,
 }
 

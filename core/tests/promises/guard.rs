@@ -349,6 +349,23 @@ fn valve_stuck_hard_over() {
     }
 }
 
+/// An existing command of thirty times wide open moves the table no faster than wide open does, and must not be what the valve's lag
+/// then has to forget before the table slows down.
+#[test]
+fn a_command_far_beyond_wide_open_stops_as_soon() {
+    let stopped = |command: f32| {
+        let mut settings = settings(Mode::Guard);
+        settings.ranges.external = 3.0;
+        let mut rig = Rig::running(&settings);
+        rig.swing(3.0, |_| ());
+        rig.swing(1.5, |sample| sample.external = command);
+        assert_eq!(rig.tripped.map(|(_, cause)| cause), Some(Trip::Displacement));
+        rig.farthest
+    };
+    let (open, beyond) = (stopped(0.2), stopped(3.0));
+    assert!(beyond < open + 0.002, "{open} m and {beyond} m");
+}
+
 /// A valve that sticks hard over near the end of the stroke trips the envelope first. It is not believed soon after, and the relay does
 /// not wait for the end of a ramp that nothing follows.
 #[test]
