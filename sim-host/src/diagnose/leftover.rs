@@ -4,6 +4,7 @@ use super::calibration::CALIBRATION;
 use super::judged::{Decision, ScoredModel};
 use super::split::Weighing;
 use super::structure::{Structure, structures};
+use super::verdict::LARGER_PART;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::{Predicted, predict};
 use crate::plant::simulate::SimulateError;
@@ -83,6 +84,18 @@ impl Followed {
         self.structures.iter().any(|(of, structure)| *of == channel && structure.is_certain())
     }
 
+    /// True where one channel is left beyond any noise, follows the motion beyond doubt, and is no better than half explained: what another
+    /// channel owes to the names does not make up for it.
+    pub(super) fn leaves_a_channel(&self, before: &ScoredModel, after: &ScoredModel) -> bool {
+        let lacked =
+            |channel| before.hold.channels.iter().find(|(c, ..)| *c == channel).map_or(1.0, |(_, chi2, _)| *chi2);
+        after.hold.channels.iter().any(|&(channel, chi2, _)| {
+            chi2 > self.most(channel)
+                && chi2 - 1.0 > LARGER_PART * (lacked(channel) - 1.0)
+                && self.is_certain_of(channel)
+        })
+    }
+
     /// Excess of chi2 that lies in channels of which nothing follows the motion, where it is modest: their noise was stated too small.
     pub(super) fn noise(&self, judged: &ScoredModel) -> f64 {
         let excess = |(channel, chi2, rows): (Channel, f64, usize)| {
@@ -124,4 +137,30 @@ pub(super) fn larger_noise(weighing: &Weighing, judged: &ScoredModel, follows: &
         }
     }
     findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::verdict::tests::{concluded, with_viscous};
+    use super::*;
+
+    /// A displacement that is explained does not hide an acceleration that is not, where that follows the motion and is beyond any noise.
+    #[test]
+    fn a_channel_that_is_hardly_explained_is_more_that_is_missing() {
+        let truth = with_viscous(90.0);
+        let done = concluded(&truth, &truth, with_viscous(50.0)).accepted;
+        let with = |acceleration: f64, displacement: f64| {
+            let mut judged = done.clone();
+            judged.hold.channels =
+                vec![(Channel::Acceleration, acceleration, 1000), (Channel::Displacement, displacement, 1000)];
+            judged
+        };
+        let certain = Structure { foretold: 1.0, certainty: 9.0 };
+        let follows = |of: Structure| Followed { structures: vec![(Channel::Acceleration, of)], estimated: Vec::new() };
+        let (before, after) = (with(5.8, 56.5), with(5.2, 1.0));
+        assert!(follows(certain).leaves_a_channel(&before, &after));
+        assert!(!follows(Structure::default()).leaves_a_channel(&before, &after));
+        assert!(!follows(certain).leaves_a_channel(&with(50.0, 56.5), &after), "nine tenths are explained");
+        assert!(!follows(certain).leaves_a_channel(&with(2.4, 56.5), &with(2.2, 1.0)), "noise may be as large");
+    }
 }

@@ -15,6 +15,7 @@ use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::{score, score_beside};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
+pub(super) use refusal::LARGER_PART;
 pub(crate) use refusal::Refusal;
 use refusal::{refusal, rest_beyond_noise, untold};
 
@@ -130,7 +131,8 @@ pub(super) fn verdict(
         // What shows on the runs held out alone: more than the names explain, or anything at all.
         if !accepted.added.is_empty() {
             let excess = accounted(&stated, &accepted, |model| score(&model, &judging))?;
-            more_missing |= more_is_missing(&stated, &accepted, excess, quiet);
+            more_missing |=
+                more_is_missing(&stated, &accepted, excess, quiet) || follows.leaves_a_channel(&stated, &accepted);
         } else if beyond(stated.hold.chi2 - 1.0, &accepted, quiet).0 {
             unlisted = true;
             decision.take_back(CALIBRATION.failed);
@@ -181,4 +183,4 @@ fn last(
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -22,7 +22,7 @@ const NOISY: f64 = 0.5;
 /// Deviations that an effect's size must be away from none.
 const SIZE: f64 = 2.0;
 /// What is more than one half is the larger part.
-const LARGER_PART: f64 = 0.5;
+pub(in crate::diagnose) const LARGER_PART: f64 = 0.5;
 
 /// Why names that were selected do not stand on the runs held out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

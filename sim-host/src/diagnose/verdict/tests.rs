@@ -8,7 +8,7 @@ use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::entry;
 
 /// What is selected of two runs of `fitted_truth` where `named` is named, judged on a run of `held_truth`.
-fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
+pub(in crate::diagnose) fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
     let fit: Vec<Run> = (1..3).map(|seed| recorded(fitted_truth, seed)).collect();
     let signal_scales = SignalScales::of(&fit, 1.0);
     let whole = Prepared { model: model(TRUTH), fit, holdout: vec![recorded(held_truth, 3)], signal_scales };
@@ -39,7 +39,7 @@ fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclu
     verdict(&cut.whole, cut.weighing.fitted(), decision, None, cut.test).unwrap()
 }
 
-fn with_viscous(coefficient: f64) -> Model {
+pub(in crate::diagnose) fn with_viscous(coefficient: f64) -> Model {
     model(TRUTH).with(viscous(coefficient, 0.0, (-0.2, 2.0)))
 }
 
