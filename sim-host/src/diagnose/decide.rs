@@ -217,9 +217,10 @@ fn kin(id: &str, other: &str) -> bool {
 }
 
 /// Whether names explain most of the mismatch and no other set of their size comes near: what they leave is then something beside
-/// them, not what they are mistaken for.
+/// them, not what they are mistaken for. The runs fitted and the others count together, for one may hardly show what the other does.
 fn leads(before: &ScoredModel, names: &ScoredModel, candidates: &[ScoredModel]) -> bool {
-    let left = |judged: &ScoredModel| (judged.hold.chi2 - 1.0).max(0.0);
+    let beyond = |chi2: f64| (chi2 - 1.0).max(f64::MIN_POSITIVE);
+    let left = |judged: &ScoredModel| (beyond(judged.fit.chi2()) * beyond(judged.hold.chi2)).sqrt();
     let rivals = candidates.iter().filter(|c| c.added.len() == names.added.len() && c.added != names.added);
     let next = rivals.map(left).fold(f64::INFINITY, f64::min);
     !at_bound(names) && left(names) < (1.0 - CALIBRATION.most) * left(before) && next > CALIBRATION.lead * left(names)

@@ -13,7 +13,7 @@ use crate::recording::experiment::ChannelSource;
 use crate::recording::run::Run;
 use crate::recording::signal::{filled, quantile};
 use crate::recording::unit::{UNITS, Unit};
-use agreement::{Agreement, agreement};
+use agreement::{Agreement, TILTING, agreement};
 use std::borrow::Cow;
 
 mod agreement;
@@ -30,10 +30,6 @@ const ACCURATE: f64 = 0.25;
 
 /// How well one sign and one delay must explain the phases before a sign is called turned.
 const IN_STEP: f64 = 0.85;
-
-/// Frequency below which gravity on a tilting accelerometer may outweigh the motion, Hz: up to 25 rad of tilt a metre of
-/// travel, far more than any table has.
-const TILTING: f64 = 2.5;
 
 /// The same for reference and displacement, between which the whole loop stands.
 const SOUND_TRACKING: std::ops::Range<f64> = 0.25..4.0;
@@ -220,7 +216,11 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
     }
     // A sensor that is turned round is so at every frequency, and of the right size; one that tilts with the table only at the lowest,
     // and of a size that falls with frequency.
-    if a.turned && (a.in_step < IN_STEP || (order == 2 && a.to_hz < TILTING && a.farthest > ACCURATE)) {
+    let tilted = match a.fast {
+        Some((turned, gain)) => (a.turned || a.low_turned) && !turned && SOUND_GAIN.contains(&gain),
+        None => a.turned && a.to_hz < TILTING && a.farthest > ACCURATE,
+    };
+    if (order == 2 && tilted) || (a.turned && a.in_step < IN_STEP) {
         return State::Unknown;
     }
     if a.turned {

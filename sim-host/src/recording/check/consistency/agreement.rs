@@ -19,6 +19,8 @@ pub(super) struct Agreement {
     pub(super) slope: f64,
     /// They run against each other.
     pub(super) turned: bool,
+    /// Whether they do above [`TILTING`], and the size there; none where too little is seen there.
+    pub(super) fast: Option<(bool, f64)>,
     /// Both carry signal, but not the same.
     pub(super) unrelated: bool,
     /// Size at the lowest coherent frequencies.
@@ -48,6 +50,10 @@ pub(in crate::recording::check) struct Bin {
 
 /// Lowest frequency that is looked at, Hz: below it drift and tilt are larger than motion.
 const LOWEST: f64 = 0.2;
+
+/// Frequency below which gravity on a tilting accelerometer may outweigh the motion, Hz: up to 25 rad of tilt a metre of
+/// travel, far more than any table has.
+pub(super) const TILTING: f64 = 2.5;
 
 /// Below this frequency a sensor's delay turns no sign, Hz.
 const SLOW: f64 = 8.0;
@@ -173,6 +179,7 @@ pub(super) fn agreement(first: &[f64], second: &[f64], dt: f64, order: u32) -> O
     let slow = bins.partition_point(|b| b.frequency < SLOW).max(low.len());
     let (turned, delay) = alignment(&bins[..slow]);
     let (low_turned, _) = alignment(low);
+    let fast = &bins[bins.partition_point(|b| b.frequency < TILTING).min(slow)..slow];
     let from_hz = bins.first().map_or(LOWEST, |b| b.frequency);
     Some(Agreement {
         from_hz,
@@ -181,6 +188,7 @@ pub(super) fn agreement(first: &[f64], second: &[f64], dt: f64, order: u32) -> O
         farthest: bins.iter().fold(0.0, |most, bin| bin.gain.ln().abs().max(most)),
         slope: slope(&bins),
         turned,
+        fast: (fast.len() >= FEWEST).then(|| (alignment(fast).0, typical_gain(fast))),
         unrelated,
         low_gain: typical_gain(low),
         low_turned,
