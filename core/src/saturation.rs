@@ -26,7 +26,7 @@ use external_loop::{ExternalLoopEstimator, ExternalLoopState};
 
 use crate::block::{BlockError, require, whole_ticks};
 use crate::control::Blocked;
-use crate::math::Magnitude;
+use crate::math::{Magnitude, max, min};
 
 /// How saturation is looked for.
 ///
@@ -201,11 +201,8 @@ impl Detector {
             now += self.follow * (speed - now);
         } else {
             state.blocked = Blocked::Neither;
-            now += self.recovery * (self.limit - now);
-            if speed > now {
-                now = speed;
-            }
+            now = max(speed, now + self.recovery * (self.limit - now));
         }
-        *limit = if now > self.limit { self.limit } else { now };
+        *limit = min(self.limit, now);
     }
 }

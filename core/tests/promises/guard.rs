@@ -366,6 +366,32 @@ fn a_command_far_beyond_wide_open_stops_as_soon() {
     assert!(beyond < open + 0.002, "{open} m and {beyond} m");
 }
 
+/// A guard bounds what a valve gets by the valve's model, here `(0.242 + 30 / 57.65) / 24` m. What a bare valve is asked for is passed
+/// on, and so is a position to an existing loop.
+#[test]
+fn a_guard_bounds_the_command_of_a_valve_and_no_position() {
+    let most_put_out = |mode: Mode, guarded: bool| {
+        let mut settings = Settings { modification: Modification::Off, ..settings(mode) };
+        settings.valve.gain = 24.0;
+        settings.guard = settings.guard.filter(|_| guarded);
+        if let Some(guard) = &mut settings.guard {
+            guard.ramps.test = 0.01;
+        }
+        let mut controller = Controller::new(&settings).unwrap();
+        controller.step(&Sample::new(0.0, 0.0, 0.0));
+        if guarded {
+            controller.request(OperatorRequest::Arm).unwrap();
+            controller.request(OperatorRequest::Start).unwrap();
+        }
+        let asked = Sample { external: 0.1, ..Sample::new(0.1, 0.0, 0.0) };
+        (0..20).map(|_| controller.step(&asked).valve).fold(0.0, f32::max)
+    };
+    let most = (0.242 + 30.0 / 57.65) / 24.0;
+    assert!((most_put_out(Mode::Guard, true) - most).abs() < 1e-6, "{}", most_put_out(Mode::Guard, true));
+    assert_eq!(most_put_out(Mode::Guard, false), 0.1);
+    assert_eq!(most_put_out(Mode::Modifier, true), 0.1);
+}
+
 /// A valve that sticks hard over near the end of the stroke trips the envelope first. It is not believed soon after, and the relay does
 /// not wait for the end of a ramp that nothing follows.
 #[test]
