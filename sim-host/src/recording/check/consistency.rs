@@ -13,7 +13,7 @@ use crate::recording::experiment::ChannelSource;
 use crate::recording::run::Run;
 use crate::recording::signal::{filled, quantile};
 use crate::recording::unit::{UNITS, Unit};
-use agreement::{Agreement, TILTING, agreement};
+use agreement::{Agreement, agreement};
 use std::borrow::Cow;
 
 mod agreement;
@@ -218,7 +218,7 @@ fn kinematic(from: Channel, to: Channel, order: u32, found: Option<Agreement>) -
     // and of a size that falls with frequency.
     let tilted = match a.fast {
         Some((turned, gain)) => (a.turned || a.low_turned) && !turned && SOUND_GAIN.contains(&gain),
-        None => a.turned && a.to_hz < TILTING && a.farthest > ACCURATE,
+        None => a.turned && a.farthest > ACCURATE,
     };
     if (order == 2 && tilted) || (a.turned && a.in_step < IN_STEP) {
         return State::Unknown;

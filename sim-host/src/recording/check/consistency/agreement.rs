@@ -53,7 +53,7 @@ const LOWEST: f64 = 0.2;
 
 /// Frequency below which gravity on a tilting accelerometer may outweigh the motion, Hz: up to 25 rad of tilt a metre of
 /// travel, far more than any table has.
-pub(super) const TILTING: f64 = 2.5;
+const TILTING: f64 = 2.5;
 
 /// Below this frequency a sensor's delay turns no sign, Hz.
 const SLOW: f64 = 8.0;
