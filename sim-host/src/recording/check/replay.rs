@@ -42,42 +42,55 @@ impl Replay {
             return None;
         }
         let get = |channel| signals.get(channel).map(|s| filled(s));
+        let ticks = Ticks::of(run);
+        let needed = [Channel::Reference, Channel::Displacement, Channel::Command].map(|c| signals.get(c));
+        let known = known(needed, if let Ticks::Slower(count, _) = ticks { count } else { 1 });
         let (reference, displacement) = (get(Channel::Reference)?, get(Channel::Displacement)?);
         let mut command = get(Channel::Command)?;
         if let Some(known) = get(Channel::Disturbance) {
             command.iter_mut().zip(&known).for_each(|(u, d)| *u -= d);
         }
-        let ticks = Ticks::of(run);
         let error: Vec<f64> = reference.iter().zip(&displacement).map(|(r, x)| r - x).collect();
         // A cut run starts with an unknown integral; every run has an unknown null of the converter.
         match &run.law {
             RecordedLaw::Open => None,
             RecordedLaw::ProportionalIntegral { kp, ki } => {
                 let terms = ticks.seen(&error, |error, dt| [error.to_vec(), integral(error, dt)]);
-                Some(Self::linear(&command, &terms, [*kp, *ki], ["kp", "ki"]))
+                Some(Self::linear((&command, &known), &terms, [*kp, *ki], ["kp", "ki"]))
             }
             RecordedLaw::Cascade { kp, kv } => {
                 let [error, _] = ticks.seen(&error, |error, _| [error.to_vec(), Vec::new()]);
                 let [velocity, _] = ticks.seen(&displacement, |x, dt| [backward(x, dt), Vec::new()]);
                 let terms = [error, velocity.iter().map(|v| -v).collect()];
-                Some(Self::linear(&command, &terms, [kp * kv, *kv], ["kp kv", "kv"]))
+                Some(Self::linear((&command, &known), &terms, [kp * kv, *kv], ["kp kv", "kv"]))
             }
             RecordedLaw::Core { settings, .. } => {
                 let replayed = core(settings, &reference, &displacement, signals)?;
-                Some(Self::linear(&command, &[replayed, vec![0.0; command.len()]], [1.0, 0.0], ["core", ""]))
+                let terms = [replayed, vec![0.0; command.len()]];
+                Some(Self::linear((&command, &known), &terms, [1.0, 0.0], ["core", ""]))
             }
         }
     }
 
-    fn linear(command: &[f64], terms: &[Vec<f64>; 2], stated: [f64; 2], names: [&'static str; 2]) -> Self {
-        let size = deviation(command).max(f64::MIN_POSITIVE);
+    /// By a law that is linear in `terms`, at the samples at which all that goes in and out is known.
+    fn linear(
+        (command, known): (&[f64], &[bool]),
+        terms: &[Vec<f64>; 2],
+        stated: [f64; 2],
+        names: [&'static str; 2],
+    ) -> Self {
+        let kept = |values: &[f64]| -> Vec<f64> {
+            values.iter().zip(known).filter(|(_, known)| **known).map(|(value, _)| *value).collect()
+        };
+        let heard = kept(command);
+        let size = deviation(&heard).max(f64::MIN_POSITIVE);
         let residual = |gains: [f64; 2]| -> Vec<f64> {
             let miss: Vec<f64> =
                 (0..command.len()).map(|k| command[k] - gains[0] * terms[0][k] - gains[1] * terms[1][k]).collect();
             let offset = quantile(&miss, 0.5);
-            miss.iter().map(|m| m - offset).collect()
+            miss.iter().zip(known).map(|(m, known)| if *known { m - offset } else { 0.0 }).collect()
         };
-        let gains = least_squares(command, terms).unwrap_or(stated);
+        let gains = least_squares(&heard, &[kept(&terms[0]), kept(&terms[1])]).unwrap_or(stated);
         let (stated_residual, free_residual) = (residual(stated), residual(gains));
         Self {
             stated_error: rms(&stated_residual) / size,
@@ -98,6 +111,16 @@ impl Replay {
     pub(super) fn reproduces_with_other_gains(&self) -> bool {
         self.free_error < REFITTED && self.gains[0] * self.stated[0] > 0.0
     }
+}
+
+/// Samples of which each of these channels was recorded, and those from which a law of one tick every `stride` samples made its output: the
+/// tick's and the one before, whose difference it may take. A sample that is believed to be wrong is missing; the controller may have
+/// been given it all the same.
+fn known(channels: [Option<&Cow<'_, [f64]>>; 3], stride: usize) -> Vec<bool> {
+    let there = |k: usize| channels.iter().flatten().all(|samples| samples.get(k).is_some_and(|x| x.is_finite()));
+    let length = channels.iter().flatten().map(|samples| samples.len()).min().unwrap_or(0);
+    let tick = |k: usize| k - k % stride;
+    (0..length).map(|k| there(k) && there(tick(k)) && there(tick(k).saturating_sub(stride))).collect()
 }
 
 fn rms(samples: &[f64]) -> f64 {
@@ -176,7 +199,8 @@ pub(crate) fn fitted_gains(reference: &[f64], displacement: &[f64], command: &[f
     let error: Vec<f64> = reference.iter().zip(displacement).map(|(r, x)| r - x).collect();
     let fit = |terms: [Vec<f64>; 2]| {
         let gains = least_squares(command, &terms)?;
-        Some((gains, Replay::linear(command, &terms, gains, ["", ""]).stated_error))
+        let known = vec![true; command.len()];
+        Some((gains, Replay::linear((command, &known), &terms, gains, ["", ""]).stated_error))
     };
     let velocity = backward(displacement, dt).iter().map(|v| -v).collect();
     FittedGains { proportional_integral: fit([error.clone(), integral(&error, dt)]), cascade: fit([error, velocity]) }

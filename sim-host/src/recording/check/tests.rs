@@ -261,6 +261,24 @@ fn a_controller_that_is_reproduced_vouches_for_its_channels() {
     assert!(!bad(&other).is_empty(), "{:#?}", findings(&other));
 }
 
+/// A spike of the displacement that the loop was given is in its command. Dropped from the recording, it makes no other controller.
+#[test]
+fn a_sample_that_is_dropped_is_no_fault_of_the_controller() {
+    let (dt, kp, kv) = (0.002, 20.0, 140.0);
+    let motion = |k: usize| 1e-3 * (2.0 * PI * 0.5 * k as f64 * dt).sin();
+    let spiked = |k: usize| motion(k) + if k % 1009 == 700 { 3e-4 } else { 0.0 };
+    let series = |of: &dyn Fn(usize) -> f64| (0..8000).map(of).collect::<Vec<_>>();
+    let command = |k: usize| kv * (kp * (motion(k) - spiked(k)) - (spiked(k) - spiked(k.saturating_sub(1))) / dt);
+    let law = RecordedLaw::Cascade { kp, kv };
+    let acceleration = |k: usize| -PI * PI * motion(k);
+    let run = run_of([series(&motion), series(&spiked), series(&acceleration), series(&command)], dt, law);
+    let dropped = changed(&run, Channel::Displacement, |k, x| if k % 1009 == 700 { f64::NAN } else { x });
+    let of_the_controller = |run: &Run| bad(run).iter().any(|(channel, _)| *channel == "command");
+    assert!(!of_the_controller(&dropped), "{:#?}", findings(&dropped));
+    let other = changed(&dropped, Channel::Command, |k, u| u + 0.2 * (0.37 * (k * k % 1009) as f64).sin());
+    assert!(of_the_controller(&other), "{:?}", findings(&other));
+}
+
 #[test]
 fn a_clean_table_leaves_nothing_to_remark() {
     assert_eq!(findings(&CLEAN.run()), []);
