@@ -2,10 +2,10 @@
 
 use proptest::prelude::*;
 use shakedown_core::settings::{
-    Detection, ForceSettings, GuardSettings, InputSettings, NotchSettings, OilSettings, PressureSettings,
-    ReferenceRates, TrackingSettings,
+    Detection, ForceSettings, GuardSettings, InnerLoop, InputSettings, NotchSettings, OilSettings, PressureSettings,
+    ReferenceRates, TrackingSettings, VelocitySource,
 };
-use shakedown_core::{Controller, Modification, Settings, SettingsError};
+use shakedown_core::{Controller, Mode, Modification, Settings, SettingsError};
 
 type Field = (&'static str, fn(&mut Settings) -> &mut f32);
 
@@ -235,6 +235,45 @@ fn a_file_names_only_what_differs_and_a_misspelt_field_is_refused() {
     assert_eq!(settings.displacement, Settings::default().displacement);
     let error = toml::from_str::<Settings>("veloctiy_limit = 0.3").unwrap_err();
     assert!(error.to_string().contains("veloctiy_limit"));
+}
+
+/// What a program with serde writes, one without reads: every number, one after the other changed, and every word.
+#[test]
+fn a_settings_file_is_read_by_name_as_it_was_written() {
+    let read = |settings: &Settings| {
+        let text = toml::to_string(settings).unwrap();
+        let mut read = Settings::default();
+        read.read(&text).unwrap_or_else(|error| panic!("{error:?} of {text}"));
+        assert_eq!(read, *settings, "{text}");
+    };
+    for (_, field) in FIELDS {
+        let mut changed = full();
+        *field(&mut changed) *= 1.5;
+        read(&changed);
+    }
+    for mode in [Mode::Guard, Mode::Modifier, Mode::Controller] {
+        read(&Settings { mode, ..full() });
+    }
+    for inner_loop in [InnerLoop::Absent, InnerLoop::Hardwired] {
+        read(&Settings { inner_loop, ..full() });
+    }
+    for velocity_source in [VelocitySource::Observer, VelocitySource::Sensor] {
+        read(&Settings { velocity_source, ..full() });
+    }
+    for modification in [Modification::Off, Modification::Clip, Modification::Causal] {
+        read(&Settings { modification, ..full() });
+    }
+    for reference_rates in [ReferenceRates::Differences, ReferenceRates::Supplied, ReferenceRates::Zero] {
+        read(&Settings { reference_rates, ..full() });
+    }
+    for on in [false, true] {
+        let mut switched = Settings { anti_windup: on, ..full() };
+        switched.observer.accelerometer = on;
+        if let Some(guard) = &mut switched.guard {
+            guard.inputs.limit_switches = on;
+        }
+        read(&switched);
+    }
 }
 
 proptest! {

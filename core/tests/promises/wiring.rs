@@ -1,7 +1,7 @@
 //! Wiring: what a code stands for, what no converter can have, and a device that does not run without a guard.
 
 use shakedown_core::link::{Scale, Setup, SetupError, Source, Wiring};
-use shakedown_core::settings::{GuardSettings, InnerLoop};
+use shakedown_core::settings::{Finding, GuardSettings, InnerLoop};
 use shakedown_core::{Mode, Settings, SettingsError};
 
 fn setup() -> Setup {
@@ -130,13 +130,13 @@ fn fields_that_do_not_go_together_are_refused_with_a_remedy() {
         ("guard.envelope.stopping_latency", |s| guard(s).ramps.safe = 10.0),
         ("guard.envelope.stopping_latency", |s| guard(s).envelope.stopping_latency = 0.0),
         ("guard.envelope.stopping_deceleration", |s| guard(s).envelope.stopping_deceleration = 1000.0),
-        ("guard.envelope.velocity", |s| guard(s).envelope.velocity = 100.0),
+        ("guard.envelope.velocity", |s| guard(s).envelope.velocity = 0.5),
         ("guard.envelope.acceleration", |s| guard(s).envelope.acceleration = 1e4),
-        ("guard.envelope.tracking", |s| guard(s).envelope.tracking = 100.0),
-        ("guard.envelope.persistence", |s| guard(s).envelope.persistence = 10.0),
-        ("guard.plausibility.lost", |s| guard(s).plausibility.lost = 1.0),
-        ("guard.plausibility.disagreement", |s| guard(s).plausibility.disagreement = 1.0),
-        ("guard.valve.mismatch", |s| guard(s).valve.mismatch = 10.0),
+        ("guard.envelope.tracking", |s| guard(s).envelope.tracking = 0.25),
+        ("guard.envelope.persistence", |s| guard(s).envelope.persistence = 0.06),
+        ("guard.plausibility.lost", |s| guard(s).plausibility.lost = 0.06),
+        ("guard.plausibility.disagreement", |s| guard(s).plausibility.disagreement = 0.013),
+        ("guard.valve.mismatch", |s| guard(s).valve.mismatch = 0.07),
         ("guard.valve.memory", |s| guard(s).valve.memory = 0.01),
     ];
     for (k, (name, change)) in cases.iter().enumerate() {
@@ -153,4 +153,53 @@ fn fields_that_do_not_go_together_are_refused_with_a_remedy() {
     let (_, text) = refusal(|s| guard(s).ramps.safe = 10.0);
     assert!(text.starts_with("control.guard.envelope.stopping_latency is 0.05, not within 5.01"), "{text}");
     assert!(text.ends_with("shorten guard.ramps.safe, or plan for a longer stop"), "{text}");
+}
+
+#[test]
+fn a_rail_is_no_reading_a_4096th_of_the_range_wide() {
+    let margin =
+        |full_scale: u16, rails_are_faults: bool| Wiring { full_scale, rails_are_faults, ..setup().wiring }.margin();
+    assert_eq!([margin(4095, true), margin(65535, true), margin(65535, false)], [1, 16, 0]);
+}
+
+#[test]
+fn both_ends_of_the_stroke_are_read_and_reached_with_a_code_to_spare() {
+    assert_eq!(setup().validate(), Ok(()));
+    let unipolar = |s: &mut Setup| s.wiring.displacement = Scale { zero: 0.0, per_code: 1e-4 };
+    assert_eq!(refusal(unipolar).0, "displacement");
+    // A code is spared at both ends of the output: 2047 codes reach one way, 2046 the other.
+    let reaching = |codes: f32| {
+        move |s: &mut Setup| {
+            s.control.inner_loop = InnerLoop::Hardwired;
+            s.wiring.output.per_code = 0.12 / codes;
+        }
+    };
+    assert_eq!(refusal(reaching(2046.5)).0, "output");
+    let mut enough = setup();
+    reaching(2045.5)(&mut enough);
+    assert_eq!(enough.validate(), Ok(()));
+}
+
+/// A reference at its rail is asked about where it is read: at the converter, and not in guard mode.
+#[test]
+fn only_a_reference_that_is_read_must_reach_its_range() {
+    let checked = |source: Source, mode: Mode| {
+        let mut setup = setup();
+        setup.wiring.rails_are_faults = false;
+        (setup.wiring.source, setup.control.mode) = (source, mode);
+        (setup.control.ranges.displacement, setup.control.ranges.external) = (0.15, 0.15);
+        (setup.wiring.acceleration.per_code, setup.control.ranges.acceleration) = (0.1, 100.0);
+        setup.control.ranges.reference = 0.2;
+        setup.validate()
+    };
+    let analog = checked(Source::Analog, Mode::Controller);
+    assert!(matches!(analog, Err(SetupError::Reach { field: "reference", .. })), "{analog:?}");
+    assert_eq!(checked(Source::Streamed, Mode::Controller), Ok(()));
+    assert_eq!(checked(Source::Analog, Mode::Guard), Ok(()));
+}
+
+#[test]
+fn a_bare_law_is_said_to_have_no_guard_and_nothing_of_what_one_would_lack() {
+    let found: Vec<Finding> = Settings::default().findings().collect();
+    assert_eq!(found, [Finding::NoGuard, Finding::NoSaturationDetection]);
 }
