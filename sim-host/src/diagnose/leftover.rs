@@ -4,11 +4,13 @@ use super::calibration::CALIBRATION;
 use super::judged::{Decision, ScoredModel};
 use super::split::Weighing;
 use super::structure::{Structure, structures};
-use super::verdict::LARGER_PART;
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::{Predicted, predict};
 use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
+
+/// What is more than one half is the larger part.
+pub(super) const LARGER_PART: f64 = 0.5;
 
 impl Decision {
     /// These effects as they were weighed, with nothing beside them.
@@ -49,9 +51,9 @@ pub(super) fn more_is_missing(before: &ScoredModel, after: &ScoredModel, account
 
 /// Which channels of what a model leaves follow the motion.
 pub(super) struct Followed {
-    structures: Vec<(Channel, Structure)>,
+    pub(super) structures: Vec<(Channel, Structure)>,
     /// Channels whose noise nobody states.
-    estimated: Vec<Channel>,
+    pub(super) estimated: Vec<Channel>,
 }
 
 impl Followed {
@@ -137,30 +139,4 @@ pub(super) fn larger_noise(weighing: &Weighing, judged: &ScoredModel, follows: &
         }
     }
     findings
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::verdict::tests::{concluded, with_viscous};
-    use super::*;
-
-    /// A displacement that is explained does not hide an acceleration that is not, where that follows the motion and is beyond any noise.
-    #[test]
-    fn a_channel_that_is_hardly_explained_is_more_that_is_missing() {
-        let truth = with_viscous(90.0);
-        let done = concluded(&truth, &truth, with_viscous(50.0)).accepted;
-        let with = |acceleration: f64, displacement: f64| {
-            let mut judged = done.clone();
-            judged.hold.channels =
-                vec![(Channel::Acceleration, acceleration, 1000), (Channel::Displacement, displacement, 1000)];
-            judged
-        };
-        let certain = Structure { foretold: 1.0, certainty: 9.0 };
-        let follows = |of: Structure| Followed { structures: vec![(Channel::Acceleration, of)], estimated: Vec::new() };
-        let (before, after) = (with(5.8, 56.5), with(5.2, 1.0));
-        assert!(follows(certain).leaves_a_channel(&before, &after));
-        assert!(!follows(Structure::default()).leaves_a_channel(&before, &after));
-        assert!(!follows(certain).leaves_a_channel(&with(50.0, 56.5), &after), "nine tenths are explained");
-        assert!(!follows(certain).leaves_a_channel(&with(2.4, 56.5), &with(2.2, 1.0)), "noise may be as large");
-    }
 }

@@ -15,7 +15,6 @@ use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::{score, score_beside};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
-pub(super) use refusal::LARGER_PART;
 pub(crate) use refusal::Refusal;
 use refusal::{refusal, rest_beyond_noise, untold};
 
@@ -183,4 +182,4 @@ fn last(
 }
 
 #[cfg(test)]
-pub(super) mod tests;
+mod tests;

@@ -2,6 +2,7 @@
 
 use super::super::calibration::CALIBRATION;
 use super::super::judged::{ScoredModel, explains_a_channel};
+use super::super::leftover::LARGER_PART;
 use super::super::standing::SURE;
 use super::LAST;
 use crate::identify::data::{Channel, Run};
@@ -21,8 +22,6 @@ const LEAST_SKILL: f64 = 0.5;
 const NOISY: f64 = 0.5;
 /// Deviations that an effect's size must be away from none.
 const SIZE: f64 = 2.0;
-/// What is more than one half is the larger part.
-pub(in crate::diagnose) const LARGER_PART: f64 = 0.5;
 
 /// Why names that were selected do not stand on the runs held out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

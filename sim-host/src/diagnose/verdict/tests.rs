@@ -1,5 +1,6 @@
 use super::super::decide::tests::viscous;
 use super::super::split::{Weighing, split};
+use super::super::structure::Structure;
 use super::refusal::is_needed;
 use super::*;
 use crate::identify::data::Channel;
@@ -8,7 +9,7 @@ use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::entry;
 
 /// What is selected of two runs of `fitted_truth` where `named` is named, judged on a run of `held_truth`.
-pub(in crate::diagnose) fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
+fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
     let fit: Vec<Run> = (1..3).map(|seed| recorded(fitted_truth, seed)).collect();
     let signal_scales = SignalScales::of(&fit, 1.0);
     let whole = Prepared { model: model(TRUTH), fit, holdout: vec![recorded(held_truth, 3)], signal_scales };
@@ -39,7 +40,7 @@ fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclu
     verdict(&cut.whole, cut.weighing.fitted(), decision, None, cut.test).unwrap()
 }
 
-pub(in crate::diagnose) fn with_viscous(coefficient: f64) -> Model {
+fn with_viscous(coefficient: f64) -> Model {
     model(TRUTH).with(viscous(coefficient, 0.0, (-0.2, 2.0)))
 }
 
@@ -200,4 +201,24 @@ fn what_the_judging_runs_need_is_there() {
     assert!(
         !is_needed(&conclusion.accepted, &conclusion.stated) && !is_needed(&conclusion.accepted, &conclusion.accepted)
     );
+}
+
+/// A displacement that is explained does not hide an acceleration that is not, where that follows the motion and is beyond any noise.
+#[test]
+fn a_channel_that_is_hardly_explained_is_more_that_is_missing() {
+    let truth = with_viscous(90.0);
+    let done = concluded(&truth, &truth, with_viscous(50.0)).accepted;
+    let with = |acceleration: f64, displacement: f64| {
+        let mut judged = done.clone();
+        judged.hold.channels =
+            vec![(Channel::Acceleration, acceleration, 1000), (Channel::Displacement, displacement, 1000)];
+        judged
+    };
+    let certain = Structure { foretold: 1.0, certainty: 9.0 };
+    let follows = |of: Structure| Followed { structures: vec![(Channel::Acceleration, of)], estimated: Vec::new() };
+    let (before, after) = (with(5.8, 56.5), with(5.2, 1.0));
+    assert!(follows(certain).leaves_a_channel(&before, &after));
+    assert!(!follows(Structure::default()).leaves_a_channel(&before, &after));
+    assert!(!follows(certain).leaves_a_channel(&with(50.0, 56.5), &after), "nine tenths are explained");
+    assert!(!follows(certain).leaves_a_channel(&with(2.4, 56.5), &with(2.2, 1.0)), "noise may be as large");
 }
