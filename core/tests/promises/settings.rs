@@ -276,6 +276,15 @@ fn a_settings_file_is_read_by_name_as_it_was_written() {
     }
 }
 
+#[test]
+fn a_table_of_settings_takes_no_value() {
+    for table in ["guard", "guard.inputs", "tracking", "ranges", "modification.preview", "reference_rates.derived"] {
+        assert!(Settings::default().set(table, "1.0").is_err(), "{table}");
+        let headed = Settings::default().read(&format!("[{table}]"));
+        assert_eq!(headed, Ok(()), "{table}");
+    }
+}
+
 proptest! {
     #[test]
     fn settings_pass_through_frame_and_file_unchanged(rate in 50.0..20_000.0f32, gain in -20.0..20.0f32, limit in 0.01..2.0f32) {

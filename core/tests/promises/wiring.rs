@@ -109,9 +109,11 @@ fn fields_that_do_not_go_together_are_refused_with_a_remedy() {
         setup.control.guard.as_mut().unwrap()
     }
     type Change = fn(&mut Setup);
-    let cases: [(&str, Change); 18] = [
+    let cases: [(&str, Change); 19] = [
         ("displacement", |s| s.control.stroke = 10.0),
         ("displacement", |s| s.control.stroke = 0.1525),
+        // 2047 codes reach one way, and with one to spare 2046 the other.
+        ("displacement", |s| s.control.stroke = 2046.5 * 7.44e-5),
         ("output", |s| s.wiring.output.zero = 1e30),
         // Unipolar, behind a hard-wired loop: it cannot reach zero flow on one side.
         ("output", |s| {
@@ -199,7 +201,25 @@ fn only_a_reference_that_is_read_must_reach_its_range() {
 }
 
 #[test]
-fn a_bare_law_is_said_to_have_no_guard_and_nothing_of_what_one_would_lack() {
-    let found: Vec<Finding> = Settings::default().findings().collect();
-    assert_eq!(found, [Finding::NoGuard, Finding::NoSaturationDetection]);
+fn what_a_guard_lacks_is_said_and_of_a_bare_law_that_it_has_none() {
+    for (mode, accelerometer) in [(Mode::Controller, true), (Mode::Controller, false), (Mode::Modifier, false)] {
+        let mut bare = Settings { mode, ..Settings::default() };
+        bare.observer.accelerometer = accelerometer;
+        let found: Vec<Finding> = bare.findings().collect();
+        assert_eq!(found, [Finding::NoGuard, Finding::NoSaturationDetection]);
+    }
+    let blind = |mode: Mode, second: bool| {
+        let mut guarded = Settings { mode, ..setup().control };
+        guarded.observer.accelerometer = false;
+        if let (Some(guard), true) = (&mut guarded.guard, second) {
+            guard.inputs.second_displacement = Some(0.01);
+        }
+        let of_the_sensor = |finding: &Finding| matches!(finding, Finding::NoAccelerometer | Finding::NoSecondWitness);
+        guarded.findings().filter(of_the_sensor).collect::<Vec<_>>()
+    };
+    assert_eq!(blind(Mode::Controller, false), [Finding::NoAccelerometer]);
+    assert_eq!(blind(Mode::Modifier, true), [Finding::NoAccelerometer]);
+    assert_eq!(blind(Mode::Modifier, false), [Finding::NoSecondWitness]);
+    let seen: Vec<Finding> = setup().control.findings().collect();
+    assert!(!seen.contains(&Finding::NoAccelerometer) && !seen.contains(&Finding::NoSecondWitness), "{seen:?}");
 }
