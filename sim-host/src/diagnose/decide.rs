@@ -9,7 +9,7 @@ use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
-use super::standing::{Alone, LEAST_GAIN, accounted, at_bound, beyond, explains_all, is_justified};
+use super::standing::{Alone, LEAST_GAIN, accounted, at_bound, beyond, explains_all, is_justified, kept};
 use crate::identify::fit::Fit;
 use crate::identify::model::ModelEffect;
 use crate::plant::effects::{SignalScale, Stage, entry};
@@ -219,11 +219,10 @@ fn kin(id: &str, other: &str) -> bool {
 /// Whether names explain most of the mismatch and no other set of their size comes near: what they leave is then something beside
 /// them, not what they are mistaken for. The runs fitted and the others count together, for one may hardly show what the other does.
 fn leads(before: &ScoredModel, names: &ScoredModel, candidates: &[ScoredModel]) -> bool {
-    let beyond = |chi2: f64| (chi2 - 1.0).max(f64::MIN_POSITIVE);
-    let left = |judged: &ScoredModel| (beyond(judged.fit.chi2()) * beyond(judged.hold.chi2)).sqrt();
-    let rivals = candidates.iter().filter(|c| c.added.len() == names.added.len() && c.added != names.added);
-    let next = rivals.map(left).fold(f64::INFINITY, f64::min);
-    !at_bound(names) && left(names) < (1.0 - CALIBRATION.most) * left(before) && next > CALIBRATION.lead * left(names)
+    let mut rivals = candidates.iter().filter(|c| c.added.len() == names.added.len() && c.added != names.added);
+    !at_bound(names)
+        && kept(before, names) < (1.0 - CALIBRATION.most).powi(2)
+        && rivals.all(|rival| kept(rival, names) < CALIBRATION.lead.powi(-2))
 }
 
 /// Spreads belief over the candidates of the accepted size and finds what is not told apart.

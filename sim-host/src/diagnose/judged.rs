@@ -108,8 +108,7 @@ impl Decision {
 /// The channel of which a model explains nearly all that another lacks far beyond the noise, and what it leaves of that.
 pub(super) fn explains_a_channel(without: &ScoredModel, with: &ScoredModel) -> Option<(Channel, f64)> {
     let share = |&(channel, before, _): &(Channel, f64, usize)| {
-        let &(_, after, _) = with.hold.channels.iter().find(|(of, ..)| *of == channel)?;
-        let left = (after - 1.0).max(0.0) / (before - 1.0);
+        let left = (with.hold.chi2_of(channel)? - 1.0).max(0.0) / (before - 1.0);
         (before > CALIBRATION.modest && left < 1.0 - CALIBRATION.explained).then_some((channel, left))
     };
     without.hold.channels.iter().filter_map(share).min_by(|a, b| a.1.total_cmp(&b.1))

@@ -89,8 +89,7 @@ impl Followed {
     /// True where one channel is left beyond any noise, follows the motion beyond doubt, and is no better than half explained: what another
     /// channel owes to the names does not make up for it.
     pub(super) fn leaves_a_channel(&self, before: &ScoredModel, after: &ScoredModel) -> bool {
-        let lacked =
-            |channel| before.hold.channels.iter().find(|(c, ..)| *c == channel).map_or(1.0, |(_, chi2, _)| *chi2);
+        let lacked = |channel| before.hold.chi2_of(channel).unwrap_or(1.0);
         after.hold.channels.iter().any(|&(channel, chi2, _)| {
             chi2 > self.most(channel)
                 && chi2 - 1.0 > LARGER_PART * (lacked(channel) - 1.0)

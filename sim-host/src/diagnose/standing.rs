@@ -73,7 +73,7 @@ pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: 
 
 /// Share that a larger model keeps of what the present one leaves beyond the noise: of the runs fitted times of the others, for what shows
 /// little on the one may show clearly on the other, and a stranger takes little on either.
-fn kept(present: &ScoredModel, larger: &ScoredModel) -> f64 {
+pub(super) fn kept(present: &ScoredModel, larger: &ScoredModel) -> f64 {
     let share = |present: f64, larger: f64| (larger - 1.0).max(LEAST_GAIN) / (present - 1.0).max(LEAST_GAIN);
     share(present.fit.chi2(), larger.fit.chi2()) * share(present.hold.chi2, larger.hold.chi2)
 }

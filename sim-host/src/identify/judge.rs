@@ -44,6 +44,11 @@ impl Score {
         self.channels.iter().copied().filter(move |(channel, ..)| counts_beside(*channel, judged()))
     }
 
+    /// Mean of (residual / noise)^2 of a channel; none where it was not judged.
+    pub fn chi2_of(&self, channel: Channel) -> Option<f64> {
+        self.channels.iter().find(|(of, ..)| *of == channel).map(|&(_, chi2, _)| chi2)
+    }
+
     /// Sum of squares of all judged channels.
     pub fn squares(&self) -> f64 {
         self.blocks.iter().sum()

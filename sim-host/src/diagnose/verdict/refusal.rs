@@ -104,7 +104,7 @@ pub(super) fn refusal(
         }
         // Share of the channel's power that is noise: what it leaves of the rest is what a model can be asked for.
         let found = nrmse(&named.hold, channel).unwrap_or(0.0);
-        let misfit = named.hold.channels.iter().find(|(c, ..)| *c == channel).map_or(1.0, |&(_, chi2, _)| chi2);
+        let misfit = named.hold.chi2_of(channel).unwrap_or(1.0);
         let noise = found * found / misfit.max(f64::MIN_POSITIVE);
         let lack = (found * found - noise) / (1.0 - noise);
         if noise < NOISY && lack > 1.0 - LEAST_SKILL {

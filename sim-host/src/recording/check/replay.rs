@@ -43,54 +43,46 @@ impl Replay {
         }
         let get = |channel| signals.get(channel).map(|s| filled(s));
         let ticks = Ticks::of(run);
-        let needed = [Channel::Reference, Channel::Displacement, Channel::Command].map(|c| signals.get(c));
-        let known = known(needed, if let Ticks::Slower(count, _) = ticks { count } else { 1 });
         let (reference, displacement) = (get(Channel::Reference)?, get(Channel::Displacement)?);
         let mut command = get(Channel::Command)?;
         if let Some(known) = get(Channel::Disturbance) {
             command.iter_mut().zip(&known).for_each(|(u, d)| *u -= d);
         }
+        let needed = [Channel::Reference, Channel::Displacement, Channel::Command].map(|c| signals.get(c));
+        let stride = if let Ticks::Slower(count, _) = ticks { count } else { 1 };
+        command.iter_mut().zip(known(needed, stride)).filter(|(_, known)| !known).for_each(|(u, _)| *u = f64::NAN);
         let error: Vec<f64> = reference.iter().zip(&displacement).map(|(r, x)| r - x).collect();
         // A cut run starts with an unknown integral; every run has an unknown null of the converter.
         match &run.law {
             RecordedLaw::Open => None,
             RecordedLaw::ProportionalIntegral { kp, ki } => {
                 let terms = ticks.seen(&error, |error, dt| [error.to_vec(), integral(error, dt)]);
-                Some(Self::linear((&command, &known), &terms, [*kp, *ki], ["kp", "ki"]))
+                Some(Self::linear(&command, &terms, [*kp, *ki], ["kp", "ki"]))
             }
             RecordedLaw::Cascade { kp, kv } => {
                 let [error, _] = ticks.seen(&error, |error, _| [error.to_vec(), Vec::new()]);
                 let [velocity, _] = ticks.seen(&displacement, |x, dt| [backward(x, dt), Vec::new()]);
                 let terms = [error, velocity.iter().map(|v| -v).collect()];
-                Some(Self::linear((&command, &known), &terms, [kp * kv, *kv], ["kp kv", "kv"]))
+                Some(Self::linear(&command, &terms, [kp * kv, *kv], ["kp kv", "kv"]))
             }
             RecordedLaw::Core { settings, .. } => {
                 let replayed = core(settings, &reference, &displacement, signals)?;
                 let terms = [replayed, vec![0.0; command.len()]];
-                Some(Self::linear((&command, &known), &terms, [1.0, 0.0], ["core", ""]))
+                Some(Self::linear(&command, &terms, [1.0, 0.0], ["core", ""]))
             }
         }
     }
 
-    /// By a law that is linear in `terms`, at the samples at which all that goes in and out is known.
-    fn linear(
-        (command, known): (&[f64], &[bool]),
-        terms: &[Vec<f64>; 2],
-        stated: [f64; 2],
-        names: [&'static str; 2],
-    ) -> Self {
-        let kept = |values: &[f64]| -> Vec<f64> {
-            values.iter().zip(known).filter(|(_, known)| **known).map(|(value, _)| *value).collect()
-        };
-        let heard = kept(command);
-        let size = deviation(&heard).max(f64::MIN_POSITIVE);
+    /// By a law that is linear in `terms`; a command that is no number is not compared.
+    fn linear(command: &[f64], terms: &[Vec<f64>; 2], stated: [f64; 2], names: [&'static str; 2]) -> Self {
+        let size = deviation(command).max(f64::MIN_POSITIVE);
         let residual = |gains: [f64; 2]| -> Vec<f64> {
             let miss: Vec<f64> =
                 (0..command.len()).map(|k| command[k] - gains[0] * terms[0][k] - gains[1] * terms[1][k]).collect();
             let offset = quantile(&miss, 0.5);
-            miss.iter().zip(known).map(|(m, known)| if *known { m - offset } else { 0.0 }).collect()
+            miss.iter().map(|m| if m.is_finite() { m - offset } else { 0.0 }).collect()
         };
-        let gains = least_squares(&heard, &[kept(&terms[0]), kept(&terms[1])]).unwrap_or(stated);
+        let gains = least_squares(command, terms).unwrap_or(stated);
         let (stated_residual, free_residual) = (residual(stated), residual(gains));
         Self {
             stated_error: rms(&stated_residual) / size,
@@ -169,16 +161,17 @@ fn core(
     Some((0..reference.len()).map(step).collect())
 }
 
-/// Gains of two terms, a constant beside them; none where a term is nothing or both are one.
+/// Gains of two terms, a constant beside them, by the samples of the command that are numbers; none where a term is nothing or both are one.
 fn least_squares(command: &[f64], terms: &[Vec<f64>; 2]) -> Option<[f64; 2]> {
     let sizes = [deviation(&terms[0]), deviation(&terms[1])];
     if sizes.iter().any(|s| *s <= 0.0) {
         return None;
     }
-    let column = |k: usize, j: usize| if j < 2 { terms[j][k] / sizes[j] } else { 1.0 };
-    let matrix = DMatrix::from_fn(command.len(), 3, column);
+    let known: Vec<usize> = (0..command.len()).filter(|&k| command[k].is_finite()).collect();
+    let column = |row: usize, j: usize| if j < 2 { terms[j][known[row]] / sizes[j] } else { 1.0 };
+    let matrix = DMatrix::from_fn(known.len(), 3, column);
     let normal = matrix.tr_mul(&matrix);
-    let right = matrix.tr_mul(&DVector::from_column_slice(command));
+    let right = matrix.tr_mul(&DVector::from_iterator(known.len(), known.iter().map(|&k| command[k])));
     let solved = normal.cholesky()?.solve(&right);
     Some([solved[0] / sizes[0], solved[1] / sizes[1]])
 }
@@ -199,8 +192,7 @@ pub(crate) fn fitted_gains(reference: &[f64], displacement: &[f64], command: &[f
     let error: Vec<f64> = reference.iter().zip(displacement).map(|(r, x)| r - x).collect();
     let fit = |terms: [Vec<f64>; 2]| {
         let gains = least_squares(command, &terms)?;
-        let known = vec![true; command.len()];
-        Some((gains, Replay::linear((command, &known), &terms, gains, ["", ""]).stated_error))
+        Some((gains, Replay::linear(command, &terms, gains, ["", ""]).stated_error))
     };
     let velocity = backward(displacement, dt).iter().map(|v| -v).collect();
     FittedGains { proportional_integral: fit([error.clone(), integral(&error, dt)]), cascade: fit([error, velocity]) }

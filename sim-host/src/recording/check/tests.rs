@@ -307,7 +307,7 @@ fn harmonics_of_a_saw_tooth_are_no_hum() {
     assert!(hums(2.0), "hum was overlooked");
 }
 
-/// Gravity on an accelerometer that tilts with travel turns its slow part round, up to 0.7 to 2 Hz here. A wire that is exchanged turns all of
+/// Gravity on an accelerometer that tilts with travel turns its slow part round, here below 0.7 to 2 Hz. Exchanged wires turn all of
 /// it.
 #[test]
 fn a_tilting_accelerometer_is_not_turned_round() {
