@@ -136,7 +136,7 @@ impl DetectorState {
     /// The limit now in force in the slower direction, m/s.
     #[inline]
     pub fn limit(&self) -> f32 {
-        if self.positive < self.negative { self.positive } else { self.negative }
+        min(self.positive, self.negative)
     }
 
     /// The limits now in force toward positive and negative displacement, m/s.

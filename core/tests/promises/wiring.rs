@@ -201,6 +201,57 @@ fn only_a_reference_that_is_read_must_reach_its_range() {
 }
 
 #[test]
+fn a_reference_comes_from_the_host_or_from_the_converter() {
+    let from_the_host = [Source::Streamed, Source::Rehearsal, Source::Analog].map(Source::streamed);
+    assert_eq!(from_the_host, [true, true, false]);
+}
+
+/// Where rails are no faults either rail lies beyond what is believed: of an external command too, but in guard mode alone.
+#[test]
+fn both_rails_lie_beyond_what_is_believed() {
+    let checked = |mode: Mode, external: Scale| {
+        let mut setup = setup();
+        setup.wiring.rails_are_faults = false;
+        setup.control.mode = mode;
+        (setup.control.ranges.displacement, setup.control.ranges.reference) = (0.15, 0.15);
+        (setup.wiring.acceleration.per_code, setup.control.ranges.acceleration) = (0.1, 100.0);
+        (setup.wiring.external, setup.control.ranges.external) = (external, 1.5);
+        setup.validate()
+    };
+    let reaching = |low: f32, high: f32| {
+        let per_code = (high - low) / 4095.0;
+        Scale { zero: -low / per_code, per_code }
+    };
+    assert_eq!(checked(Mode::Guard, reaching(-2.0, 2.0)), Ok(()));
+    for (low, high) in [(-1.0, 2.0), (-2.0, 1.0)] {
+        let Err(SetupError::Reach { field, reach, needed, .. }) = checked(Mode::Guard, reaching(low, high)) else {
+            panic!("{low} to {high} was accepted");
+        };
+        assert_eq!((field, needed), ("external", [-1.5, 1.5]));
+        assert!((reach[0] - low).abs() < 1e-3 && (reach[1] - high).abs() < 1e-3, "{reach:?}");
+        assert_eq!(checked(Mode::Controller, reaching(low, high)), Ok(()), "nobody reads it");
+    }
+}
+
+/// A valve is remembered as long as a table at full speed takes to move by the mismatch.
+#[test]
+fn a_valve_is_not_forgotten_before_the_table_has_moved() {
+    let remembering = |share: f32| {
+        let mut control = setup().control;
+        let limit = control.velocity_limit;
+        let valve = &mut control.guard.as_mut().unwrap().valve;
+        valve.memory = share * valve.mismatch / limit;
+        control.validate_for_device()
+    };
+    assert_eq!(remembering(1.01), Ok(()));
+    let refused = remembering(0.99);
+    assert!(
+        matches!(refused, Err(SettingsError::Conflict { field: "guard.valve.memory", .. })),
+        "{refused:?}"
+    );
+}
+
+#[test]
 fn what_a_guard_lacks_is_said_and_of_a_bare_law_that_it_has_none() {
     for (mode, accelerometer) in [(Mode::Controller, true), (Mode::Controller, false), (Mode::Modifier, false)] {
         let mut bare = Settings { mode, ..Settings::default() };

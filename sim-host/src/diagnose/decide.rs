@@ -147,6 +147,7 @@ pub(super) fn weigh(
         unlisted_probability,
         more_missing,
         noise,
+        one_of_many: false,
     };
     scatter(&mut decision);
     if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.stated, partial, &decision.candidates)) {
@@ -167,7 +168,7 @@ fn scatter(decision: &mut Decision) {
         decision.take_back(1.0 - least);
         (decision.unlisted, decision.more_missing) = (true, false);
         decision.partial = Some(std::mem::replace(&mut decision.accepted, decision.stated.clone()));
-        decision.ties.clear();
+        decision.one_of_many = one_of_many;
     }
 }
 

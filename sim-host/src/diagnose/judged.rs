@@ -81,9 +81,18 @@ pub struct Decision {
     pub more_missing: bool,
     /// Noise that was found larger than stated: what is left of it follows nothing.
     pub noise: Vec<SetUpFinding>,
+    /// True where names were taken back because others stand as well: the runs held out may show that they explain all.
+    pub(super) one_of_many: bool,
 }
 
 impl Decision {
+    /// Gives back the names that were taken back because others stand as well.
+    pub(super) fn give_one_of_many(&mut self) {
+        let sum: f64 = self.candidates.iter().map(|c| c.probability).sum();
+        self.candidates.iter_mut().for_each(|c| c.probability /= sum.max(1e-9));
+        (self.unlisted, self.unlisted_probability) = (false, 0.0);
+    }
+
     /// Moves belief to what the library does not hold, at least as much as this.
     pub(super) fn take_back(&mut self, belief: f64) {
         let share = (1.0 - belief) / (1.0 - self.unlisted_probability).max(1e-9);

@@ -98,14 +98,18 @@ fn settles(present: &ScoredModel, larger: &ScoredModel) -> bool {
 
 /// True where effects leave a hundredth of the mismatch at most, on both kinds of runs, and the noise of so many samples hides no tenth of it.
 pub(super) fn explains_all(before: &ScoredModel, after: &ScoredModel) -> bool {
-    let all = |before: f64, after: f64, samples: usize| {
-        let blur = blur(samples);
-        let excess = before - 1.0;
-        blur < (1.0 - CALIBRATION.explained) * excess
-            && after - 1.0 < (1.0 - CALIBRATION.explained).powi(2) * excess + blur
-    };
+    explains_all_held(before, after) && all(before.fit.chi2(), after.fit.chi2(), after.fit.rows)
+}
+
+/// The same on the runs that judge.
+pub(super) fn explains_all_held(before: &ScoredModel, after: &ScoredModel) -> bool {
     all(before.hold.chi2, after.hold.chi2, after.hold.samples)
-        && all(before.fit.chi2(), after.fit.chi2(), after.fit.rows)
+}
+
+fn all(before: f64, after: f64, samples: usize) -> bool {
+    let (blur, excess) = (blur(samples), before - 1.0);
+    blur < (1.0 - CALIBRATION.explained) * excess
+        && after - 1.0 < (1.0 - CALIBRATION.explained).powi(2) * excess + blur
 }
 
 /// What chance makes of the chi2 of so many samples, three standard deviations.

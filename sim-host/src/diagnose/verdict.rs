@@ -7,7 +7,7 @@ use super::calibration::CALIBRATION;
 use super::judged::{Decision, ScoredModel};
 use super::leftover::{Followed, more_is_missing};
 use super::split::Test;
-use super::standing::{accounted, beyond, outside};
+use super::standing::{accounted, beyond, explains_all_held, outside};
 use super::term::Modelled;
 use crate::identify::data::Run;
 use crate::identify::evaluate::Local;
@@ -98,6 +98,15 @@ pub(super) fn verdict(
         && refused(&alone)?.is_none()
     {
         (named, refusal) = (Some(alone), None);
+    }
+    // Of several names that stand as well one is right where they explain all that the runs held out miss.
+    if decision.one_of_many
+        && named.is_none()
+        && let Some(names) = partial.as_ref().filter(|names| held_out && explains_all_held(&stated, names))
+        && refused(names)?.is_none()
+    {
+        named = partial.take();
+        decision.give_one_of_many();
     }
     let (mut unlisted, mut more_missing) = (decision.unlisted, decision.more_missing);
     let mut accepted = stated.clone();

@@ -143,15 +143,16 @@ impl Model {
     }
 
     /// This model with every detail of its effects' forms free, once for each start. A detail at the end of its range that means that
-    /// there is none has no slope there: it starts from the middle of its range, and from near that end.
+    /// there is none has no slope there: it starts from the middle of its range, and from near that end. Any other starts from the first
+    /// and from the last of its starts.
     pub fn refined(&self) -> Vec<Self> {
-        let from = |share| self.refined_from(share);
-        let [middle, near] = [0.5, NEAR_NONE].map(from);
+        let [middle, near] = [false, true].map(|near| self.refined_from(near));
         if middle.same_values(&near) { vec![middle] } else { vec![middle, near] }
     }
 
-    /// The same from this share of the range's logarithm away from none.
-    fn refined_from(&self, share: f64) -> Self {
+    /// The same from the middle of the ranges' logarithms, or from near none.
+    fn refined_from(&self, near: bool) -> Self {
+        let share = if near { NEAR_NONE } else { 0.5 };
         let mut model = self.clone();
         for placed in &mut model.effects {
             let details =
@@ -165,6 +166,10 @@ impl Model {
                 };
                 if let Some([none, other]) = none.filter(|_| parameter.positive) {
                     value.value = none * (other / none).powf(share);
+                } else if let [first, .., last] = *parameter.starts
+                    && (near && value.value == first)
+                {
+                    value.value = last;
                 }
             }
         }

@@ -25,6 +25,7 @@ fn named(truth: &Model) -> (Weighing, Decision) {
         unlisted_probability: 0.2,
         more_missing: false,
         noise: Vec::new(),
+        one_of_many: false,
     };
     let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
     (Weighing::of(training, holdout), decision)

@@ -36,6 +36,7 @@ fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclu
         unlisted_probability: 0.02,
         more_missing: false,
         noise: Vec::new(),
+        one_of_many: false,
     };
     verdict(&cut.whole, cut.weighing.fitted(), decision, None, cut.test).unwrap()
 }

@@ -5,16 +5,21 @@
 //! it shrinks: Duhem's form of hysteresis, of which ideal play is the limit of large `n`. A joint whose faces meet over
 //! their whole area at once has a large one, a worn or elastic one a small. It depends on travel alone.
 //!
+//! Where the joint is elastic and the table's guide resists in proportion to velocity, the table follows with the time constant `T`
+//! of the two: `T v_t = c(d)`, with `c` the joint's extension beyond the gap, rounded over `h/n` at its edges. The table then goes on
+//! after a reversal until the joint has relaxed.
+//!
 //! Source: A. Visintin, "Differential Models of Hysteresis", Springer (1994), chapter V.
 
-use super::{Effect, Ends, Entry, Family, Hooks, Order, Parameter, Role, Stage, SignalScale};
+use super::displacement_lag::{SECOND, TIME_CONSTANT};
+use super::{Effect, Ends, Entry, Family, Hooks, Instant, Order, Parameter, Role, SignalScale, Stage};
 use crate::plant::model::Kind;
 use crate::scalar::Scalar;
 
 /// What it is.
 pub(crate) const ENTRY: Entry = Entry {
     id: "backlash",
-    equation: "x_t = x - d, dd/dx = 1 - |2 d/gap|^n as the lead d grows, 1 as it shrinks",
+    equation: "x_t = x - d, dd/dx = 1 - |2 d/gap|^n as the lead d grows, 1 as it shrinks; elastic: T v_t = d beyond gap/2",
     stage: Stage::Table,
     family: Family::Contact,
     parameters: &[
@@ -44,6 +49,11 @@ pub(crate) const ENTRY: Entry = Entry {
             simple: Ends::High,
             role: Role::Shared,
         },
+        Parameter {
+            key: "relaxation",
+            meaning: "time constant of the joint's stiffness and the guide's viscous resistance: T",
+            ..SECOND
+        },
     ],
     kinds: &[Kind::Servo, Kind::RigidMass],
     frees: &[],
@@ -72,6 +82,8 @@ const FREE: f64 = -7.0;
 pub(crate) struct Backlash<S> {
     half: S,
     exponent: S,
+    /// Time constant with which an elastic joint relaxes, s.
+    relaxation: Option<S>,
     /// The actuator's lead over the table, m.
     lead: S,
     before: Option<S>,
@@ -80,8 +92,16 @@ pub(crate) struct Backlash<S> {
 impl<S: Scalar> Backlash<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
-        let &[gap, exponent] = parameters else { return None };
-        Some(Self { half: gap * 0.5, exponent, lead: S::from(0.0), before: None })
+        let &[gap, exponent, relaxation] = parameters else { return None };
+        let relaxation = Some(relaxation).filter(|time| time.value() > TIME_CONSTANT.low);
+        Some(Self { half: gap * 0.5, exponent, relaxation, lead: S::from(0.0), before: None })
+    }
+
+    /// The table's velocity behind an elastic joint, whose extension the state is.
+    fn followed(&self, y: &[S]) -> Option<S> {
+        let (&lead, time) = y.first().zip(self.relaxation)?;
+        let [ahead, behind] = [lead, -lead].map(|lead| softplus((lead / self.half - 1.0) * self.exponent));
+        Some((ahead - behind) * self.half / (self.exponent * time))
     }
 
     /// Share of the motion that the table takes part in while the actuator moves at this velocity: 0 inside the gap, 1 in
@@ -126,6 +146,13 @@ fn grow<S: Scalar>(mut s: S, time: S, n: S) -> S {
     s
 }
 
+/// `ln(1 + exp(x))`.
+fn softplus<S: Scalar>(x: S) -> S {
+    let v = x.value();
+    let value = v.max(0.0) + (-v.abs()).exp().ln_1p();
+    x.chain(value, 1.0 / (1.0 + (-v).exp()))
+}
+
 /// `(exp(x) - 1)/x`.
 fn phi<S: Scalar>(x: S) -> S {
     let v = x.value();
@@ -138,15 +165,27 @@ fn phi<S: Scalar>(x: S) -> S {
 
 impl<S: Scalar> Effect<S> for Backlash<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { after: true, velocity: true, linear: true, ..Hooks::default() }
+        let elastic = self.relaxation.is_some();
+        Hooks { after: !elastic, follow: elastic, velocity: true, linear: !elastic, ..Hooks::default() }
+    }
+    fn fastest(&self) -> f64 {
+        self.relaxation.map_or(0.0, |time| 1.0 / time.value())
+    }
+    fn states(&self) -> usize {
+        usize::from(self.relaxation.is_some())
+    }
+    fn follow(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) {
+        if let (Some(followed), Some(rate)) = (self.followed(y), dy.first_mut()) {
+            *rate = at.sensed_velocity - followed;
+        }
     }
     fn after(&mut self, displacement: S, _time: f64) {
         let travel = displacement - self.before.unwrap_or(displacement);
         self.lead = self.led(travel);
         self.before = Some(displacement);
     }
-    fn sense_velocity(&self, velocity: S, _y: &[S]) -> S {
-        velocity * self.share(velocity)
+    fn sense_velocity(&self, velocity: S, y: &[S]) -> S {
+        self.followed(y).unwrap_or_else(|| velocity * self.share(velocity))
     }
 }
 
@@ -155,7 +194,7 @@ mod tests {
     use super::*;
 
     fn moved(exponent: f64, to: &[f64], steps: usize) -> f64 {
-        let mut joint = Backlash::<f64>::new(&[2e-4, exponent]).unwrap();
+        let mut joint = Backlash::<f64>::new(&[2e-4, exponent, 0.0]).unwrap();
         let mut at = 0.0;
         joint.after(at, 0.0);
         for &end in to {
@@ -191,11 +230,37 @@ mod tests {
         assert!((moved(2.0, &[travel], 50) - exact).abs() < 1e-3 * half);
     }
 
+    /// Driven at a constant velocity from the middle of its gap an elastic joint carries the table after `half/v`, and with
+    /// `1 - exp(-t/T)` of the velocity from there on; where the actuator turns the table goes on until the joint has relaxed.
+    #[test]
+    fn an_elastic_joint_relaxes() {
+        let (velocity, time) = (0.1, 2e-3);
+        let joint = Backlash::<f64>::new(&[2e-4, 200.0, time]).unwrap();
+        let at = |velocity: f64| Instant {
+            time: 0.0,
+            displacement: 0.0,
+            velocity,
+            sensed_velocity: velocity,
+            velocity_limit: 1.0,
+        };
+        let (mut lead, step) = ([0.0], 1e-6);
+        let mut rate = [0.0];
+        for k in 0..5000 {
+            joint.follow(&at(velocity), &lead, &mut rate);
+            lead[0] += step * rate[0];
+            let contact = (f64::from(k) * step - 1e-4 / velocity).max(0.0);
+            let expected = velocity * (1.0 - (-contact / time).exp());
+            assert!((joint.sense_velocity(velocity, &lead) - expected).abs() < 1.5e-3, "{k}");
+        }
+        joint.follow(&at(-velocity), &lead, &mut rate);
+        assert!(joint.sense_velocity(-velocity, &lead) > 0.08 && rate[0] < -0.18);
+    }
+
     /// However long the steps, the table's share of the motion is the slope of its place.
     #[test]
     fn a_step_of_any_length_gives_the_share_of_short_ones() {
         let shared = |exponent: f64, travel: f64, steps: usize| {
-            let mut joint = Backlash::<f64>::new(&[2e-4, exponent]).unwrap();
+            let mut joint = Backlash::<f64>::new(&[2e-4, exponent, 0.0]).unwrap();
             for k in 0..=steps {
                 joint.after(travel * k as f64 / steps as f64, 0.0);
             }
@@ -207,7 +272,7 @@ mod tests {
                 assert!((long - short).abs() < 0.02, "n {exponent}, {travel}: {long} {short}");
             }
         }
-        let mut joint = Backlash::<f64>::new(&[2e-4, 60.0]).unwrap();
+        let mut joint = Backlash::<f64>::new(&[2e-4, 60.0, 0.0]).unwrap();
         joint.after(0.0, 0.0);
         joint.after(1e-3, 0.0);
         assert!(joint.share(0.1) > 0.99 && joint.share(-0.1) == 0.0, "it lies still when the actuator turns");

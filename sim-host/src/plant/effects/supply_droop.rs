@@ -1,7 +1,8 @@
 //! The accumulator empties under sustained flow and the pump refills it: pressure, and with its square root gain and
 //! velocity limit, sag after long fast motion.
 //!
-//! The pressure is relative to its start; running at the limit for long it falls by `depth`.
+//! The pressure is relative to its start; running at the limit for long it falls by `depth`. A second pump, or one whose stroke a
+//! compensator sets, gives more once the accumulator is emptied by a share of that.
 
 use super::{Effect, Ends, Entry, Family, Flow, Hooks, Instant, Order, Parameter, Role, Stage, SignalScale};
 use crate::plant::model::Kind;
@@ -10,7 +11,7 @@ use crate::scalar::Scalar;
 /// What it is.
 pub(crate) const ENTRY: Entry = Entry {
     id: "supply_droop",
-    equation: "p' = (1 - p - D abs(v)/v_max)/T; gain and v_max times sqrt(p)",
+    equation: "p' = (1 - p - D abs(v)/v_max + D r s((1 - p)/D - c))/T, s from 0 to 1; gain and v_max times sqrt(p)",
     stage: Stage::Flow,
     family: Family::Flow,
     parameters: &[
@@ -18,10 +19,10 @@ pub(crate) const ENTRY: Entry = Entry {
             key: "depth",
             unit: "1",
             rigid_unit: "1",
-            meaning: "relative pressure lost under sustained motion at the velocity limit",
+            meaning: "relative pressure lost under sustained motion at the velocity limit; beyond 1 the pump cannot sustain it",
             signal_scale: SignalScale::One,
             low: 0.005,
-            high: 0.95,
+            high: 20.0,
             starts: &[0.02, 0.3],
             positive: true,
             simple: Ends::Low,
@@ -34,11 +35,37 @@ pub(crate) const ENTRY: Entry = Entry {
             meaning: "time constant of the recovery",
             signal_scale: SignalScale::One,
             low: 0.05,
-            high: 60.0,
+            high: 600.0,
             starts: &[0.4, 3.0],
             positive: true,
             simple: Ends::High,
             role: Role::Shared,
+        },
+        Parameter {
+            key: "reserve",
+            unit: "1",
+            rigid_unit: "1",
+            meaning: "what a second pump gives, relative to the motion at the velocity limit: r",
+            signal_scale: SignalScale::One,
+            low: NONE,
+            high: 10.0,
+            starts: &[NONE],
+            positive: true,
+            simple: Ends::Low,
+            role: Role::Refined,
+        },
+        Parameter {
+            key: "cut_in",
+            unit: "1",
+            rigid_unit: "1",
+            meaning: "share of the depth at which the second pump comes in: c",
+            signal_scale: SignalScale::One,
+            low: 0.02,
+            high: 1.0,
+            starts: &[0.2, 0.4],
+            positive: true,
+            simple: Ends::High,
+            role: Role::Refined,
         },
     ],
     kinds: &[Kind::Servo],
@@ -49,24 +76,38 @@ pub(crate) const ENTRY: Entry = Entry {
     order: Order::Second,
     contains: &[],
     counter: Some(|parameters, countered| {
-        if let &[depth, recovery] = parameters {
+        if let &[depth, recovery, ..] = parameters {
             countered.droop = (depth, recovery);
         }
     }),
 };
+
+/// A second pump that is none.
+const NONE: f64 = 1e-3;
+/// Share of the depth within which a second pump comes in.
+const RAMP: f64 = 0.02;
 
 /// An accumulator that empties.
 #[derive(Debug, Clone)]
 pub(crate) struct SupplyDroop<S> {
     depth: S,
     recovery: S,
+    /// What a second pump gives, and from which share of the depth on.
+    second: Option<(S, S)>,
 }
 
 impl<S: Scalar> SupplyDroop<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
-        let &[depth, recovery] = parameters else { return None };
-        Some(Self { depth, recovery })
+        let &[depth, recovery, reserve, cut_in] = parameters else { return None };
+        Some(Self { depth, recovery, second: Some((reserve, cut_in)).filter(|_| reserve.value() > NONE) })
+    }
+
+    /// What a second pump gives at a pressure, in units of the depth.
+    fn reserve(&self, pressure: S) -> S {
+        let Some((reserve, cut_in)) = self.second else { return S::from(0.0) };
+        let emptied = (-pressure + 1.0) / self.depth;
+        reserve * (((emptied - cut_in) / (2.0 * RAMP)).tanh() + 1.0) * 0.5
     }
 }
 
@@ -89,7 +130,8 @@ impl<S: Scalar> Effect<S> for SupplyDroop<S> {
     }
     fn follow(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) {
         if let (Some(&pressure), Some(rate)) = (y.first(), dy.first_mut()) {
-            *rate = (-pressure + 1.0 - self.depth * at.velocity.abs() / at.velocity_limit) / self.recovery;
+            let drawn = at.velocity.abs() / at.velocity_limit - self.reserve(pressure);
+            *rate = (-pressure + 1.0 - self.depth * drawn) / self.recovery;
         }
     }
     fn supply_pressure(&self, y: &[S]) -> Option<S> {
