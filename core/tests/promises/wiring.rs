@@ -245,10 +245,7 @@ fn a_valve_is_not_forgotten_before_the_table_has_moved() {
     };
     assert_eq!(remembering(1.01), Ok(()));
     let refused = remembering(0.99);
-    assert!(
-        matches!(refused, Err(SettingsError::Conflict { field: "guard.valve.memory", .. })),
-        "{refused:?}"
-    );
+    assert!(matches!(refused, Err(SettingsError::Conflict { field: "guard.valve.memory", .. })), "{refused:?}");
 }
 
 #[test]

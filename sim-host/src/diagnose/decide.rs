@@ -63,17 +63,21 @@ fn choose(before: &ScoredModel, sizes: &[Vec<ScoredModel>], alone: &Alone) -> Sc
     let mut after = before.clone();
     let believed = before.departure.disbelief() < CHANCE;
     let beneath = believed && before.hold.chi2 < 1.0 && before.fit.squares < before.fit.rows as f64;
+    // What leaves more than any noise is explained by something: where the best of a size does not stand, one that is not as good may.
+    let asked = if before.hold.chi2.max(before.fit.chi2()) > CALIBRATION.modest { JUDGED } else { 1 };
     let mut skipped = false;
     for size in sizes {
-        let Some(best) = size.first() else { break };
-        let justified = is_justified(before, &after, best, alone.tell_apart(&after.added, &best.added));
-        if justified && (!beneath || follows_motion(before, best)) {
-            after = best.clone();
-            skipped = false;
-        } else if skipped {
-            break;
-        } else {
-            skipped = true;
+        let stands = |model: &&ScoredModel| {
+            is_justified(before, &after, model, alone.tell_apart(&after.added, &model.added))
+                && (!beneath || follows_motion(before, model))
+        };
+        match size.iter().take(asked).find(stands) {
+            Some(standing) => {
+                after = standing.clone();
+                skipped = false;
+            }
+            None if skipped => break,
+            None => skipped = true,
         }
     }
     after

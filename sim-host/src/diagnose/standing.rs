@@ -31,6 +31,12 @@ impl Alone {
         Self(known.collect())
     }
 
+    /// Of shares that are known.
+    #[cfg(test)]
+    pub(super) fn of_shares(shares: &[(&'static str, f64)]) -> Self {
+        Self(shares.to_vec())
+    }
+
     /// True where nothing that the larger set adds to the smaller explains much alone.
     pub(super) fn tell_apart(&self, smaller: &[&'static str], larger: &[&'static str]) -> bool {
         let share = |id: &str| self.0.iter().find(|(known, _)| *known == id).map_or(0.0, |(_, share)| *share);
@@ -108,8 +114,7 @@ pub(super) fn explains_all_held(before: &ScoredModel, after: &ScoredModel) -> bo
 
 fn all(before: f64, after: f64, samples: usize) -> bool {
     let (blur, excess) = (blur(samples), before - 1.0);
-    blur < (1.0 - CALIBRATION.explained) * excess
-        && after - 1.0 < (1.0 - CALIBRATION.explained).powi(2) * excess + blur
+    blur < (1.0 - CALIBRATION.explained) * excess && after - 1.0 < (1.0 - CALIBRATION.explained).powi(2) * excess + blur
 }
 
 /// What chance makes of the chi2 of so many samples, three standard deviations.

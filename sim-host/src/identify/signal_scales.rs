@@ -67,7 +67,7 @@ impl SignalScales {
             }
             if let Some(x) = run.channel(Channel::Displacement) {
                 let span = (0.02 / run.dt).round().max(1.0) as usize;
-                let start = x.values.first().copied().unwrap_or(0.0);
+                let start = x.values.iter().copied().find(|value| value.is_finite()).unwrap_or(0.0);
                 for (i, value) in x.values.iter().enumerate() {
                     it.displacement = it.displacement.max((value - start).abs());
                     if let Some(later) = x.values.get(i + span) {

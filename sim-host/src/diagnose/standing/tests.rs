@@ -1,16 +1,6 @@
-use super::super::decide::tests::judged;
+use super::super::decide::tests::{judged, leaving};
 use super::*;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
-
-/// A judged model of which so much is left on both kinds of stretches.
-fn leaving(chi2: f64, template: &ScoredModel) -> ScoredModel {
-    let mut judged = template.clone();
-    judged.fit.squares = chi2 * judged.fit.rows as f64;
-    let share = chi2 * judged.hold.rows as f64 / judged.hold.blocks.len() as f64;
-    judged.hold.blocks.iter_mut().for_each(|block| *block = share);
-    (judged.hold.chi2, judged.hold.colour) = (chi2, 1.0);
-    judged
-}
 
 /// Beside an effect that explains 998 of 1000, one that explains the rest is distinguished from another form of the first only where it
 /// is nothing like it, and only where it explains nearly all of the rest.

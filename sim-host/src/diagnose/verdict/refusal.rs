@@ -75,7 +75,8 @@ pub(super) fn rest_beyond_noise(judged: &ScoredModel) -> bool {
     judged.hold.chi2 - 1.0 > CALIBRATION.negligible + blur
 }
 
-/// Why these names cannot stand; those beside which more is missing need to explain the larger part alone, or nearly all of one channel.
+/// Why these names cannot stand; those beside which more is missing, or of which enough is left to hide it, need to explain the larger part
+/// alone, or nearly all of one channel.
 pub(super) fn refusal(
     before: &ScoredModel,
     named: &ScoredModel,
@@ -114,7 +115,9 @@ pub(super) fn refusal(
     let lacks = rest_beyond_noise(before);
     let in_all = (named.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9);
     let share_left = channel_explained.map_or(in_all, |(_, left)| left.min(in_all));
-    let most_left = if beside_more { LARGER_PART } else { 1.0 - CALIBRATION.credible };
+    // Where what is left could hide another effect, noise or not, the names have to explain the larger part.
+    let hides = named.hold.chi2 - 1.0 > CALIBRATION.hidden;
+    let most_left = if beside_more || hides { LARGER_PART } else { 1.0 - CALIBRATION.credible };
     if lacks && share_left > most_left {
         return Some(Refusal::NoGain { share_left });
     }

@@ -8,16 +8,25 @@ use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::entry;
 
-/// What is selected of two runs of `fitted_truth` where `named` is named, judged on a run of `held_truth`.
-fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
+/// Two runs of `fitted_truth` to fit and one of `held_truth` to judge.
+fn prepared(fitted_truth: &Model, held_truth: &Model) -> Prepared {
     let fit: Vec<Run> = (1..3).map(|seed| recorded(fitted_truth, seed)).collect();
     let signal_scales = SignalScales::of(&fit, 1.0);
-    let whole = Prepared { model: model(TRUTH), fit, holdout: vec![recorded(held_truth, 3)], signal_scales };
-    judged_on(whole, None, named)
+    Prepared { model: model(TRUTH), fit, holdout: vec![recorded(held_truth, 3)], signal_scales }
+}
+
+/// What is selected of two runs of `fitted_truth` where `named` is named, judged on a run of `held_truth`.
+fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
+    judged_on(prepared(fitted_truth, held_truth), None, named, |decision| decision)
 }
 
 /// The same of what was prepared, searched on an excerpt of it.
-fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclusion {
+fn judged_on(
+    whole: Prepared,
+    excerpt: Option<Prepared>,
+    named: Model,
+    decided: impl Fn(Decision) -> Decision,
+) -> Conclusion {
     let cut = split(whole, excerpt);
     let judged = |model: Model, weighing: &Weighing| {
         let mut fit = Fit::begin(model, weighing.fitted()).unwrap();
@@ -38,7 +47,7 @@ fn judged_on(whole: Prepared, excerpt: Option<Prepared>, named: Model) -> Conclu
         noise: Vec::new(),
         one_of_many: false,
     };
-    verdict(&cut.whole, cut.weighing.fitted(), decision, None, cut.test).unwrap()
+    verdict(&cut.whole, cut.weighing.fitted(), decided(decision), None, cut.test).unwrap()
 }
 
 fn with_viscous(coefficient: f64) -> Model {
@@ -114,6 +123,30 @@ fn what_only_the_test_shows_is_no_agreement() {
     assert!(conclusion.unlisted && !conclusion.consistent() && conclusion.unforeseen());
 }
 
+/// A name that was taken back because others stand as well is given where it explains the runs held out whole, and not where these show
+/// something else.
+#[test]
+fn one_of_many_is_given_where_it_explains_all() {
+    let taken_back = |decision: Decision| {
+        let mut decision = Decision {
+            partial: Some(decision.accepted),
+            accepted: decision.stated.clone(),
+            unlisted: true,
+            one_of_many: true,
+            ..decision
+        };
+        decision.take_back(0.7);
+        decision
+    };
+    let truth = with_viscous(90.0);
+    let given = |held: &Model| judged_on(prepared(&truth, held), None, with_viscous(50.0), taken_back);
+    let named = given(&truth);
+    assert_eq!(named.accepted.added, ["viscous_friction"]);
+    assert!(!named.unlisted && named.partial.is_none() && named.decision.unlisted_probability == 0.0);
+    assert!((named.decision.candidates[0].probability - 1.0).abs() < 1e-12);
+    assert!(given(&with_viscous(50.0)).unlisted, "half of it is no explanation of the whole");
+}
+
 /// The part of a run from one sample on, as a run of its own.
 fn tail(run: &Run, first: usize) -> Run {
     let mut tail = run.clone();
@@ -175,7 +208,7 @@ fn an_excerpt_begins_elsewhere_than_its_run() {
     let excerpt = fit.iter().map(|run| tail(run, 1300)).collect();
     let with = |fit, holdout| Prepared { model: model(TRUTH), fit, holdout, signal_scales };
     let (whole, excerpt) = (with(fit, vec![recorded(&truth, 3)]), with(excerpt, Vec::new()));
-    let conclusion = judged_on(whole, Some(excerpt), with_viscous(50.0));
+    let conclusion = judged_on(whole, Some(excerpt), with_viscous(50.0), |decision| decision);
     assert_eq!(conclusion.accepted.added, ["viscous_friction"]);
     assert!(conclusion.accepted.fit.chi2() < 1.1, "{}", conclusion.accepted.fit.chi2());
     assert!(conclusion.accepted.hold.chi2 < 1.1, "{}", conclusion.accepted.hold.chi2);

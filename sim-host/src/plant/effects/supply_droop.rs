@@ -138,3 +138,27 @@ impl<S: Scalar> Effect<S> for SupplyDroop<S> {
         y.first().copied()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Under steady motion the pressure settles where outflow and inflow are equal: a second pump gives it back from its share of the depth on.
+    #[test]
+    fn a_second_pump_comes_in_at_its_share_of_the_depth() {
+        let settled = |reserve: f64, cut_in: f64, velocity: f64| {
+            let droop = SupplyDroop::<f64>::new(&[0.4, 2.0, reserve, cut_in]).unwrap();
+            let at = Instant { time: 0.0, displacement: 0.0, velocity, sensed_velocity: velocity, velocity_limit: 1.0 };
+            let (mut pressure, mut rate) = ([1.0], [0.0]);
+            for _ in 0..200_000 {
+                droop.follow(&at, &pressure, &mut rate);
+                pressure[0] += 1e-3 * rate[0];
+            }
+            pressure[0]
+        };
+        assert!((settled(NONE, 0.5, 0.8) - 0.68).abs() < 1e-9, "none: 1 - 0.4 0.8");
+        assert!((settled(0.2, 0.5, 0.3) - 0.88).abs() < 1e-4, "not called for: 1 - 0.4 0.3");
+        assert!((settled(0.2, 0.5, 0.8) - 0.76).abs() < 1e-3, "whole: 1 - 0.4 (0.8 - 0.2)");
+        assert!((settled(0.2, 0.5, 0.6) - 0.8).abs() < 8e-3, "it holds the pressure where it comes in");
+    }
+}
