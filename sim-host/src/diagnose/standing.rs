@@ -1,7 +1,7 @@
 //! When a larger model stands against a smaller one, and when what a model leaves lies outside the library.
 
 use super::calibration::CALIBRATION;
-use super::judged::{ScoredModel, parameters};
+use super::judged::{ScoredModel, explains_a_channel, parameters};
 use super::search::{CHANCE, Search};
 use crate::identify::fit::Fit;
 use crate::identify::judge::{Score, gains};
@@ -60,6 +60,10 @@ pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: 
     let beliefs = present.departure.disbelief() - larger.departure.disbelief() - CALIBRATION.parameter_price * added;
     if beliefs > CHANCE && worse - better < SURE * colour {
         return true;
+    }
+    // What one channel lacks far beyond its noise is explained there: a pressure shows a force that the loop hides from the motion.
+    if gained > OVERWHELMING && explains_a_channel(present, larger).is_some() {
+        return better - worse > SURE * colour && worse < LOST * better;
     }
     if silent(present, larger) {
         return gained > OVERWHELMING && worse - better < SURE * colour;

@@ -1,5 +1,6 @@
 use super::super::decide::tests::{judged, leaving};
 use super::*;
+use crate::identify::data::Channel;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 
 /// Beside an effect that explains 998 of 1000, one that explains the rest is distinguished from another form of the first only where it
@@ -51,6 +52,25 @@ fn what_shows_on_one_kind_of_runs_counts_on_both() {
     assert!(is_justified(&before, &present, &larger(1.027, 1.04), false));
     assert!(!is_justified(&before, &present, &larger(1.26, 1.055), false), "a third of either");
     assert!(!is_justified(&before, &present, &larger(1.027, 1.09), false), "worse where it was not fitted");
+}
+
+/// A friction that the loop hides from the motion shows in the pressure alone, which counts in no chi2 beside the motion: it stands where
+/// it explains that channel nearly whole.
+#[test]
+fn what_a_pressure_alone_shows_stands() {
+    let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let leaving = |fitted: f64, pressure: f64| {
+        let mut judged = leaving(pressure, &template);
+        judged.fit.squares = fitted * judged.fit.rows as f64;
+        judged.hold.chi2 = 1.1;
+        judged.hold.channels.push((Channel::PressureDifference, pressure, 1000));
+        judged
+    };
+    let before = leaving(26.0, 28.0);
+    let larger = |pressure| ScoredModel { added: vec!["viscous_friction"], ..leaving(1.02, pressure) };
+    assert!(is_justified(&before, &before, &larger(1.05), false));
+    assert!(!is_justified(&before, &before, &larger(9.0), false), "a third is left");
 }
 
 /// What leaves a thousandth of the mismatch is in the library, however many of it do; what leaves a twentieth, or of a mismatch that is hardly
