@@ -58,6 +58,9 @@ pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<In
     if let Some(reading) = sample_for_a_lag(examined)? {
         return Ok(better(experiment, &reading));
     }
+    if let Some(reading) = integral_for_one_of_several(examined)? {
+        return Ok(better(experiment, &reading));
+    }
     let explaining = all(&readings(experiment, examined), &Base::stated(examined), examined)?;
     let explaining = explaining.into_iter().filter(|tried| tried.left < CALIBRATION.negligible);
     // Of readings that explain alike the one that takes least from the data.
@@ -172,6 +175,28 @@ fn sample_for_a_lag(examined: &Examined) -> Result<Option<Reading>, SimulateErro
         }
     }
     Ok(None)
+}
+
+/// An integral gain that was stated wrong, in the place of one of several effects that explain all: what looks like a weak spring beside a
+/// droop may be that, and is what a laboratory states wrong every week.
+fn integral_for_one_of_several(examined: &Examined) -> Result<Option<Reading>, SimulateError> {
+    let conclusion = &examined.conclusion;
+    let after = &conclusion.accepted;
+    if after.added.len() < 2 || conclusion.unlisted || conclusion.more_missing {
+        return Ok(None);
+    }
+    let as_well = |id: &&'static str| -> Result<Option<Tried>, SimulateError> {
+        let tried = integral(&Base::fitted(after.fit.model.without(id), &after.fit), examined)?;
+        let free = after.fit.model.effects.iter().filter(|placed| placed.entry.id == *id);
+        let free = free.flat_map(|placed| &placed.values).filter(|value| value.free).count() as f64;
+        Ok(tried.filter(|tried| {
+            tried.left < after.hold.chi2 - 1.0 + 0.5 * CALIBRATION.negligible
+                && tried.fit.squares < after.fit.squares + CALIBRATION.parameter_price * free
+        }))
+    };
+    let tried = after.added.par_iter().map(as_well).collect::<Result<Vec<_>, _>>()?;
+    let best = tried.into_iter().flatten().min_by(|a, b| a.fit.squares.total_cmp(&b.fit.squares));
+    Ok(best.map(|best| best.reading))
 }
 
 /// The whole time by which a lag comes late, s.

@@ -40,6 +40,18 @@ fn an_integral_gain_that_is_stated_wrong_is_no_physics() {
     assert!(matches!(gains[..], [(None, ki)] if (ki / 0.6 - 1.0).abs() < 0.01), "{gains:?}");
 }
 
+/// Beside a gain that drifts as the oil warms it is no physics either.
+#[test]
+fn an_integral_gain_that_is_stated_wrong_is_no_second_effect() {
+    let mut physics = paper();
+    physics.command.warming = Some((-0.006, 1e4));
+    let diagnosis = diagnosed(&physics, &Stated { command: false, integral: 0.9, ..Stated::default() });
+    let named: Vec<_> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    assert_eq!(named, ["gain_drift"], "{:?}", diagnosis.set_up);
+    let gains = found(&diagnosis, "controller_ki");
+    assert!(matches!(gains[..], [(None, ki)] if (ki / 0.6 - 1.0).abs() < 0.02), "{gains:?}");
+}
+
 /// The control: as it is stated without a recorded command.
 #[test]
 fn a_set_up_that_is_stated_right_is_not_doubted() {
