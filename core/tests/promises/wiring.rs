@@ -201,6 +201,17 @@ fn only_a_reference_that_is_read_must_reach_its_range() {
 }
 
 #[test]
+fn a_drift_has_a_witness_in_a_second_sensor_or_a_limit_switch() {
+    let missed = |second: Option<f32>, limit_switches: bool| {
+        let mut control = setup().control;
+        let inputs = &mut control.guard.as_mut().unwrap().inputs;
+        (inputs.second_displacement, inputs.limit_switches) = (second, limit_switches);
+        control.findings().any(|finding| finding == Finding::NoDriftWitness)
+    };
+    assert_eq!([missed(None, false), missed(Some(0.01), false), missed(None, true)], [true, false, false]);
+}
+
+#[test]
 fn a_reference_comes_from_the_host_or_from_the_converter() {
     let from_the_host = [Source::Streamed, Source::Rehearsal, Source::Analog].map(Source::streamed);
     assert_eq!(from_the_host, [true, true, false]);

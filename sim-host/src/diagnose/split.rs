@@ -194,6 +194,7 @@ fn kept(run: &Run, stretch: impl Fn(usize) -> bool) -> Run {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::data::Channel;
     use crate::identify::fit::tests::{TRUTH, model, recorded};
 
     fn finite(run: &Run) -> Vec<usize> {
@@ -221,14 +222,21 @@ mod tests {
         assert!(held_out && judging.len() == 1);
     }
 
-    /// Opened, no sample has two uses, and of what is missed most the fits, the judge and the weights each have their part.
+    /// Opened, no sample has two uses, and of what is missed most the fits, the judge and the weights each have their part. What moves
+    /// three times as far sets the scale, though its first stretch is the judge's.
     #[test]
     fn the_judge_keeps_half_and_each_use_sees_what_is_missed() {
-        let runs: Vec<Run> = (1..3).map(|seed| recorded(&model(TRUTH), seed)).collect();
+        let mut runs: Vec<Run> = (1..3).map(|seed| recorded(&model(TRUTH), seed)).collect();
+        let farther = runs[1].measured.iter_mut().filter(|m| m.channel == Channel::Displacement);
+        farther.flat_map(|m| &mut m.values).for_each(|value| *value *= 3.0);
         let (fit, holdout) = (runs[..1].to_vec(), runs[1..].to_vec());
         let signal_scales = SignalScales::of(&fit, 1.0);
         let length = stretch_length(&runs[1]);
-        let shown = |k: usize| if (3..6).contains(&(k / length)) { 1.0 } else { 1e-3 };
+        let shown = |k: usize| match k / length {
+            0 => 0.5,
+            3..6 => 1.0,
+            _ => 1e-3,
+        };
         let channels = runs[1]
             .measured
             .iter()
@@ -237,6 +245,9 @@ mod tests {
         let whole = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
         let opened = reopened(&whole, &holdout, &predicted);
         let uses = [&opened.weighing.fitted()[1], &opened.weighing.weighed()[1], &opened.test.0[0]].map(finite);
+        assert!(uses[2].first() == Some(&0), "the judge has the beginning");
+        let scale = opened.weighing.training.0.signal_scales.displacement;
+        assert!(scale > 2.0 * signal_scales.displacement, "{scale} of {}", signal_scales.displacement);
         let mut all = uses.concat();
         all.sort_unstable();
         assert_eq!(all, finite(&runs[1]));
