@@ -110,8 +110,13 @@ fn beside(experiment: &Experiment, examined: &Examined) -> Result<Option<Reading
 /// Numbers that the effects found take from the data.
 fn taken(examined: &Examined) -> usize {
     let after = &examined.conclusion.accepted;
-    let found = after.fit.model.effects.iter().filter(|placed| after.added.contains(&placed.entry.id));
-    found.flat_map(|placed| &placed.values).filter(|value| value.free).count()
+    taken_by(&after.fit, &after.added)
+}
+
+/// Numbers that these effects take.
+fn taken_by(fit: &Fit, ids: &[&'static str]) -> usize {
+    let placed = fit.model.effects.iter().filter(|placed| ids.contains(&placed.entry.id));
+    placed.flat_map(|placed| &placed.values).filter(|value| value.free).count()
 }
 
 fn better(experiment: &Experiment, reading: &Reading) -> Instead {
@@ -187,11 +192,10 @@ fn integral_for_one_of_several(examined: &Examined) -> Result<Option<Reading>, S
     }
     let as_well = |id: &&'static str| -> Result<Option<Tried>, SimulateError> {
         let tried = integral(&Base::fitted(after.fit.model.without(id), &after.fit), examined)?;
-        let free = after.fit.model.effects.iter().filter(|placed| placed.entry.id == *id);
-        let free = free.flat_map(|placed| &placed.values).filter(|value| value.free).count() as f64;
+        let price = CALIBRATION.parameter_price * taken_by(&after.fit, &[*id]) as f64;
         Ok(tried.filter(|tried| {
             tried.left < after.hold.chi2 - 1.0 + 0.5 * CALIBRATION.negligible
-                && tried.fit.squares < after.fit.squares + CALIBRATION.parameter_price * free
+                && tried.fit.squares < after.fit.squares + price
         }))
     };
     let tried = after.added.par_iter().map(as_well).collect::<Result<Vec<_>, _>>()?;

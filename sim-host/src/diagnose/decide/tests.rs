@@ -43,6 +43,13 @@ pub(crate) fn leaving(chi2: f64, template: &ScoredModel) -> ScoredModel {
     judged
 }
 
+/// The same with other shares left on the runs fitted and on those that judge.
+pub(crate) fn leaving_on(fitted: f64, held: f64, template: &ScoredModel) -> ScoredModel {
+    let mut judged = leaving(held, template);
+    judged.fit.squares = fitted * judged.fit.rows as f64;
+    judged
+}
+
 /// A drag that grows faster than speed bends an equation of friction to the end of what makes sense. That explains most of
 /// it, and is not what it is.
 #[test]
@@ -120,10 +127,9 @@ fn what_is_named_beneath_a_noise_follows_the_motion() {
 fn what_is_ranked_behind_a_model_that_does_not_stand_is_asked() {
     let runs: Vec<Run> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
     let template = judged(model(TRUTH), &runs);
-    let of = |added: &[&'static str], fitted: f64, held: f64| {
-        let mut judged = ScoredModel { added: added.to_vec(), ..leaving(held, &template) };
-        judged.fit.squares = fitted * judged.fit.rows as f64;
-        judged
+    let of = |added: &[&'static str], fitted: f64, held: f64| ScoredModel {
+        added: added.to_vec(),
+        ..leaving_on(fitted, held, &template)
     };
     let alone = Alone::of_shares(&[("end_stop", 0.6), ("backlash", 0.4), ("tilt_coupling", 0.2)]);
     let chosen = |before: f64, sizes: &[Vec<ScoredModel>]| choose(&of(&[], before, before), sizes, &alone).added;

@@ -1,4 +1,4 @@
-use super::super::decide::tests::{judged, leaving};
+use super::super::decide::tests::{judged, leaving, leaving_on};
 use super::*;
 use crate::identify::data::Channel;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
@@ -41,11 +41,7 @@ fn what_takes_most_of_the_rest_stands_for_little_of_the_whole() {
 fn what_shows_on_one_kind_of_runs_counts_on_both() {
     let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
     let template = judged(model(TRUTH), &runs);
-    let leaving = |fitted: f64, held: f64| {
-        let mut judged = leaving(held, &template);
-        judged.fit.squares = fitted * judged.fit.rows as f64;
-        judged
-    };
+    let leaving = |fitted: f64, held: f64| leaving_on(fitted, held, &template);
     let before = leaving(64.0, 63.0);
     let present = ScoredModel { added: vec!["stribeck_friction"], ..leaving(1.373, 1.08) };
     let larger = |fitted, held| ScoredModel { added: vec!["null_bias", "stribeck_friction"], ..leaving(fitted, held) };
@@ -61,8 +57,7 @@ fn what_a_pressure_alone_shows_stands() {
     let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
     let template = judged(model(TRUTH), &runs);
     let leaving = |fitted: f64, pressure: f64| {
-        let mut judged = leaving(pressure, &template);
-        judged.fit.squares = fitted * judged.fit.rows as f64;
+        let mut judged = leaving_on(fitted, pressure, &template);
         judged.hold.chi2 = 1.1;
         judged.hold.channels.push((Channel::PressureDifference, pressure, 1000));
         judged
