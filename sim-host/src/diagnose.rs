@@ -56,7 +56,7 @@ use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::prepare::{PrepareError, Prepared, prepare};
 use crate::identify::quantity::stated_with;
-use crate::identify::stated::expect_near_stated;
+use crate::identify::stated::{expect_near_stated, weigh_determined};
 use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
@@ -165,6 +165,7 @@ fn examine(experiment: &Experiment, options: &Options) -> Result<Examined, Diagn
     let findings = check(&set_up.experiment);
     let shortened = excerpt(&set_up.experiment, FITTED);
     let mut whole = prepare(shortened.as_ref().unwrap_or(&set_up.experiment))?;
+    weigh_determined(&mut whole)?;
     expect_near_stated(&mut whole.model);
     if is_bad_data(&findings) {
         return unfit(whole, &findings, set_up.findings, begun);
@@ -192,6 +193,7 @@ fn examine(experiment: &Experiment, options: &Options) -> Result<Examined, Diagn
     }
     diagnosis.set_up = set_up.findings;
     diagnosis.set_up.extend(far::far_from_stated(experiment, &whole, &conclusion)?);
+    diagnosis.set_up.extend(far::moved_effects(experiment, &conclusion));
     for noise in &conclusion.decision.noise {
         diagnosis.set_up.retain(|f| f.what != noise.what || f.channel != noise.channel);
         diagnosis.set_up.push(noise.clone());

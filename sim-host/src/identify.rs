@@ -35,7 +35,6 @@ mod normal;
 pub(crate) mod outcome;
 pub(crate) mod prepare;
 pub(crate) mod quantity;
-mod shift;
 pub(crate) mod signal_scales;
 pub(crate) mod spectra;
 pub(crate) mod starts;

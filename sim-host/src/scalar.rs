@@ -7,8 +7,10 @@
 //! the room.
 
 mod dual;
+mod shift;
 
 pub(crate) use dual::Dual;
+pub(crate) use shift::earlier;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// Standard gravity, m/s2: the `g` of every file, label and equation.

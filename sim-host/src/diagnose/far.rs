@@ -14,6 +14,8 @@ use crate::recording::{Experiment, SetUpFinding};
 const FAR: f64 = 0.4;
 /// Standard deviations from which it is distinguished from the stated one.
 const CERTAIN: f64 = 3.0;
+/// The same for any of the ten or so parameters that effects of a model have: one of a thousand untouched models is called another.
+const CERTAIN_OF_ANY: f64 = 4.0;
 
 /// A stated value of the model, and what a fit made of it.
 pub(super) struct ValueBesideStated {
@@ -66,6 +68,25 @@ pub(super) fn far_from_stated(
     Ok(if found.is_empty() || is_needed(fit, whole)? { found } else { Vec::new() })
 }
 
+/// Parameters of stated effects that these recordings place elsewhere than the one that determined them: both accuracies are known.
+pub(super) fn moved_effects(experiment: &Experiment, conclusion: &Conclusion) -> Vec<SetUpFinding> {
+    let model = &experiment.model;
+    // A curve for what no name explains takes a share of what the stated effects do.
+    let best = if conclusion.unlisted { &conclusion.stated } else { &conclusion.accepted };
+    let fitted = quantities(&best.fit);
+    let each = model
+        .effects
+        .iter()
+        .flat_map(|effect| effect.parameters.iter().map(|(key, value)| (format!("{}.{key}", effect.id), *value)));
+    let moved = |(name, stated): (String, f64)| {
+        let std = model.accuracy.get(&name).filter(|_| model.fits(&name))?.std?;
+        let now = fitted.get(&name)?;
+        let apart = (now.value - stated).abs() > CERTAIN_OF_ANY * std.hypot(now.std?);
+        apart.then(|| SetUpFinding::model_value(&name, stated, now.value, now.std, now.unit))
+    };
+    each.filter_map(moved).collect()
+}
+
 /// Whether the data need values that are far from those stated: with values near these, all else fitted anew, more is left of what the
 /// model leaves as it was stated than a right effect's simple equation may leave. What such an equation leaves moves values that
 /// explain little by many times the deviation of their fit.
@@ -75,3 +96,6 @@ fn is_needed(fit: &Fit, whole: &Prepared) -> Result<bool, SimulateError> {
     let left = near.chi2() - fit.chi2();
     Ok(left > CALIBRATION.negligible.max((1.0 - CALIBRATION.explained) * as_stated))
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,14 +6,13 @@ mod wide;
 use super::data::{Channel, Measured, Run};
 use super::model::{Model, Value};
 use super::normal::Normal;
-use super::shift::earlier;
 use crate::motion::filter::{Cascade, Edge};
 use crate::plant::effects::Role;
 use crate::plant::model::Baseline;
 use crate::plant::simulate::{
     EffectParameters, Excitation, SimulateError, Start, Trace, Wanted, balance, effect_states, simulate,
 };
-use crate::scalar::{Dual, Scalar};
+use crate::scalar::{Dual, Scalar, earlier};
 pub(super) use sums::Rows;
 use sums::Sums;
 

@@ -5,8 +5,7 @@ mod start;
 
 use super::data::{Channel, Measured, Run};
 use super::floor::{floors, least};
-use super::model::{Model, ModelEffect, SignalScales, Value};
-use super::shift::earlier;
+use super::model::{Model, ModelEffect, Prior, SignalScales, Value};
 use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Role, entry, regional};
 use crate::plant::model::Kind;
@@ -14,6 +13,7 @@ use crate::plant::simulate::{MeasuredMotion, SimulatedLaw};
 use crate::recording::bridge::bridged;
 use crate::recording::check::Skew;
 use crate::recording::{self, Experiment, Use};
+use crate::scalar::earlier;
 use input::{filled, shaping, with_pressure_feedback};
 
 /// Why an experiment cannot be fitted.
@@ -114,7 +114,8 @@ fn of_statement(stated: &recording::Model, runs: &[Run], signal_scales: &SignalS
     let own = kind.parameters().iter().map(|parameter| {
         let given = known.iter().find(|(name, _)| *name == parameter.key).map(|&(_, value)| value);
         let free = stated.fits(parameter.key) || ALWAYS_FREE.contains(&parameter.key);
-        own_value(given, parameter.positive, free, signal_scales)
+        let value = own_value(given, parameter.positive, free, signal_scales);
+        beforehand(value, stated.accuracy.get(parameter.key))
     });
     let effects = stated.effects.iter().filter_map(|effect| {
         let entry = regional::stated(&effect.id, effect.parameters.keys().map(String::as_str))?;
@@ -130,6 +131,7 @@ fn of_statement(stated: &recording::Model, runs: &[Run], signal_scales: &SignalS
                 value.value = given;
                 value.low = value.low.min(reach[0]);
                 value.high = value.high.max(reach[1]);
+                *value = beforehand(*value, stated.accuracy.get(&format!("{}.{}", effect.id, parameter.key)));
             }
         }
         Some(placed)
@@ -138,6 +140,15 @@ fn of_statement(stated: &recording::Model, runs: &[Run], signal_scales: &SignalS
     let library = stated.own.iter().filter_map(|id| entry(id)).collect();
     let model = Model { kind, own: own.collect(), scale, effects: Vec::new(), library };
     effects.fold(model, |model, effect| model.with(effect))
+}
+
+/// A value that is free, with what was said of its accuracy for what is known of it beforehand: what these recordings do not determine
+/// stays as another determined it.
+fn beforehand(value: Value, accuracy: Option<&recording::Accuracy>) -> Value {
+    let unit = if value.positive { value.value.abs() } else { 1.0 };
+    let std = accuracy.and_then(|accuracy| accuracy.std).map(|std| std / unit).filter(|std| *std > 0.0);
+    let prior = std.map(|std| Prior { mean: value.coordinate(), std, lent: false });
+    Value { prior: prior.filter(|_| value.free), ..value }
 }
 
 /// Pressure per acceleration: stated by mass and piston area, or free.

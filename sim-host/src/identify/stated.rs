@@ -1,6 +1,7 @@
 //! The stated model fitted: from several starts, and within reach of what was stated.
 
 use super::fit::{Effort, Fit};
+use super::judge::score_from;
 use super::model::{Model, Prior};
 use super::prepare::Prepared;
 use super::starts::with_binding_limit;
@@ -31,6 +32,23 @@ pub(crate) fn expect_near_stated(model: &mut Model) {
             (f64::NEG_INFINITY, f64::INFINITY)
         };
     }
+}
+
+/// Weighs what another recording determined against these runs as they deserve: its deviations allow for what a model leaves out, and a
+/// fit takes all residuals for independent noise. Both count alike once the deviations are as many times smaller as the residuals are
+/// larger than noise, and fewer than they seem for being alike.
+pub(crate) fn weigh_determined(prepared: &mut Prepared) -> Result<(), SimulateError> {
+    let determined = |value: &&mut super::model::Value| value.free && value.prior.is_some_and(|prior| !prior.lent);
+    if prepared.model.values_mut().filter(determined).count() == 0 {
+        return Ok(());
+    }
+    let fit = fit_stated(prepared)?;
+    let colour = score_from(&fit, &prepared.fit)?.colour;
+    let overstated = (fit.chi2() * colour).max(1.0).sqrt();
+    for value in prepared.model.values_mut().filter(determined) {
+        value.prior = value.prior.map(|prior| Prior { std: prior.std / overstated, ..prior });
+    }
+    Ok(())
 }
 
 /// Factor by which a positive value may differ from what was stated: a unit's worth.

@@ -5,7 +5,7 @@ mod fault;
 mod verdict;
 
 pub use fault::{Fault, Kind, noise};
-pub use verdict::{Claims, claims, found};
+pub use verdict::{Claims, claims, found, mistaken_for};
 
 use super::bounds::{lower, upper};
 use super::gates::{Gate, Limit};

@@ -19,6 +19,7 @@ mod controller;
 mod displacement;
 mod gaps;
 mod hum;
+mod motion;
 mod outliers;
 mod replay;
 
@@ -43,6 +44,10 @@ pub enum Doubt {
     Drift,
     /// A sensor's recorded zero is not the one that the controller saw.
     Offset,
+    /// A sensor shows more or less than the motion that another shows.
+    SensorGain,
+    /// A sensor follows with a lag of first order the motion that another shows.
+    SensorLag,
     /// Single samples that no neighbour supports.
     Outliers,
     /// Peaks cut off at the end of a sensor's range.
@@ -174,6 +179,8 @@ impl Doubt {
             Self::SampleShift => "channel recorded late",
             Self::Drift => "slow drift of a sensor over the run",
             Self::Offset => "offset of a sensor",
+            Self::SensorGain => "gain of a sensor against the displacement's",
+            Self::SensorLag => "lag of a sensor against the displacement's",
             Self::Outliers => "single samples wrong",
             Self::Clipped => "peaks cut off at the end of the range",
             Self::Hum => "amplitude of mains hum",
@@ -210,6 +217,7 @@ pub fn doubt(experiment: &Experiment) -> SetUp {
     findings.extend(displacement::doubt(&mut experiment));
     findings.extend(acceleration::doubt(&mut experiment));
     findings.extend(hum::doubt(&mut experiment));
+    findings.extend(motion::doubt(&mut experiment));
     SetUp { experiment, findings }
 }
 

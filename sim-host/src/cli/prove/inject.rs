@@ -7,7 +7,7 @@ use super::super::output::{Outputs, print_table};
 use super::super::places::file_name;
 use super::super::{Failure, progress};
 use super::engine::Engine;
-use crate::prove::inject::{Claims, Fault, Kind, LEAST, Trial, claims, found, misses, table};
+use crate::prove::inject::{Claims, Fault, Kind, LEAST, Trial, claims, found, misses, mistaken_for, table};
 use crate::prove::page::gate_table;
 use crate::prove::{Examinee as _, inject};
 use crate::recording::Experiment;
@@ -133,13 +133,14 @@ fn source(engine: &Engine, path: &Path, scratch: &Path) -> Result<Source, Failur
     let text = std::fs::read_to_string(path).map_err(|e| input(&e))?;
     let text: toml::Table = text.parse().map_err(|e| input(&e))?;
     let twin = scratch.with_extension("toml");
-    engine.twin(path, &twin).map_err(Failure::Work)?;
+    let first = engine.twin(path, &twin).map_err(Failure::Work)?;
     let model = std::fs::read_to_string(&twin).map_err(|e| Failure::Work(format!("{}: {e}", twin.display())))?;
     let model: toml::Table = model.parse().map_err(|e| input(&e))?;
     let model = free(model);
     let again = scratch.with_extension("again.toml");
     std::fs::write(&again, stated_with(&text, &model, path).to_string()).map_err(|e| input(&e))?;
-    let whole = claims(&engine.diagnose(&again).map_err(Failure::Work)?.diagnosis);
+    let mut whole = claims(&engine.diagnose(&again).map_err(Failure::Work)?.diagnosis);
+    whole.0.extend(mistaken_for(&first).0);
     Ok(Source { experiment, text, model, whole })
 }
 

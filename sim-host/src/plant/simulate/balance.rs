@@ -21,6 +21,16 @@ const STEPS: usize = 4;
 /// Continuous states provided for.
 const MOST: usize = 12;
 
+/// Displacement (m) within a sample, of third order through place and velocity at both ends: where a table turns round between two
+/// samples it does so where friction does, and no straight line shows it.
+fn turning(motion: &MeasuredMotion, [from, to]: [usize; 2], share: f64, dt: f64) -> f64 {
+    let [a, b] = [from, to].map(|k| motion.displacement[k]);
+    let [at_a, at_b] = [from, to].map(|k| motion.velocity[k] * dt);
+    let left = 1.0 - share;
+    let straight = a + (b - a) * share;
+    straight + share * left * (left * (at_a - (b - a)) - share * (at_b - (b - a)))
+}
+
 /// The load per table mass, `x'' + c x' + f`, that the motion asks for; `states` says by how much the effects' states
 /// differ from rest at its start.
 pub(crate) fn balance<S: Scalar>(
@@ -38,7 +48,7 @@ pub(crate) fn balance<S: Scalar>(
         let between = |series: &[f64]| series[k] + (series[next] - series[k]) * share;
         Instant {
             time: (k as f64 + share) * dt,
-            displacement: S::from(between(&motion.displacement)),
+            displacement: S::from(turning(motion, [k, next], share, dt)),
             velocity: S::from(between(&motion.velocity)),
             sensed_velocity: S::from(0.0),
             velocity_limit: S::from(1.0),

@@ -132,13 +132,17 @@ fn delayed(values: &[f64], samples: f64) -> Vec<f64> {
     (0..values.len()).map(at).collect()
 }
 
-/// Through a first-order low-pass whose time is `samples`.
+/// Through a first-order low-pass whose time is `samples`, as it answers straight lines between the samples: it trails a ramp by its
+/// time however short that is.
 fn filtered(values: &[f64], samples: f64) -> Vec<f64> {
-    let part = 1.0 - libm::exp(-1.0 / samples);
-    let mut state = values.first().copied().unwrap_or(0.0);
+    let kept = libm::exp(-1.0 / samples);
+    let mean = samples * (1.0 - kept);
+    let mut before = values.first().copied().unwrap_or(0.0);
+    let mut state = before;
     let step = |v: &f64| {
         if v.is_finite() {
-            state += part * (v - state);
+            state = kept * state + (mean - kept) * before + (1.0 - mean) * v;
+            before = *v;
         }
         state
     };
@@ -176,6 +180,8 @@ mod tests {
     fn a_delay_moves_and_a_filter_trails_a_ramp_by_its_time() {
         let ramp: Vec<f64> = (0..200).map(f64::from).collect();
         assert!((delayed(&ramp, 2.5)[100] - 97.5).abs() < 1e-12);
-        assert!((filtered(&ramp, 4.0)[199] - (199.0 - 3.52)).abs() < 0.1, "{}", filtered(&ramp, 4.0)[199]);
+        for time in [0.4, 4.0] {
+            assert!((filtered(&ramp, time)[199] - (199.0 - time)).abs() < 1e-9, "{}", filtered(&ramp, time)[199]);
+        }
     }
 }

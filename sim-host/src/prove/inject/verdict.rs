@@ -40,6 +40,13 @@ impl Claims {
     }
 }
 
+/// Names that a diagnosis does not tell apart from those it gives: who finds one of them in a part of the recording claims nothing else.
+pub fn mistaken_for(diagnosis: &Value) -> Claims {
+    let groups = diagnosis.get("indistinguishable").and_then(Value::as_array).cloned().unwrap_or_default();
+    let names = groups.iter().filter_map(Value::as_array).flatten().filter_map(Value::as_str);
+    Claims(names.map(|name| Claim { what: name.into(), of: String::new(), value: None }).collect())
+}
+
 /// Reads the claims of a diagnosis. Noise, values of the model, and what only restates how rows were read are none.
 pub fn claims(diagnosis: &Value) -> Claims {
     let text = |v: &Value, key: &str| v.get(key).and_then(Value::as_str).unwrap_or_default().to_string();
@@ -53,7 +60,7 @@ pub fn claims(diagnosis: &Value) -> Claims {
     for fault in list("set_up") {
         let what = text(&fault, "what");
         let of = if what == "model_value" { text(&fault, "parameter") } else { text(&fault, "channel") };
-        if what != "noise" {
+        if !matches!(what.as_str(), "noise" | "noise_growth") {
             out.push(Claim { what, of, value: fault.get("found").and_then(Value::as_f64) });
         }
     }
@@ -76,20 +83,28 @@ fn milliseconds(problem: &str) -> Option<f64> {
 /// a value that moved by what was planted, to half of it.
 pub fn found(fault: &Fault, planted: &Claims, untouched: &Claims) -> bool {
     let channel = fault.channel.as_str();
-    let late: &[&str] = &["skew", "sample_shift", "controller_delay", "acceleration_lag", "command_delay"];
+    let late: &[&str] =
+        &["skew", "sample_shift", "controller_delay", "sensor_lag", "acceleration_lag", "command_delay"];
     let names: &[&str] = match fault.kind {
         Kind::Delay | Kind::Filter => late,
-        Kind::Gain => &["acceleration_gain", "wrong-unit", "controller_kp", "controller_kv", "wrong-controller"],
+        Kind::Gain => {
+            &["sensor_gain", "acceleration_gain", "wrong-unit", "controller_kp", "controller_kv", "wrong-controller"]
+        }
         Kind::Bias => &["acceleration_bias", "offset", "drift", "null_bias"],
         Kind::Friction => &["coulomb_friction", "stribeck_friction", "viscous_friction"],
     };
+    // A friction that the twin states is found where its value moved.
+    let is_friction = |claim: &Claim| names.iter().any(|name| claim.of.split('.').next() == Some(*name));
+    let changed = |claim: &Claim| claim.what == "model_value" && is_friction(claim);
+    if fault.kind == Kind::Friction && planted.0.iter().any(|c| changed(c) && !untouched.0.iter().any(|u| u.of == c.of))
+    {
+        return true;
+    }
     let moved = |now: &Claim| {
         let then = untouched.of(names, channel).find(|c| c.what == now.what);
         match (then, now.value, then.and_then(|c| c.value)) {
             (None, ..) => true,
-            (Some(_), Some(now), Some(then)) => {
-                ((now.abs() - then.abs()).abs() - fault.size.abs()).abs() <= 0.5 * fault.size.abs()
-            }
+            (Some(_), Some(now), Some(then)) => ((now - then).abs() - fault.size.abs()).abs() <= 0.5 * fault.size.abs(),
             _ => false,
         }
     };

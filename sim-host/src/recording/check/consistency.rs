@@ -19,7 +19,8 @@ use std::borrow::Cow;
 mod agreement;
 mod follows;
 
-pub(super) use agreement::{Bin, coherent_bins, delay_over};
+pub(super) use agreement::coherent_bins;
+pub(in crate::recording) use agreement::{Bin, delay_over, motion_spectra};
 
 /// A link is sound while one channel is between these multiples of what the other says it should be: what a wrong
 /// sensitivity may do, and less than what separates any two units.

@@ -45,12 +45,15 @@ fn strongest(run: &Run, channel: Channel) -> Option<(f64, f64, Line)> {
     if power.segments < 4 {
         return None;
     }
+    // A mode of the table near the mains is broad: only as fine as the recording is long does it come apart from a line.
+    let fine = spectra(samples, samples, run.dt, samples.len().min((20.0 / run.dt) as usize));
     let mains = [50.0, 60.0].into_iter().flat_map(|f| HARMONICS.map(|h| (f, f64::from(h))));
     let lines = mains.filter_map(|(mains, harmonic)| {
         let folded = fold(mains * harmonic, 1.0 / run.dt);
         let line = Line::at(&power, folded)?;
         let also_driven = driven.as_ref().and_then(|d| Line::at(d, folded)).is_some_and(|d| d.ratio > 10.0);
-        (line.ratio > STANDS_OUT && !also_driven && lasts(run, samples, folded)).then_some((
+        let narrow = || Line::at(&fine, folded).is_some_and(|line| line.ratio > STANDS_OUT);
+        (line.ratio > STANDS_OUT && !also_driven && narrow() && lasts(run, samples, folded)).then_some((
             mains * harmonic,
             folded,
             line,
@@ -146,3 +149,6 @@ impl Line {
         Some(Self { ratio, amplitude: (2.0 * above * width).sqrt() })
     }
 }
+
+#[cfg(test)]
+mod tests;

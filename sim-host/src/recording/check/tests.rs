@@ -146,6 +146,13 @@ fn run_of([reference, displacement, acceleration, command]: [Vec<f64>; 4], dt: f
     }
 }
 
+/// A table that slowly comes and goes, and what its accelerometer shows.
+pub(super) fn at_rest_with(acceleration: Vec<f64>, dt: f64) -> Run {
+    let slow: Vec<f64> = (0..acceleration.len()).map(|k| 0.01 * (0.5 * k as f64 * dt).sin()).collect();
+    let nothing = vec![0.0; acceleration.len()];
+    run_of([slow.clone(), slow, acceleration, nothing], dt, RecordedLaw::Open)
+}
+
 fn sources() -> PerChannel<ChannelSource> {
     let mut sources = PerChannel::default();
     for (channel, unit) in [
@@ -321,6 +328,20 @@ fn a_tilting_accelerometer_is_not_turned_round() {
         let turned = changed(&run, Channel::Acceleration, |_, a| -a);
         assert_eq!(bad(&turned), [("acceleration", Fault::Inverted)]);
     }
+}
+
+/// Where all that both see is fast a delay of some samples turns the phase as a sign does.
+#[test]
+fn a_late_accelerometer_that_only_fast_motion_shows_is_not_turned_round() {
+    let dt = 1.0 / 204.8;
+    let mut random = Random(7);
+    let lines: Vec<[f64; 3]> =
+        (0..40).map(|i| [2.0 * PI * (26.0 + 0.5 * f64::from(i)), 1e-5, 2.0 * PI * random.uniform()]).collect();
+    let at = |t: f64, power: i32| -> f64 { lines.iter().map(|[w, a, p]| a * w.powi(power) * (w * t + p).sin()).sum() };
+    let displacement: Vec<f64> = (0..2458).map(|k| at(f64::from(k) * dt, 0)).collect();
+    let acceleration = (0..2458).map(|k| -at(f64::from(k) * dt - 0.0082, 2) + 1e-3 * random.normal()).collect();
+    let run = run_of([displacement.clone(), displacement, acceleration, vec![0.0; 2458]], dt, RecordedLaw::Open);
+    assert!(bad(&run).is_empty(), "{:?}", findings(&run));
 }
 
 #[test]

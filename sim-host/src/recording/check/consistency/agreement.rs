@@ -37,15 +37,29 @@ pub(super) struct Agreement {
 
 /// One frequency at which both channels are coherent.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::recording::check) struct Bin {
+pub(in crate::recording) struct Bin {
     /// Hz.
-    pub(in crate::recording::check) frequency: f64,
+    pub(in crate::recording) frequency: f64,
     /// Size of the second against the derivative of the first.
-    pub(in crate::recording::check) gain: f64,
+    pub(in crate::recording) gain: f64,
     /// Phase of the second against the derivative of the first, rad.
-    pub(in crate::recording::check) phase: f64,
+    pub(in crate::recording) phase: f64,
     /// Weight: the inverse variance of the phase.
-    pub(in crate::recording::check) weight: f64,
+    pub(in crate::recording) weight: f64,
+}
+
+impl Bin {
+    /// A bin of the spectra of a channel and one that is to be its derivative of the `order`.
+    pub(in crate::recording) fn of(spectra: &Spectra, k: usize, order: u32) -> Self {
+        let (frequency, coherence) = (spectra.frequency[k], spectra.coherence(k));
+        let derivative = (2.0 * PI * frequency).powi(order.cast_signed());
+        Self {
+            frequency,
+            gain: (spectra.output[k] / spectra.input[k]).sqrt() / derivative,
+            phase: spectra.cross[k].arg() - f64::from(order) * PI / 2.0,
+            weight: coherence / (1.0 - coherence).max(1e-3),
+        }
+    }
 }
 
 /// Lowest frequency that is looked at, Hz: below it drift and tilt are larger than motion.
@@ -69,12 +83,7 @@ const ABOVE_NOISE: f64 = 300.0;
 const FEWEST: usize = 3;
 
 /// The coherent bins of `second` against the `order`-th derivative of `first`, and whether both carry signal elsewhere.
-pub(in crate::recording::check) fn coherent_bins(
-    first: &[f64],
-    second: &[f64],
-    dt: f64,
-    order: u32,
-) -> (Vec<Bin>, bool) {
+pub(in crate::recording) fn coherent_bins(first: &[f64], second: &[f64], dt: f64, order: u32) -> (Vec<Bin>, bool) {
     let longest = (10.0 / dt) as usize;
     let spectra = spectra_of(first, second, dt, order, segment_length(first.len(), longest));
     if spectra.segments < 4 {
@@ -111,7 +120,7 @@ pub(in crate::recording::check) fn coherent_bins(
             strange += usize::from(coherence < 0.15);
         }
         if coherence > threshold {
-            bins.push(bin(&spectra, k, coherence, order));
+            bins.push(Bin::of(&spectra, k, order));
         }
     }
     let unrelated = signal >= 6 && strange * 5 > signal * 4 && bins.len() * 5 < signal;
@@ -138,6 +147,16 @@ fn spectra_of(first: &[f64], second: &[f64], dt: f64, order: u32, segment: usize
     spectra
 }
 
+/// Spectra of a displacement and an acceleration, in segments of so many samples.
+pub(in crate::recording) fn motion_spectra(
+    displacement: &[f64],
+    acceleration: &[f64],
+    dt: f64,
+    segment: usize,
+) -> Spectra {
+    spectra_of(displacement, acceleration, dt, 2, segment)
+}
+
 /// Central differences, samples apart; the ends as their neighbours.
 fn differences(series: &[f64], order: u32) -> Vec<f64> {
     let difference = |w: &[f64]| match (order, w) {
@@ -157,17 +176,6 @@ fn threshold(segments: usize) -> f64 {
     (1.0 - 1e-3f64.powf(1.0 / (count - 1.0))).clamp(0.5, 0.95)
 }
 
-fn bin(spectra: &Spectra, k: usize, coherence: f64, order: u32) -> Bin {
-    let frequency = spectra.frequency[k];
-    let derivative = (2.0 * PI * frequency).powi(order.cast_signed());
-    Bin {
-        frequency,
-        gain: (spectra.output[k] / spectra.input[k]).sqrt() / derivative,
-        phase: spectra.cross[k].arg() - f64::from(order) * PI / 2.0,
-        weight: coherence / (1.0 - coherence).max(1e-3),
-    }
-}
-
 /// Compares `second` with the `order`-th derivative of `first`; none where too little of either is signal.
 pub(super) fn agreement(first: &[f64], second: &[f64], dt: f64, order: u32) -> Option<Agreement> {
     let (bins, unrelated) = coherent_bins(first, second, dt, order);
@@ -175,10 +183,12 @@ pub(super) fn agreement(first: &[f64], second: &[f64], dt: f64, order: u32) -> O
         return None;
     }
     let low = &bins[..bins.len().div_ceil(4).max(FEWEST).min(bins.len())];
-    // Higher up a delay of some samples turns the phase as well.
-    let slow = bins.partition_point(|b| b.frequency < SLOW).max(low.len());
+    // Higher up a delay of some samples turns the phase as well: what is seen there alone says nothing of signs.
+    let told = bins.partition_point(|b| b.frequency < SLOW);
+    let slow = told.max(low.len());
     let (turned, delay) = alignment(&bins[..slow]);
     let (low_turned, _) = alignment(low);
+    let (turned, low_turned) = (turned && told >= FEWEST, low_turned && told >= FEWEST);
     let fast = &bins[bins.partition_point(|b| b.frequency < TILTING).min(slow)..slow];
     let from_hz = bins.first().map_or(LOWEST, |b| b.frequency);
     Some(Agreement {
@@ -236,7 +246,7 @@ fn slope(bins: &[Bin]) -> f64 {
 
 /// Whether the signs differ, and the delay of the second after the first, s: the pair that lines the phases up best,
 /// among delays short enough that one cannot stand in for the other.
-pub(in crate::recording::check) fn alignment(bins: &[Bin]) -> (bool, f64) {
+pub(in crate::recording) fn alignment(bins: &[Bin]) -> (bool, f64) {
     let total: f64 = bins.iter().map(|b| b.weight).sum();
     let centre = bins.iter().map(|b| b.weight * b.frequency).sum::<f64>() / total.max(f64::MIN_POSITIVE);
     let longest = 0.2 / centre.max(1e-3);
@@ -249,7 +259,7 @@ pub(in crate::recording::check) fn alignment(bins: &[Bin]) -> (bool, f64) {
 
 /// Delay of the second after the first, s, whatever its length: found at the lowest frequencies, where it cannot be
 /// mistaken for a whole period more, then followed upwards.
-pub(in crate::recording::check) fn delay_over(bins: &[Bin]) -> f64 {
+pub(in crate::recording) fn delay_over(bins: &[Bin]) -> f64 {
     let (turned, mut delay) = alignment(&bins[..bins.len().div_ceil(4)]);
     let sign = if turned { -1.0 } else { 1.0 };
     for part in 2..=8 {

@@ -4,7 +4,7 @@ use crate::scalar::Scalar;
 
 /// The series as it is `by` samples later, brought to now, by cubic interpolation; its ends are held. Its derivative by
 /// `by` is the interpolant's own.
-pub(super) fn earlier<S: Scalar>(series: &[S], by: S) -> Vec<S> {
+pub(crate) fn earlier<S: Scalar>(series: &[S], by: S) -> Vec<S> {
     let whole = by.value().floor();
     let t = by - whole;
     let last = series.len().saturating_sub(1) as f64;
