@@ -99,3 +99,27 @@ fn the_real_folders_are_understood() {
     let proposal = propose(&emps).unwrap();
     assert!(proposal.text.contains("controller = { kind = \"cascade\", kp = 159"), "{}", proposal.text);
 }
+
+/// Of a table whose loop nobody states, a pressure beside the motion is what can be explained.
+#[test]
+fn without_a_known_loop_the_pressure_is_explained_by_the_motion() {
+    let strange = |row: &str| {
+        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        let [t, x, a] = [0, 2, 3].map(|i| cells[i].parse::<f64>().unwrap());
+        // A command of no law of reference and displacement, and the pressure of a mass.
+        cells[4] = format!("{}", (40.0 * t).sin() + 0.1 * (x * 3.0).cos());
+        cells.push(format!("{}", 0.2 * a * 9.80665));
+        cells.join(",")
+    };
+    let plain = recording("time,setpoint,LVDT pos,accel,valve command", 0.0);
+    let mut lines = plain.lines();
+    let header = format!("{},delta p", lines.next().unwrap());
+    let text = std::iter::once(header).chain(lines.map(strange)).collect::<Vec<_>>().join("\n");
+    let folder = folder(&[("a.csv", text)]);
+    let proposal = propose(folder.path()).unwrap();
+    assert!(proposal.text.contains("kind = \"force-balance\"     # the loop is not known"), "{}", proposal.text);
+    assert!(proposal.text.contains("bandwidth_hz = 40.0"), "{}", proposal.text);
+    let path = folder.path().join("experiment.toml");
+    fs::write(&path, &proposal.text).unwrap();
+    Experiment::load(&path).unwrap();
+}

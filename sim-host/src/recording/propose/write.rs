@@ -27,7 +27,11 @@ pub(super) fn open_questions(choices: &[Choice], control: Option<&Loop>) -> Vec<
             "no plain controller reproduces the command: state the loop that ran in [[runs]] controller".to_owned(),
         );
     }
-    open.push("replace the model's parameters by your table's; those in `fit` are estimated from the data".to_owned());
+    if !is_balance(choices, control) {
+        open.push(
+            "replace the model's parameters by your table's; those in `fit` are estimated from the data".to_owned(),
+        );
+    }
     open
 }
 
@@ -52,33 +56,71 @@ pub(super) fn experiment(
         let _ = writeln!(text, "#   - {question}");
     }
     let _ = writeln!(text, "\nname = {:?}\n", name.unwrap_or_else(|| "experiment".to_owned()));
-    model(&mut text, choices);
+    model(&mut text, facts, choices, control);
     channels(&mut text, facts, choices);
     runs(&mut text, files, left_out, choices, control);
     text
 }
 
-fn model(text: &mut String, choices: &[Choice]) {
-    let has = |channel: Channel| choices.iter().any(|c| c.channel == channel);
-    text.push_str("[model]\n");
-    if has(Channel::Reference) || has(Channel::Command) {
-        text.push_str(
-            "kind = \"servo\"             # or \"rigid-mass\" (Eq. 1), where the command is a force\n\
-             # Starting values of the paper's table (Eq. 7), NOT yours; `fit` estimates them from the data.\n\
-             b1 = 0.69                  # 1/s per m of command\n\
-             b0 = 138.0                 # 1/s2 per m of command\n\
-             a1 = 57.65                 # 1/s\n\
-             # velocity_limit = 0.242   # m/s; without it the model has no limit\n\
-             fit = [\"b1\", \"b0\", \"a1\"]\n\n",
-        );
-    } else {
-        text.push_str(
-            "kind = \"force-balance\"     # neither reference nor command: the pressure is explained by the motion\n\
-             viscous = 0.0              # 1/s\n\
-             fit = [\"viscous\"]\n\n",
-        );
-    }
+/// The servo model's parameters, commented out or not.
+const SERVO: [&str; 6] = [
+    "kind = \"servo\"             # or \"rigid-mass\" (Eq. 1), where the command is a force",
+    "b1 = 0.69                  # 1/s per m of command",
+    "b0 = 138.0                 # 1/s2 per m of command",
+    "a1 = 57.65                 # 1/s",
+    "# velocity_limit = 0.242   # m/s; without it the model has no limit",
+    "fit = [\"b1\", \"b0\", \"a1\"]",
+];
+const NOT_YOURS: &str =
+    "# Starting values of the paper's table (Eq. 7), NOT yours; `fit` estimates them from the data.";
+
+/// Whether a force balance is proposed. A loop that is not known cannot be simulated, and without it a command's smallest error
+/// drifts away: where there is a pressure, the measured motion has to explain it.
+fn is_balance(choices: &[Choice], control: Option<&Loop>) -> bool {
+    let has = |channel: Channel| choices.iter().any(|c| c.channel == channel && c.unit.is_some());
+    let balanced = has(Channel::PressureDifference) && has(Channel::Displacement);
+    !is_driven(choices) || (control.is_none() && balanced)
 }
+
+/// Whether something that drives the table was recorded.
+fn is_driven(choices: &[Choice]) -> bool {
+    choices.iter().any(|c| matches!(c.channel, Channel::Reference | Channel::Command))
+}
+
+fn model(text: &mut String, facts: &[Facts], choices: &[Choice], control: Option<&Loop>) {
+    text.push_str("[model]\n");
+    if !is_balance(choices, control) {
+        let [kind, values @ ..] = SERVO;
+        let lines = [&[kind, NOT_YOURS], &values[..]].concat();
+        let _ = writeln!(text, "{}\n", lines.join("\n"));
+        return;
+    }
+    let driven = is_driven(choices);
+    let why = if driven { "the loop is not known" } else { "neither reference nor command" };
+    let _ = writeln!(
+        text,
+        "kind = \"force-balance\"     # {why}: the pressure is explained by the motion\n\
+         viscous = 0.0              # 1/s\n\
+         bandwidth_hz = {:.1}        # both sides low-passed, zero phase\n\
+         fit = [\"viscous\"]",
+        bandwidth(facts, choices)
+    );
+    if driven {
+        let servo = SERVO.join("\n#   ");
+        let _ = writeln!(text, "# Once the loop is stated in [[runs]], the servo model explains more:\n#   {servo}");
+    }
+    text.push('\n');
+}
+
+/// Frequency (Hz) to which a pressure is explained: a fifth of the sampling rate, and no more than a table's oil lets through.
+fn bandwidth(facts: &[Facts], choices: &[Choice]) -> f64 {
+    let time = choices.iter().find(|c| c.channel == Channel::Time);
+    let step = time.and_then(|c| Some(facts[c.column].step? * c.unit?.factor));
+    step.map_or(MOST_EXPLAINED, |step| (0.2 / step).clamp(1.0, MOST_EXPLAINED))
+}
+
+/// Highest frequency (Hz) that a rigid table with its load is asked to explain.
+const MOST_EXPLAINED: f64 = 40.0;
 
 fn channels(text: &mut String, facts: &[Facts], choices: &[Choice]) {
     text.push_str("[channels]\n");
