@@ -19,6 +19,7 @@ mod controller;
 mod displacement;
 mod gaps;
 mod hum;
+mod lag;
 mod motion;
 mod outliers;
 mod replay;

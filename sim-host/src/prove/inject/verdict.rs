@@ -104,6 +104,10 @@ pub fn found(fault: &Fault, planted: &Claims, untouched: &Claims) -> bool {
         let then = untouched.of(names, channel).find(|c| c.what == now.what);
         match (then, now.value, then.and_then(|c| c.value)) {
             (None, ..) => true,
+            // A gain is planted as a share, and may be claimed in any unit.
+            (Some(_), Some(now), Some(then)) if fault.kind == Kind::Gain => {
+                ((now / then - 1.0).abs() - fault.size.abs()).abs() <= 0.5 * fault.size.abs()
+            }
             (Some(_), Some(now), Some(then)) => ((now - then).abs() - fault.size.abs()).abs() <= 0.5 * fault.size.abs(),
             _ => false,
         }

@@ -4,6 +4,8 @@
 //! off left out once, and tested against the stated ones by their standard error, whose effective number of samples counts
 //! the residual's correlation. Where the recording holds just what the controller saw, this finds a part in a thousand.
 
+mod behind;
+
 use super::replay::{Linear, gains};
 use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
@@ -11,6 +13,7 @@ use crate::recording::experiment::Experiment;
 use crate::recording::law::{RecordedLaw, Shaping};
 use crate::recording::run::Run;
 use crate::recording::signal::shifted;
+use behind::{Behind, best, offset, restore_command};
 use nalgebra::{DMatrix, DVector};
 
 /// Standard errors beyond which a stated gain is not the one that ran.
@@ -23,9 +26,6 @@ const EXPLAINED: f64 = 0.1;
 const FAR_LESS: f64 = 0.25;
 /// How far found gains may be from stated ones, as a factor: beyond it a unit is the likelier fault.
 const FACTOR: f64 = 6.0;
-/// Delays tried, samples.
-const DELAYS: [i32; 4] = [0, 1, 2, 3];
-
 /// A law fitted to the recorded commands of the runs that state it.
 #[derive(Debug, Clone)]
 struct Fitted {
@@ -52,7 +52,8 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
         let same = |run: &Run| run.law == law && run.shaping == shaping;
         let Some(stated) = gains(&law) else { continue };
         let runs: Vec<&Run> = experiment.runs.iter().filter(|run| same(run)).collect();
-        let Some((fitted, delay, shift)) = best(&runs) else { continue };
+        let Some((fitted, behind)) = best(&runs) else { continue };
+        let Behind { delay, shift, lag } = behind;
         if fitted.share > EXPLAINED * EXPLAINED || !credible(stated, &fitted.gains) {
             continue;
         }
@@ -65,7 +66,7 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
             let finding = SetUpFinding::new(Doubt::ControllerKvf, kvf, "unit of u s per m").against(shaping.kvf);
             findings.push(finding.within(fitted.std.get(2).copied().unwrap_or(0.0)));
         }
-        let late = f64::from(delay.max(-shift)) * runs[0].dt;
+        let late = delay.max(f64::from(-shift)) * runs[0].dt;
         if late > 0.0 {
             findings.push(SetUpFinding::new(Doubt::ControllerDelay, late, "s").against(0.0));
         }
@@ -74,9 +75,19 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
             findings
                 .push(SetUpFinding::new(Doubt::SampleShift, found, "s").against(0.0).of_channel(Channel::Displacement));
         }
+        let dt = runs[0].dt;
+        if lag > 0.0 {
+            let finding = SetUpFinding::new(Doubt::SensorLag, lag * dt, "s").against(0.0);
+            findings.push(finding.of_channel(Channel::Command));
+        }
+        let offset = offset(&runs, &fitted, behind);
+        findings.extend(offset.map(|(found, std)| {
+            SetUpFinding::new(Doubt::Offset, found, "unit of u").against(0.0).within(std).of_channel(Channel::Command)
+        }));
         for run in experiment.runs.iter_mut().filter(|run| run.law == law && run.shaping == shaping) {
+            restore_command(run, lag, offset.map_or(0.0, |offset| offset.0));
             run.law = corrected.clone();
-            let (late_command, late_displacement) = (delay as usize, (-shift).max(0) as usize);
+            let (late_command, late_displacement) = (delay.round() as usize, (-shift).max(0) as usize);
             run.shaping = Shaping { kvf, late_command, late_displacement, ..shaping };
             // A displacement recorded late is moved; one that the controller sees late was recorded as it was.
             if shift > 0
@@ -88,26 +99,6 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
         }
     }
     findings
-}
-
-/// The law as it fits best: as recorded, unless a delay or a shift of the displacement leaves far less.
-fn best(runs: &[&Run]) -> Option<(Fitted, i32, i32)> {
-    let stated_feed = runs.first().is_some_and(|run| run.shaping.kvf != 0.0);
-    let plain = fit(runs, 0, 0, stated_feed)?;
-    let others = DELAYS.iter().skip(1).map(|&d| (d, 0)).chain([(0, 1), (0, 2), (0, -1), (0, -2), (0, -3)]);
-    let tried = others.filter_map(|(delay, shift)| Some((fit(runs, shift, delay, stated_feed)?, delay, shift)));
-    let least = tried.min_by(|a, b| a.0.power.total_cmp(&b.0.power));
-    let (fitted, delay, shift) = match least {
-        Some(other) if other.0.power < FAR_LESS * plain.power && significant(plain.share) => other,
-        _ => (plain, 0, 0),
-    };
-    if stated_feed {
-        return Some((fitted, delay, shift));
-    }
-    match fit(runs, shift, delay, true) {
-        Some(fed) if fed.power < FAR_LESS * fitted.power && significant(fitted.share) => Some((fed, delay, shift)),
-        _ => Some((fitted, delay, shift)),
-    }
 }
 
 /// True where what a law leaves is more than the writing of the numbers.
@@ -171,8 +162,9 @@ fn different(stated: &RecordedLaw, found: &RecordedLaw, fitted: &Fitted, runs: &
 }
 
 /// Least squares over runs; none where the terms do not determine the gains.
-fn fit(runs: &[&Run], shift: i32, delay: i32, feed_forward: bool) -> Option<Fitted> {
-    let linear = |run: &&Run| Some(Linear::of(run, shift, delay, feed_forward)?.without_trends());
+fn fit(runs: &[&Run], behind: Behind, feed_forward: bool) -> Option<Fitted> {
+    let of = |run: &&Run| Linear::of(run, behind.shift, behind.delay, feed_forward);
+    let linear = |run: &&Run| Some(of(run)?.lagged(behind.lag).without_trends());
     let mut parts: Vec<Linear> = runs.iter().filter_map(linear).collect();
     let n = parts.first()?.terms.len();
     let first = solve(&parts, n)?;

@@ -61,7 +61,7 @@ fn rise(run: &Run, noise: f64) -> Option<f64> {
     let linear = Linear::of(
         run,
         -(run.shaping.late_displacement as i32),
-        run.shaping.late_command as i32,
+        run.shaping.late_command as f64,
         run.shaping.kvf != 0.0,
     )?;
     let mut all = stated.to_vec();

@@ -47,7 +47,7 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
 fn keep_answer(run: &mut Run, sine: &Sine) {
     let nothing = vec![0.0; run.len()];
     let Some(answer) = answer(run, &sine.taken_off(&nothing, run.dt)) else { return };
-    let Some((linear, gains)) = Linear::of(run, 0, 0, false).zip(gains(&run.law)) else { return };
+    let Some((linear, gains)) = Linear::of(run, 0, 0.0, false).zip(gains(&run.law)) else { return };
     let unexplained = linear.without_trends().residual(&gains);
     let [mut held, mut all] = [0.0; 2];
     for (r, a) in unexplained.iter().zip(&answer) {

@@ -2,8 +2,9 @@
 //!
 //! A force balance takes both as they are, and no residual of it shows what is wrong with one of them for what it is. The transfer
 //! function from the displacement's second derivative to the acceleration, `H(w) = g exp(-j w d) / (1 + j w T)`, is fitted where the
-//! two are coherent: gain `g`, lag `T` (s) and delay `d` (s). The displacement is taken for right, being the longer known standard.
+//! two are coherent: gain `g`, lag `T` (s) and delay `d` (s). The displacement is the standard.
 
+use super::lag::undone;
 use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
 use crate::recording::check::{Bin, delay_over, motion_spectra};
@@ -85,12 +86,8 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
 /// The acceleration as a sensor of gain one, without a lag and on time, would have shown it.
 fn correct(run: &mut Run, gain: f64, lag: f64, delay: f64) {
     let Some(a) = run.channel(Channel::Acceleration).filter(|a| !a.is_empty()) else { return };
-    let known = filled(a);
-    let at = |k: isize| known[k.clamp(0, known.len().cast_signed() - 1).cast_unsigned()];
-    // Of fourth order: a plain difference falls short by a tenth at an eighth of the sampling rate.
-    let rate = |k: isize| (8.0 * (at(k + 1) - at(k - 1)) - at(k + 2) + at(k - 2)) / (12.0 * run.dt);
-    let without = |(k, a): (usize, &f64)| (a + lag * rate(k.cast_signed())) / gain;
-    let corrected: Vec<f64> = a.iter().enumerate().map(without).collect();
+    let undone: Vec<f64> = undone(&filled(a), lag / run.dt).iter().map(|a| a / gain).collect();
+    let corrected: Vec<f64> = a.iter().zip(undone).map(|(a, u)| if a.is_finite() { u } else { f64::NAN }).collect();
     run.channels.set(Channel::Acceleration, earlier(&corrected, delay / run.dt));
 }
 

@@ -6,6 +6,7 @@ use crate::recording::check::Ticks;
 use crate::recording::law::RecordedLaw;
 use crate::recording::run::Run;
 use crate::recording::signal::{filled, shifted};
+use crate::scalar::earlier;
 use nalgebra::{DMatrix, DVector};
 
 /// A law's recorded command and the signals that its gains multiply, the slow part of each taken off.
@@ -31,7 +32,7 @@ pub(super) fn gains(law: &RecordedLaw) -> Option<[f64; 2]> {
 impl Linear {
     /// The run's law, with the displacement `late` samples earlier and the whole law `delayed` samples later than recorded;
     /// `feed_forward` adds the rate of the reference as a last term.
-    pub(super) fn of(run: &Run, late: i32, delayed: i32, feed_forward: bool) -> Option<Self> {
+    pub(super) fn of(run: &Run, late: i32, delayed: f64, feed_forward: bool) -> Option<Self> {
         let get = |channel| run.channel(channel);
         let (reference, displacement) = (get(Channel::Reference)?, get(Channel::Displacement)?);
         let command = get(Channel::Command)?;
@@ -69,9 +70,17 @@ impl Linear {
                     *x = filter.step(*x);
                 }
             }
-            *term = shifted(term, -delayed);
+            *term = earlier(term, -delayed);
         }
         Some(Self { command, terms, known })
+    }
+
+    /// The same law behind a lag of so many samples.
+    pub(super) fn lagged(mut self, samples: f64) -> Self {
+        if samples > 0.0 {
+            self.terms.iter_mut().for_each(|term| *term = super::lag::lagged(term, samples));
+        }
+        self
     }
 
     /// Command less the terms times these gains.

@@ -236,3 +236,31 @@ fn what_a_range_cuts_off_is_left_out_and_said() {
     let (rest, remarks) = without_clipped(&cut_off(0.4));
     assert!(remarks.is_empty() && check(&rest).iter().any(|f| f.fault == Fault::Clipped));
 }
+
+/// The command as a logger recorded it, changed.
+fn with_command(change: impl Fn(&[f64]) -> Vec<f64>, seed: u64) -> Experiment {
+    let mut recorded = experiment(&pi(4.0, 1.0), Shaping::default(), seed);
+    let sent = recorded.runs[0].channel(Channel::Command).unwrap().to_vec();
+    recorded.runs[0].channels.set(Channel::Command, change(&sent));
+    recorded
+}
+
+#[test]
+fn a_command_recorded_late_by_part_of_a_sample_leaves_the_gains_as_they_are() {
+    for samples in [1.4, 4.0, 9.3] {
+        let late = with_command(|sent| crate::scalar::earlier(sent, -samples), 5);
+        let found = doubt(&late);
+        assert_eq!(kinds(&found), [Doubt::ControllerDelay], "{samples}: {:?}", found.findings);
+        assert!((found.findings[0].found / DT - samples).abs() < 0.15, "{samples}: {:?}", found.findings);
+    }
+}
+
+#[test]
+fn a_command_recorded_through_a_low_pass_is_restored() {
+    for samples in [3.0, 8.0] {
+        let slow = with_command(|sent| lag::lagged(sent, samples), 6);
+        let found = doubt(&slow);
+        assert_eq!(kinds(&found), [Doubt::SensorLag], "{samples}: {:?}", found.findings);
+        assert!((found.findings[0].found / DT / samples - 1.0).abs() < 0.03, "{samples}: {:?}", found.findings);
+    }
+}
