@@ -51,7 +51,7 @@ fn recording(number: usize, effects: &[EffectParameters<f64>]) -> String {
         wanted: Wanted::ALL,
     };
     let table = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };
-    let start = Start { displacement: input[0], velocity: 0.0, states: Vec::new() };
+    let start = Start { displacement: input[0], velocity: 0.0, states: Vec::new(), time: 0.0 };
     let trace = simulate(&table, effects, &drive, &start).expect("the table runs");
     let mut dice = FaultRng::new(1, number as u64);
     let mut text = String::from("time,reference,displacement,acceleration,command\n");

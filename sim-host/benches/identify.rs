@@ -63,6 +63,7 @@ fn recorded(number: usize) -> Run {
     let mut run = Run {
         name: format!("run {number}"),
         dt: DT,
+        elapsed: 0.0,
         from: 0.0,
         ticks: 1,
         input,

@@ -110,7 +110,8 @@ fn open_loop(found: &Identified, experiment: &Experiment, friction: f64) -> Resu
         sensor_noise: 0.0,
         wanted: Wanted::default(),
     };
-    let trace = simulate(&baseline, &effects, &drive, &Start { displacement, velocity, states: Vec::new() })?;
+    let trace =
+        simulate(&baseline, &effects, &drive, &Start { displacement, velocity, states: Vec::new(), time: 0.0 })?;
     let squares = trace.displacement.iter().zip(shown).skip(GIVEN).map(|(a, b)| (a - b).powi(2));
     Ok(1e3 * (squares.sum::<f64>() / (shown.len() - GIVEN) as f64).sqrt())
 }

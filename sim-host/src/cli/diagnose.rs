@@ -117,8 +117,8 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
     }
     for effect in &diagnosis.effects {
         let _ = writeln!(text, "\n  {}  (probability {:.2})\n  {}", effect.id, effect.probability, effect.equation);
-        for (key, q) in &effect.parameters {
-            let _ = writeln!(text, "    {key} = {}", value(q));
+        for (key, q) in effect.told() {
+            let _ = writeln!(text, "    {key} = {}", value(&q));
         }
     }
     if let Some(term) = &diagnosis.term {

@@ -117,7 +117,8 @@ fn windows(runs: &[Run], predicted: &[Predicted], from: f64, to: f64) -> Vec<Str
     let whole: f64 = blocks.iter().map(|b| b.share.max(0.0)).sum();
     let of = |run: &Run| {
         let end = run.from + run.len() as f64 * run.dt;
-        let (from_s, to_s) = ((run.from + from).max(run.from), (run.from + to).min(end));
+        let file = run.from - run.elapsed;
+        let (from_s, to_s) = ((file + from).max(run.from), (file + to).min(end));
         let inside = |b: &&Stretch| b.run == run.name && (from_s..to_s).contains(&(0.5 * (b.from_s + b.to_s)));
         let excess: f64 = blocks.iter().filter(inside).map(|b| b.share.max(0.0)).sum();
         (to_s > from_s).then(|| Stretch { run: run.name.clone(), from_s, to_s, share: excess / whole.max(1e-12) })

@@ -2,6 +2,8 @@
 
 pub(crate) use super::planned::NextTest;
 
+mod told;
+
 use super::change::Change;
 use super::judged::ScoredModel;
 use super::locate::Location;

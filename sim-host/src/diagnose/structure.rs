@@ -202,6 +202,7 @@ mod tests {
             name: "a".into(),
             dt: DT,
             from: 0.0,
+            elapsed: 0.0,
             ticks: 1,
             input: model.clone(),
             added: Vec::new(),

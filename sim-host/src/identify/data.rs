@@ -95,6 +95,8 @@ pub struct Run {
     pub dt: f64,
     /// Time of the first sample in its file, s.
     pub from: f64,
+    /// Time from the start of that file to it, s: how long the table was at work before.
+    pub elapsed: f64,
     /// Controller ticks a sample.
     pub ticks: usize,
     /// Reference displacement, m; the command where the law is [`SimulatedLaw::Recorded`].

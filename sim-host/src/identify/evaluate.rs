@@ -143,7 +143,8 @@ fn trace<S: Scalar>(
         .collect();
     let (displacement, velocity, offset) = (lift(&local.displacement), lift(&local.velocity), lift(&local.pressure));
     let per_run: Vec<S> = local.effects.iter().map(&mut lift).collect();
-    let start = Start { displacement, velocity, states: local.states.iter().map(&mut lift).collect() };
+    let start =
+        Start { displacement, velocity, states: local.states.iter().map(&mut lift).collect(), time: run.elapsed };
     let mut per_run = per_run.into_iter();
     for (placed, effect) in effects.iter_mut().zip(&model.effects) {
         for (parameter, slot) in effect.entry.parameters.iter().zip(&mut placed.parameters) {
@@ -157,7 +158,7 @@ fn trace<S: Scalar>(
     let baseline = Baseline::new(model.kind, &own).ok_or(SimulateError::NoLoop)?;
     if let Baseline::ForceBalance { scale, viscous, lead } = baseline {
         let motion = run.motion.as_ref().ok_or(SimulateError::NoLoop)?;
-        let trace = balance(viscous, &effects, motion, run.dt, &start.states)?;
+        let trace = balance(viscous, &effects, motion, run.dt, &start)?;
         let trace = filtered(trace, run.filter.as_ref());
         let load = earlier(&trace.load, lead / run.dt);
         return Ok((Trace { load, ..trace }, scale, offset));

@@ -204,6 +204,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
         name: run.name.clone(),
         dt: run.dt,
         from: run.time.first().copied().unwrap_or(0.0),
+        elapsed: run.elapsed,
         ticks,
         input,
         added,

@@ -117,6 +117,7 @@ mod tests {
             name: format!("run {number}"),
             dt,
             from: 0.0,
+            elapsed: 0.0,
             ticks: 1,
             input: (0..n).map(|k| (0..40).map(|i| tone(k, i)).sum()).collect(),
             added: Vec::new(),

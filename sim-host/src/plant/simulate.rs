@@ -81,6 +81,8 @@ pub struct Start<S> {
     pub velocity: S,
     /// By how much the effects' continuous states differ from rest, in the order of the effects; empty for rest.
     pub states: Vec<S>,
+    /// How long the table was at work before, s: oil is warm by then.
+    pub time: f64,
 }
 
 /// Continuous states of these effects together.

@@ -44,7 +44,7 @@ impl Stepped {
         for effect in others {
             dynamics.mount(effect)?;
         }
-        let state = dynamics.rest(&Start { displacement, velocity: 0.0, states: Vec::new() });
+        let state = dynamics.rest(&Start { displacement, velocity: 0.0, states: Vec::new(), time: 0.0 });
         let direct = dynamics.passes_commands();
         let inner = (dt * dynamics.fastest() / RESOLVED).ceil().clamp(1.0, MOST_STEPS) as usize;
         Ok(Self { dynamics, state, dt, inner, direct })

@@ -108,6 +108,7 @@ mod tests {
             purpose: Fit,
             cut: false,
             error_before: 0.0,
+            elapsed: 0.0,
             clock: Clock::default(),
         }
     }
@@ -131,6 +132,8 @@ mod tests {
         assert_eq!(rule, HeldBack::LastThird);
         assert_eq!((runs[0].len(), runs[1].len(), runs[1].time[0]), (60, 30, 60.0));
         assert!(!runs[0].cut && runs[1].cut);
+        // Oil that warmed in the first part is warm in the second.
+        assert_eq!((runs[0].elapsed, runs[1].elapsed), (0.0, 60.0 * runs[0].dt));
     }
 
     /// A pulse at the start and a long rest: the rest judges nothing.

@@ -45,6 +45,8 @@ pub struct Run {
     /// Integral of reference less displacement from the start of the file to where this run begins, m s: what a controller's
     /// integral holds there. Zero for a run that begins with its file.
     pub error_before: f64,
+    /// Time from the start of the file to where this run begins, s: how long the table was at work before.
+    pub elapsed: f64,
     /// What the time stamps were like.
     pub clock: Clock,
 }
@@ -88,7 +90,8 @@ impl Run {
         clock.offsets = clock.offsets.get(from..to).unwrap_or_default().to_vec();
         let error_before = self.error_before + self.error_until(from);
         let time = self.time[from..to].to_vec();
-        Self { time, channels, cut: self.cut || from > 0, error_before, clock, ..self.clone() }
+        let elapsed = self.elapsed + from as f64 * self.dt;
+        Self { time, channels, cut: self.cut || from > 0, error_before, elapsed, clock, ..self.clone() }
     }
 
     /// Integral of reference less displacement over the samples before this one, m s; zero where either is not recorded.

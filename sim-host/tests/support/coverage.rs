@@ -80,6 +80,7 @@ fn run(number: i32) -> Run {
         name: format!("run {number}"),
         dt: DT,
         from: 0.0,
+        elapsed: 0.0,
         ticks: 1,
         input: input.collect(),
         added: Vec::new(),

@@ -54,7 +54,7 @@ pub(crate) fn recorded(b0: f64, effects: &[EffectParameters<f64>], seed: u64) ->
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
     };
-    let start = Start { displacement: reference[0], velocity: 0.0, states: Vec::new() };
+    let start = Start { displacement: reference[0], velocity: 0.0, states: Vec::new(), time: 0.0 };
     let trace = simulate(&baseline, effects, &drive, &start).unwrap();
     let mut noise = Noise(seed);
     let mut text = String::from("time,reference,displacement,acceleration,command\n");

@@ -94,7 +94,7 @@ fn coordinate(variable: &str, run: &Run, predicted: &Predicted) -> Option<Vec<f6
                     .collect(),
             )
         }
-        "time" => Some((0..run.len()).map(|k| k as f64 * run.dt).collect()),
+        "time" => Some((0..run.len()).map(|k| run.elapsed + k as f64 * run.dt).collect()),
         "reference" => Some(run.input.clone()),
         _ => None,
     }

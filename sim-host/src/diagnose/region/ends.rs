@@ -43,8 +43,9 @@ pub(super) fn sloped(placed: &ModelEffect, along: Along, change: f64, scale: f64
 pub(super) fn parts(along: Along, runs: &[Run], predicted: &[Predicted]) -> Option<Vec<f64>> {
     let share = |i: usize| i as f64 / PARTS as f64;
     if along == Along::Time {
-        let longest = runs.iter().map(|run| run.len() as f64 * run.dt).fold(0.0, f64::max);
-        return Some((0..=PARTS).map(|i| longest * share(i)).collect());
+        let first = runs.iter().map(|run| run.elapsed).fold(f64::INFINITY, f64::min);
+        let last = runs.iter().map(|run| run.elapsed + run.len() as f64 * run.dt).fold(0.0, f64::max);
+        return Some((0..=PARTS).map(|i| first + (last - first) * share(i)).collect());
     }
     let mut values: Vec<f64> = Vec::new();
     for (run, predicted) in runs.iter().zip(predicted) {

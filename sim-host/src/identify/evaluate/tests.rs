@@ -49,6 +49,7 @@ fn run() -> Run {
         name: "a".into(),
         dt: DT,
         from: 0.0,
+        elapsed: 0.0,
         ticks: 1,
         added: Vec::new(),
         law: SimulatedLaw::Pi { kp: 6.0, ki: 1.0 },

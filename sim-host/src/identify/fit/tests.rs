@@ -44,6 +44,7 @@ pub(crate) fn recorded(model: &Model, seed: u64) -> Run {
         name: "made".into(),
         dt: DT,
         from: 0.0,
+        elapsed: 0.0,
         ticks: 1,
         input: input.collect(),
         added: Vec::new(),

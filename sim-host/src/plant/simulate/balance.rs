@@ -1,7 +1,7 @@
 //! A force balance: what load the measured motion asks for, with any effects that act as forces.
 
 use super::dynamics::EffectInstance;
-use super::{EffectParameters, SimulateError, Trace, Wanted};
+use super::{EffectParameters, SimulateError, Start, Trace, Wanted};
 use crate::plant::effects::Instant;
 use crate::scalar::Scalar;
 
@@ -31,14 +31,13 @@ fn turning(motion: &MeasuredMotion, [from, to]: [usize; 2], share: f64, dt: f64)
     straight + share * left * (left * (at_a - (b - a)) - share * (at_b - (b - a)))
 }
 
-/// The load per table mass, `x'' + c x' + f`, that the motion asks for; `states` says by how much the effects' states
-/// differ from rest at its start.
+/// The load per table mass, `x'' + c x' + f`, that the motion asks for, from how it starts on.
 pub(crate) fn balance<S: Scalar>(
     viscous: S,
     effects: &[EffectParameters<S>],
     motion: &MeasuredMotion,
     dt: f64,
-    states: &[S],
+    start: &Start<S>,
 ) -> Result<Trace<S>, SimulateError> {
     let (mut mounted, used, _) =
         EffectInstance::all(effects.iter().map(|p| (p.id, p.parameters.clone())), |_| 0, MOST)?;
@@ -47,7 +46,7 @@ pub(crate) fn balance<S: Scalar>(
         let next = (k + 1).min(n - 1);
         let between = |series: &[f64]| series[k] + (series[next] - series[k]) * share;
         Instant {
-            time: (k as f64 + share) * dt,
+            time: start.time + (k as f64 + share) * dt,
             displacement: S::from(turning(motion, [k, next], share, dt)),
             velocity: S::from(between(&motion.velocity)),
             sensed_velocity: S::from(0.0),
@@ -65,9 +64,9 @@ pub(crate) fn balance<S: Scalar>(
     let mut y = [S::from(0.0); MOST];
     for m in mounted.iter_mut().filter(|_| n > 0) {
         m.effect.rest(S::from(motion.displacement[0]), &mut y[m.first..m.last]);
-        m.effect.after(S::from(motion.displacement[0]), 0.0);
+        m.effect.after(S::from(motion.displacement[0]), start.time);
     }
-    y.iter_mut().zip(states).for_each(|(y, &away)| *y += away);
+    y.iter_mut().zip(&start.states).for_each(|(y, &away)| *y += away);
     let mut trace = Trace::with_capacity(n, Wanted { load: true, ..Wanted::default() });
     let h = dt / STEPS as f64;
     for k in 0..n {

@@ -200,7 +200,7 @@ impl<S: Scalar> Dynamics<S> {
         }
         let first = if self.yields { YIELDING } else { STIFF };
         y.iter_mut().skip(first).zip(&start.states).for_each(|(y, &away)| *y += away);
-        let state = State { command: S::from(0.0), spool: S::from(0.0), time: 0.0, work: self.work(), y };
+        let state = State { command: S::from(0.0), spool: S::from(0.0), time: start.time, work: self.work(), y };
         self.settle(&state);
         state
     }

@@ -30,7 +30,7 @@ fn run<S: Scalar>(effects: &[EffectParameters<S>]) -> Trace<S> {
         sensor_noise: 1e-5,
         wanted: Wanted::ALL,
     };
-    let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
+    let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new(), time: 0.0 };
     simulate(&paper(), effects, &drive, &start).unwrap()
 }
 
@@ -125,7 +125,7 @@ fn matrices_give_what_the_rule_gives() {
             sensor_noise: 1e-5,
             wanted: Wanted::ALL,
         };
-        let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new() };
+        let start = Start { displacement: 0.0.into(), velocity: 0.0.into(), states: Vec::new(), time: 0.0 };
         let [short, long] = [true, false]
             .map(|matrices| super::run(Dynamics::new(&model, &effects).unwrap(), &drive, &start, matrices));
         let series = |t: &Trace<Dual<8>>| [&t.displacement, &t.velocity, &t.acceleration, &t.load].map(Clone::clone);
@@ -160,7 +160,7 @@ fn without_effects_it_is_the_papers_plant() {
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
     };
-    let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
+    let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time: 0.0 };
     let trace = simulate::<f64>(&paper(), &[], &drive, &start).unwrap();
     let settled = (b0 - b1 * a1) * u / a1;
     for (k, x) in trace.displacement.iter().enumerate() {
@@ -169,6 +169,29 @@ fn without_effects_it_is_the_papers_plant() {
         // A ten-thousandth of the LVDT's step of 0.04 mm.
         assert!((x - exact).abs() < 4e-9, "{k}: {x} {exact}");
     }
+}
+
+/// A run that begins a minute into its file begins with the gain that a minute made.
+#[test]
+fn a_gain_that_drifts_goes_on_where_a_run_is_cut() {
+    let reached = |time: f64| {
+        let input = vec![0.02; 201];
+        let drive = Excitation {
+            dt: DT,
+            ticks: 1,
+            input: &input,
+            added: &[],
+            law: SimulatedLaw::Recorded,
+            shaping: Shaping::default(),
+            sensor_noise: 0.0,
+            wanted: Wanted::default(),
+        };
+        let effects = [EffectParameters { id: "gain_drift", parameters: vec![0.005, 1e4] }];
+        let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time };
+        simulate::<f64>(&paper(), &effects, &drive, &start).unwrap().displacement[200]
+    };
+    let ratio = reached(60.0) / reached(0.0);
+    assert!((ratio - 1.3).abs() < 2e-3, "{ratio}");
 }
 
 #[test]
@@ -184,7 +207,7 @@ fn an_unknown_effect_is_refused_by_name() {
         sensor_noise: 0.0,
         wanted: Wanted::ALL,
     };
-    let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
+    let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time: 0.0 };
     let refused = simulate::<f64>(&paper(), &effects, &drive, &start);
     assert!(matches!(refused, Err(SimulateError::UnknownEffect { id, count: 1 }) if id == "phlogiston"));
 }
@@ -205,7 +228,7 @@ fn effects_on_a_rigid_mass_have_their_units() {
             sensor_noise: 0.0,
             wanted,
         };
-        let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new() };
+        let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time: 0.0 };
         let mass = Baseline::RigidMass { mass: 10.0, viscous: 0.0, gain: 20.0 };
         let trace =
             simulate(&mass, &[EffectParameters { id, parameters: parameters.to_vec() }], &drive, &start).unwrap();

@@ -60,6 +60,7 @@ pub(in crate::recording) fn experiment(ran: &RecordedLaw, shaping: Shaping, seed
         purpose: Use::Fit,
         cut: false,
         error_before: 0.0,
+        elapsed: 0.0,
         clock: Clock::default(),
     };
     let servo = Servo { b1: 0.7, b0: 138.0, a1: 57.6, velocity_limit: None, mass: None, piston_area: None };

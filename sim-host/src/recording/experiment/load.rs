@@ -138,6 +138,7 @@ fn run(
         purpose: entry.stated.unwrap_or(Use::Fit),
         cut: from > 0,
         error_before: error_before(wanted, table, from) * dt,
+        elapsed: from as f64 * dt,
         clock: Clock { ..clock },
     })
 }

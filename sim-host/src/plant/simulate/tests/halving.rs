@@ -16,7 +16,7 @@ const TICKS: usize = 300;
 fn moved(effects: &[EffectParameters<f64>], steps: usize, (phase, size): (f64, f64)) -> Vec<[f64; 2]> {
     let paper = Baseline::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 };
     let mut dynamics = Dynamics::new(&paper, effects).unwrap();
-    let mut state = dynamics.rest(&Start { displacement: 0.0, velocity: 0.0, states: Vec::new() });
+    let mut state = dynamics.rest(&Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time: 0.0 });
     let h = TICK / steps as f64;
     let sine = |t: f64, hz: f64, size: f64| size * (std::f64::consts::TAU * hz * t + phase).sin();
     let mut tick = |k: usize| {
