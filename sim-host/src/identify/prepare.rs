@@ -2,10 +2,11 @@
 
 mod input;
 mod start;
+mod values;
 
 use super::data::{Channel, Measured, Run};
 use super::floor::{floors, least};
-use super::model::{Model, ModelEffect, Prior, SignalScales, Value};
+use super::model::{Model, ModelEffect, SignalScales, Value};
 use crate::motion::filter::{Butterworth, Edge};
 use crate::plant::effects::{Role, entry, regional};
 use crate::plant::model::Kind;
@@ -15,6 +16,7 @@ use crate::recording::check::Skew;
 use crate::recording::{self, Experiment, Use};
 use crate::scalar::earlier;
 use input::{filled, shaping, with_pressure_feedback};
+use values::{beforehand, own_value};
 
 /// Why an experiment cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -114,7 +116,7 @@ fn of_statement(stated: &recording::Model, runs: &[Run], signal_scales: &SignalS
     let own = kind.parameters().iter().map(|parameter| {
         let given = known.iter().find(|(name, _)| *name == parameter.key).map(|&(_, value)| value);
         let free = stated.fits(parameter.key) || ALWAYS_FREE.contains(&parameter.key);
-        let value = own_value(given, parameter.positive, free, signal_scales);
+        let value = own_value(given, parameter, free, signal_scales);
         beforehand(value, stated.accuracy.get(parameter.key))
     });
     let effects = stated.effects.iter().filter_map(|effect| {
@@ -142,15 +144,6 @@ fn of_statement(stated: &recording::Model, runs: &[Run], signal_scales: &SignalS
     effects.fold(model, |model, effect| model.with(effect))
 }
 
-/// A value that is free, with what was said of its accuracy for what is known of it beforehand: what these recordings do not determine
-/// stays as another determined it.
-fn beforehand(value: Value, accuracy: Option<&recording::Accuracy>) -> Value {
-    let unit = if value.positive { value.value.abs() } else { 1.0 };
-    let std = accuracy.and_then(|accuracy| accuracy.std).map(|std| std / unit).filter(|std| *std > 0.0);
-    let prior = std.map(|std| Prior { mean: value.coordinate(), std, lent: false });
-    Value { prior: prior.filter(|_| value.free), ..value }
-}
-
 /// Pressure per acceleration: stated by mass and piston area, or free.
 fn pressure_scale(stated: &recording::Model) -> Value {
     if let recording::Baseline::Servo(servo) = &stated.baseline
@@ -159,16 +152,6 @@ fn pressure_scale(stated: &recording::Model) -> Value {
         return Value::fixed(mass / area);
     }
     Value { value: 1.0, low: f64::NEG_INFINITY, high: f64::INFINITY, positive: false, free: true, prior: None }
-}
-
-/// One of a model's own parameters; a velocity limit that is not given lies far above what the runs reach.
-fn own_value(given: Option<f64>, positive: bool, free: bool, signal_scales: &SignalScales) -> Value {
-    let value = given.unwrap_or(if positive { 1e3 * signal_scales.speed } else { 1.0 });
-    if positive {
-        Value { value, low: value * 0.1, high: value * 10.0, positive, free, prior: None }
-    } else {
-        Value { value, low: f64::NEG_INFINITY, high: f64::INFINITY, positive, free, prior: None }
-    }
 }
 
 fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording::Run]) -> Result<Run, PrepareError> {
