@@ -165,7 +165,9 @@ fn examine(experiment: &Experiment, options: &Options) -> Result<Examined, Diagn
     let findings = check(&set_up.experiment);
     let shortened = excerpt(&set_up.experiment, FITTED);
     let mut whole = prepare(shortened.as_ref().unwrap_or(&set_up.experiment))?;
-    weigh_determined(&mut whole)?;
+    if !is_bad_data(&findings) {
+        weigh_determined(&mut whole)?;
+    }
     expect_near_stated(&mut whole.model);
     if is_bad_data(&findings) {
         return unfit(whole, &findings, set_up.findings, begun);

@@ -32,6 +32,7 @@ pub(crate) mod experiment;
 pub mod file;
 pub(crate) mod holdout;
 pub(crate) mod inner_loop;
+pub(crate) mod lag;
 pub(crate) mod law;
 pub(crate) mod mat;
 pub(crate) mod model;

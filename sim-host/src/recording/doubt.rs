@@ -19,7 +19,6 @@ mod controller;
 mod displacement;
 mod gaps;
 mod hum;
-mod lag;
 mod motion;
 mod outliers;
 mod replay;
@@ -47,7 +46,7 @@ pub enum Doubt {
     Offset,
     /// A sensor shows more or less than the motion that another shows.
     SensorGain,
-    /// A sensor follows with a lag of first order the motion that another shows.
+    /// A channel went through a low-pass of first order.
     SensorLag,
     /// Single samples that no neighbour supports.
     Outliers,
@@ -180,8 +179,8 @@ impl Doubt {
             Self::SampleShift => "channel recorded late",
             Self::Drift => "slow drift of a sensor over the run",
             Self::Offset => "offset of a sensor",
-            Self::SensorGain => "gain of a sensor against the displacement's",
-            Self::SensorLag => "lag of a sensor against the displacement's",
+            Self::SensorGain => "gain of a sensor against the displacement",
+            Self::SensorLag => "time of a low-pass in a channel",
             Self::Outliers => "single samples wrong",
             Self::Clipped => "peaks cut off at the end of the range",
             Self::Hum => "amplitude of mains hum",

@@ -199,7 +199,8 @@ fn verdict(examined: &Examined) -> Section {
 /// An effect's parameters with their intervals; none where it has none.
 pub(in super::super) fn parameters(effect: &NamedEffect) -> Option<Table> {
     let caption = format!("{}, probability {:.2}", effect.id, effect.probability);
-    (!effect.parameters.is_empty()).then(|| quantities(&effect.told(), &caption))
+    let told = effect.told();
+    (!told.is_empty()).then(|| quantities(&told, &caption))
 }
 
 /// The model's own values that were fitted.

@@ -18,6 +18,12 @@ fn paper<S: Scalar>() -> Baseline<S> {
     Baseline::Servo { b1: 0.69.into(), b0: 138.0.into(), a1: 57.65.into(), velocity_limit: 0.242.into() }
 }
 
+/// A plant that a command drives.
+fn commanded(input: &[f64], wanted: Wanted) -> Excitation<'_> {
+    let (law, shaping) = (SimulatedLaw::Recorded, Shaping::default());
+    Excitation { dt: DT, ticks: 1, input, added: &[], law, shaping, sensor_noise: 0.0, wanted }
+}
+
 fn run<S: Scalar>(effects: &[EffectParameters<S>]) -> Trace<S> {
     let input = reference(1200);
     let drive = Excitation {
@@ -150,16 +156,7 @@ fn without_effects_it_is_the_papers_plant() {
     // The exact solution of one step: z settles as one exponential, x is its integral.
     let (b1, b0, a1, u) = (0.69, 138.0, 57.65, 0.05);
     let input = vec![u; 200];
-    let drive = Excitation {
-        dt: DT,
-        ticks: 1,
-        input: &input,
-        added: &[],
-        law: SimulatedLaw::Recorded,
-        shaping: Shaping::default(),
-        sensor_noise: 0.0,
-        wanted: Wanted::ALL,
-    };
+    let drive = commanded(&input, Wanted::ALL);
     let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time: 0.0 };
     let trace = simulate::<f64>(&paper(), &[], &drive, &start).unwrap();
     let settled = (b0 - b1 * a1) * u / a1;
@@ -176,16 +173,7 @@ fn without_effects_it_is_the_papers_plant() {
 fn a_gain_that_drifts_goes_on_where_a_run_is_cut() {
     let reached = |time: f64| {
         let input = vec![0.02; 201];
-        let drive = Excitation {
-            dt: DT,
-            ticks: 1,
-            input: &input,
-            added: &[],
-            law: SimulatedLaw::Recorded,
-            shaping: Shaping::default(),
-            sensor_noise: 0.0,
-            wanted: Wanted::default(),
-        };
+        let drive = commanded(&input, Wanted::default());
         let effects = [EffectParameters { id: "gain_drift", parameters: vec![0.005, 1e4] }];
         let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time };
         simulate::<f64>(&paper(), &effects, &drive, &start).unwrap().displacement[200]
@@ -197,16 +185,7 @@ fn a_gain_that_drifts_goes_on_where_a_run_is_cut() {
 #[test]
 fn an_unknown_effect_is_refused_by_name() {
     let effects = [EffectParameters { id: "phlogiston", parameters: vec![1.0] }];
-    let drive = Excitation {
-        dt: DT,
-        ticks: 1,
-        input: &[0.0],
-        added: &[],
-        law: SimulatedLaw::Recorded,
-        shaping: Shaping::default(),
-        sensor_noise: 0.0,
-        wanted: Wanted::ALL,
-    };
+    let drive = commanded(&[0.0], Wanted::ALL);
     let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time: 0.0 };
     let refused = simulate::<f64>(&paper(), &effects, &drive, &start);
     assert!(matches!(refused, Err(SimulateError::UnknownEffect { id, count: 1 }) if id == "phlogiston"));
@@ -217,17 +196,7 @@ fn an_unknown_effect_is_refused_by_name() {
 fn effects_on_a_rigid_mass_have_their_units() {
     let moved = |id: &'static str, parameters: &[f64], command: f64| {
         let input = vec![command; 251];
-        let wanted = Wanted::default();
-        let drive = Excitation {
-            dt: DT,
-            ticks: 1,
-            input: &input,
-            added: &[],
-            law: SimulatedLaw::Recorded,
-            shaping: Shaping::default(),
-            sensor_noise: 0.0,
-            wanted,
-        };
+        let drive = commanded(&input, Wanted::default());
         let start = Start { displacement: 0.0, velocity: 0.0, states: Vec::new(), time: 0.0 };
         let mass = Baseline::RigidMass { mass: 10.0, viscous: 0.0, gain: 20.0 };
         let trace =

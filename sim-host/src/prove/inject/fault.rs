@@ -1,6 +1,7 @@
 //! Faults, and how each changes a recording.
 
 use crate::recording::channel::Channel;
+use crate::recording::lag::lagged;
 use crate::recording::run::Run;
 use rand::Rng;
 use serde::{Deserialize, Serialize};
@@ -100,7 +101,7 @@ impl Fault {
             }
             Kind::Filter => {
                 let time = draw(2e-3, 2e-2);
-                (time, "s", filtered(&before, time / run.dt))
+                (time, "s", lagged(&before, time / run.dt))
             }
             Kind::Bias => {
                 let size = sign * draw(0.3, 10.0) * noise;
@@ -132,23 +133,6 @@ fn delayed(values: &[f64], samples: f64) -> Vec<f64> {
     (0..values.len()).map(at).collect()
 }
 
-/// Through a first-order low-pass whose time is `samples`, as it answers straight lines between the samples: it trails a ramp by its
-/// time however short that is.
-fn filtered(values: &[f64], samples: f64) -> Vec<f64> {
-    let kept = libm::exp(-1.0 / samples);
-    let mean = samples * (1.0 - kept);
-    let mut before = values.first().copied().unwrap_or(0.0);
-    let mut state = before;
-    let step = |v: &f64| {
-        if v.is_finite() {
-            state = kept * state + (mean - kept) * before + (1.0 - mean) * v;
-            before = *v;
-        }
-        state
-    };
-    values.iter().map(step).collect()
-}
-
 /// The displacement's slope over about 10 ms (m/s).
 fn velocity(run: &Run) -> Option<Vec<f64>> {
     let x = run.channel(Channel::Displacement)?;
@@ -162,7 +146,7 @@ fn velocity(run: &Run) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::{delayed, filtered, noise};
+    use super::{delayed, lagged, noise};
 
     #[test]
     fn noise_is_read_from_beneath_a_smooth_signal() {
@@ -181,7 +165,7 @@ mod tests {
         let ramp: Vec<f64> = (0..200).map(f64::from).collect();
         assert!((delayed(&ramp, 2.5)[100] - 97.5).abs() < 1e-12);
         for time in [0.4, 4.0] {
-            assert!((filtered(&ramp, time)[199] - (199.0 - time)).abs() < 1e-9, "{}", filtered(&ramp, time)[199]);
+            assert!((lagged(&ramp, time)[199] - (199.0 - time)).abs() < 1e-9, "{}", lagged(&ramp, time)[199]);
         }
     }
 }

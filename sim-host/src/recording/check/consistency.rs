@@ -20,7 +20,7 @@ mod agreement;
 mod follows;
 
 pub(super) use agreement::coherent_bins;
-pub(in crate::recording) use agreement::{Bin, delay_over, motion_spectra};
+pub(in crate::recording) use agreement::{Bin, delay_over, spectra_of};
 
 /// A link is sound while one channel is between these multiples of what the other says it should be: what a wrong
 /// sensitivity may do, and less than what separates any two units.

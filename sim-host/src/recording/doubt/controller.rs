@@ -26,6 +26,7 @@ const EXPLAINED: f64 = 0.1;
 const FAR_LESS: f64 = 0.25;
 /// How far found gains may be from stated ones, as a factor: beyond it a unit is the likelier fault.
 const FACTOR: f64 = 6.0;
+
 /// A law fitted to the recorded commands of the runs that state it.
 #[derive(Debug, Clone)]
 struct Fitted {

@@ -4,18 +4,18 @@
 //! function from the displacement's second derivative to the acceleration, `H(w) = g exp(-j w d) / (1 + j w T)`, is fitted where the
 //! two are coherent: gain `g`, lag `T` (s) and delay `d` (s). The displacement is the standard.
 
-use super::lag::undone;
 use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
-use crate::recording::check::{Bin, delay_over, motion_spectra};
+use crate::recording::check::{Bin, delay_over, spectra_of};
 use crate::recording::experiment::Experiment;
+use crate::recording::lag::undone;
 use crate::recording::model::Baseline;
 use crate::recording::run::Run;
 use crate::recording::signal::{Spectra, filled};
 use crate::scalar::earlier;
 use nalgebra::{Matrix3, Vector3};
 use realfft::num_complex::Complex64;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Length of a segment (s): lines of specimens are narrower than their neighbours' means, tables move at 1 Hz and above.
 const SEGMENT: f64 = 2.5;
@@ -100,7 +100,7 @@ fn pooled(runs: &[Run]) -> Option<Spectra> {
         let (Some(x), Some(a)) = (run.channel(Channel::Displacement), run.channel(Channel::Acceleration)) else {
             continue;
         };
-        let one = motion_spectra(x, a, dt, segment);
+        let one = spectra_of(x, a, dt, 2, segment);
         sum = Some(sum.map_or_else(|| one.clone(), |sum| together(sum, &one)));
     }
     sum
@@ -194,7 +194,7 @@ impl Fitted {
     fn information(&self, bins: &[Bin], lags: bool) -> Matrix3<f64> {
         let mut matrix = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, if lags { 0.0 } else { f64::MAX.sqrt() }));
         for bin in bins {
-            let angle = 2.0 * PI * bin.frequency;
+            let angle = TAU * bin.frequency;
             let share = (1.0 + (angle * self.lag).powi(2)).recip();
             let by_lag = if lags { 1.0 } else { 0.0 };
             let gain = Vector3::new(1.0, 0.0, -by_lag * angle * angle * self.lag * share);

@@ -3,6 +3,7 @@
 use crate::plant::simulate::NotchFilter;
 use crate::recording::channel::Channel;
 use crate::recording::check::Ticks;
+use crate::recording::lag::lagged;
 use crate::recording::law::RecordedLaw;
 use crate::recording::run::Run;
 use crate::recording::signal::{filled, shifted};
@@ -78,7 +79,7 @@ impl Linear {
     /// The same law behind a lag of so many samples.
     pub(super) fn lagged(mut self, samples: f64) -> Self {
         if samples > 0.0 {
-            self.terms.iter_mut().for_each(|term| *term = super::lag::lagged(term, samples));
+            self.terms.iter_mut().for_each(|term| *term = lagged(term, samples));
         }
         self
     }

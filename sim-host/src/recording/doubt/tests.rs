@@ -259,7 +259,7 @@ fn a_command_recorded_late_by_part_of_a_sample_leaves_the_gains_as_they_are() {
 #[test]
 fn a_command_recorded_through_a_low_pass_is_restored() {
     for samples in [3.0, 8.0] {
-        let slow = with_command(|sent| lag::lagged(sent, samples), 6);
+        let slow = with_command(|sent| crate::recording::lag::lagged(sent, samples), 6);
         let found = doubt(&slow);
         assert_eq!(kinds(&found), [Doubt::SensorLag], "{samples}: {:?}", found.findings);
         assert!((found.findings[0].found / DT / samples - 1.0).abs() < 0.03, "{samples}: {:?}", found.findings);

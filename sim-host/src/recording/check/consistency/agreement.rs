@@ -129,7 +129,7 @@ pub(in crate::recording) fn coherent_bins(first: &[f64], second: &[f64], dt: f64
 
 /// Spectra of two channels, the first through its differences of the `order`: a displacement falls off so steeply that what a window
 /// leaks of its slow motion hides the rest.
-fn spectra_of(first: &[f64], second: &[f64], dt: f64, order: u32, segment: usize) -> Spectra {
+pub(in crate::recording) fn spectra_of(first: &[f64], second: &[f64], dt: f64, order: u32, segment: usize) -> Spectra {
     let mut spectra = spectra(&differences(first, order), second, dt, segment);
     // At half the sampling rate a first difference leaves nothing to divide.
     for k in 1..spectra.frequency.len().saturating_sub(1) {
@@ -145,16 +145,6 @@ fn spectra_of(first: &[f64], second: &[f64], dt: f64, order: u32, segment: usize
         spectra.cross[k] *= sign / size;
     }
     spectra
-}
-
-/// Spectra of a displacement and an acceleration, in segments of so many samples.
-pub(in crate::recording) fn motion_spectra(
-    displacement: &[f64],
-    acceleration: &[f64],
-    dt: f64,
-    segment: usize,
-) -> Spectra {
-    spectra_of(displacement, acceleration, dt, 2, segment)
 }
 
 /// Central differences, samples apart; the ends as their neighbours.

@@ -1,9 +1,9 @@
 //! How the recorded command comes behind the law that made it: late, with the displacement shifted, through a low-pass, with an offset.
 
-use super::super::lag::undone;
 use super::super::replay::Linear;
 use super::{CERTAIN, FAR_LESS, Fitted, correlation, fit, significant};
 use crate::recording::channel::Channel;
+use crate::recording::lag::undone;
 use crate::recording::law::RecordedLaw;
 use crate::recording::run::Run;
 use crate::recording::signal::filled;

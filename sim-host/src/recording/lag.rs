@@ -1,7 +1,8 @@
-//! A first-order lag of a recorded channel, and its undoing.
+//! A first-order lag of a sampled series, and its undoing.
 
-/// The series behind a lag of so many samples, which answers straight lines between them.
-pub(super) fn lagged(series: &[f64], samples: f64) -> Vec<f64> {
+/// The series behind a lag of so many samples, which answers straight lines between them: it trails a ramp by its time however short
+/// that is. A sample that is no number is passed over.
+pub(crate) fn lagged(series: &[f64], samples: f64) -> Vec<f64> {
     if samples <= 0.0 {
         return series.to_vec();
     }
@@ -10,8 +11,10 @@ pub(super) fn lagged(series: &[f64], samples: f64) -> Vec<f64> {
     let mut before = series.first().copied().unwrap_or(0.0);
     let mut state = before;
     let step = |now: &f64| {
-        state = kept * state + (mean - kept) * before + (1.0 - mean) * now;
-        before = *now;
+        if now.is_finite() {
+            state = kept * state + (mean - kept) * before + (1.0 - mean) * now;
+            before = *now;
+        }
         state
     };
     series.iter().map(step).collect()
@@ -19,7 +22,7 @@ pub(super) fn lagged(series: &[f64], samples: f64) -> Vec<f64> {
 
 /// The series as it was before a lag of so many samples. Its slope is of fourth order: a plain difference falls short by a tenth at an
 /// eighth of the sampling rate.
-pub(super) fn undone(series: &[f64], samples: f64) -> Vec<f64> {
+pub(crate) fn undone(series: &[f64], samples: f64) -> Vec<f64> {
     let last = series.len().saturating_sub(1);
     let at = |k: usize, by: isize| series.get(k.saturating_add_signed(by).min(last)).copied().unwrap_or(0.0);
     let slope = |k: usize| (8.0 * (at(k, 1) - at(k, -1)) - at(k, 2) + at(k, -2)) / 12.0;
