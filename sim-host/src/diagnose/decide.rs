@@ -2,7 +2,7 @@
 //! explained. What falls short is said to be outside the library.
 
 use super::calibration::CALIBRATION;
-use super::finish::{best_of, needed, polished, refined, without};
+use super::finish::{best_of, needed, polished, refined, unbent, without};
 use super::judged::{Decision, ScoredModel};
 use super::leftover::{follows, larger_noise, more_is_missing};
 use super::ranking::Ranking;
@@ -32,6 +32,7 @@ pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, S
     let mut sizes = Vec::new();
     for grown in &search.grown {
         let mut size = grown.par_iter().take(JUDGED).map(judged).collect::<Result<Vec<_>, _>>()?;
+        size.extend(unbent(&size, weighing)?);
         let rank = Ranking::new(&before, &size);
         rank.sort(&mut size);
         if let Some(best) = size.first_mut() {

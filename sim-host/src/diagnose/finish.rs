@@ -7,7 +7,9 @@ use super::search::{self, CHANCE};
 use super::split::Weighing;
 use super::standing::{Alone, SURE, at_bound, is_justified, sound};
 use crate::identify::fit::{Effort, Fit};
+use crate::identify::stated::fit_from_near;
 use crate::plant::simulate::SimulateError;
+use rayon::prelude::*;
 
 /// The accepted model fitted to the end: corners leave a search in hollows that a fresh start of the fit climbs out of.
 pub(super) fn polished(after: ScoredModel, weighing: &Weighing) -> Result<ScoredModel, SimulateError> {
@@ -18,6 +20,18 @@ pub(super) fn polished(after: ScoredModel, weighing: &Weighing) -> Result<Scored
     fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })?;
     let polished = ScoredModel::of(fit, weighing)?;
     refined(if polished.total() < after.total() { polished } else { after }, weighing)
+}
+
+/// Those of several models whose stated values went far, fitted again from values near those stated: an equation may leave as little in
+/// another hollow, where it asks less to be believed.
+pub(super) fn unbent(models: &[ScoredModel], weighing: &Weighing) -> Result<Vec<ScoredModel>, SimulateError> {
+    let bent = models.par_iter().filter(|judged| judged.departure.disbelief() > CHANCE);
+    let near = |judged: &ScoredModel| -> Result<Option<ScoredModel>, SimulateError> {
+        let Some(mut fit) = fit_from_near(weighing.training.prepared(), &judged.fit)? else { return Ok(None) };
+        fit.improve(weighing.fitted(), Effort { steps: 15, tolerance: 1e-5 })?;
+        ScoredModel::of(fit, weighing).map(Some)
+    };
+    Ok(bent.map(near).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
 /// The accepted model with the details of its effects' forms fitted too, where both kinds of runs bear them out.

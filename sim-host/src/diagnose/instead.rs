@@ -22,7 +22,7 @@ use crate::plant::simulate::SimulateError;
 use crate::recording::{Experiment, SetUpFinding};
 use rayon::prelude::*;
 use reading::Reading;
-use trial::{Base, Tried, integral, tried};
+use trial::{Base, Tried, gain, tried};
 
 /// Samples by which a channel may have been recorded late or early.
 const SHIFTS: [i32; 4] = [1, -1, 2, -2];
@@ -58,14 +58,17 @@ pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<In
     if let Some(reading) = sample_for_a_lag(examined)? {
         return Ok(better(experiment, &reading));
     }
-    if let Some(reading) = integral_for_one_of_several(examined)? {
+    if let Some(reading) = gain_for_one_of_several(examined)? {
         return Ok(better(experiment, &reading));
     }
-    let explaining = all(&readings(experiment, examined), &Base::stated(examined), examined)?;
-    let explaining = explaining.into_iter().filter(|tried| tried.left < CALIBRATION.negligible);
+    let all = all(&readings(experiment, examined), &Base::stated(examined), examined)?;
+    let (explaining, rest): (Vec<_>, Vec<_>) = all.into_iter().partition(|tried| tried.left < CALIBRATION.negligible);
     // Of readings that explain alike the one that takes least from the data.
     let cost = |tried: &Tried| tried.fit.squares + CALIBRATION.parameter_price * tried.reading.parameters() as f64;
-    let Some(best) = explaining.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
+    let Some(best) = explaining.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
+        if let Some(gain) = rest.iter().find(|tried| is_nearly_all(tried, examined)) {
+            return Ok(better(experiment, &gain.reading));
+        }
         let beside = beside(experiment, examined)?;
         return Ok(beside.map_or(Instead::Nothing, |reading| better(experiment, &reading)));
     };
@@ -84,11 +87,20 @@ pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<In
     })
 }
 
-/// Every reading tried on a model, that of the integral gain among them.
+/// Every reading tried on a model, that of a gain among them.
 fn all(readings: &[Reading], base: &Base<'_>, examined: &Examined) -> Result<Vec<Tried>, SimulateError> {
     let mut all = readings.par_iter().map(|reading| tried(reading, base, examined)).collect::<Result<Vec<_>, _>>()?;
-    all.extend(integral(base, examined)?);
+    all.extend(gain(base, examined)?);
     Ok(all)
+}
+
+/// Whether a gain explains nearly all of a mismatch that no name explains, and more than a curve does: what it leaves is asked once more.
+fn is_nearly_all(tried: &Tried, examined: &Examined) -> bool {
+    let conclusion = &examined.conclusion;
+    matches!(tried.reading, Reading::Gain(_))
+        && conclusion.unlisted
+        && tried.left < (1.0 - CALIBRATION.explained).powi(2) * (conclusion.stated.hold.chi2 - 1.0)
+        && tried.left < conclusion.accepted.hold.chi2 - 1.0
 }
 
 /// A reading beside the effects that explain a part: one by which they leave far less.
@@ -123,7 +135,7 @@ fn better(experiment: &Experiment, reading: &Reading) -> Instead {
     Instead::Better(Box::new(reading.put_into(experiment)), reading.finding(experiment))
 }
 
-/// Every reading but that of the integral gain.
+/// Every reading but that of a gain.
 fn readings(experiment: &Experiment, examined: &Examined) -> Vec<Reading> {
     let given = experiment.model.baseline.parameters();
     let held: Vec<&'static str> =
@@ -182,16 +194,16 @@ fn sample_for_a_lag(examined: &Examined) -> Result<Option<Reading>, SimulateErro
     Ok(None)
 }
 
-/// An integral gain that was stated wrong, in the place of one of several effects that explain all: what looks like a weak spring beside a
+/// A gain that was stated wrong, in the place of one of several effects that explain all: what looks like a weak spring beside a
 /// droop may be that, and is what a laboratory states wrong every week.
-fn integral_for_one_of_several(examined: &Examined) -> Result<Option<Reading>, SimulateError> {
+fn gain_for_one_of_several(examined: &Examined) -> Result<Option<Reading>, SimulateError> {
     let conclusion = &examined.conclusion;
     let after = &conclusion.accepted;
     if after.added.len() < 2 || conclusion.unlisted || conclusion.more_missing {
         return Ok(None);
     }
     let as_well = |id: &&'static str| -> Result<Option<Tried>, SimulateError> {
-        let tried = integral(&Base::fitted(after.fit.model.without(id), &after.fit), examined)?;
+        let tried = gain(&Base::fitted(after.fit.model.without(id), &after.fit), examined)?;
         let price = CALIBRATION.parameter_price * taken_by(&after.fit, &[*id]) as f64;
         Ok(tried.filter(|tried| {
             tried.left < after.hold.chi2 - 1.0 + 0.5 * CALIBRATION.negligible

@@ -106,10 +106,10 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
         parents = grown.iter().take(BEAM).cloned().collect();
         if explains(best) {
             // The runs fitted are explained, by values far from what was stated or unlike the hold-out runs: the values may have
-            // taken in what is missing. Held near, they cannot.
+            // taken in what is missing. Held near, they cannot. Where none is far, a noise that was stated too large hides it.
             let near = parents.iter().map(|fit| fit_near(prepared, fit)).collect::<Result<Vec<_>, _>>()?;
             let near: Vec<Fit> = near.into_iter().flatten().collect();
-            parents = if done { [parents, near].concat() } else { near };
+            parents = if done || near.is_empty() { [parents, near].concat() } else { near };
         }
     }
     Ok(search)

@@ -6,7 +6,8 @@ use crate::identify::data::{Channel, Run};
 use crate::identify::fit::Effort;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::judge::score;
-use crate::identify::model::{Model, ModelEffect, SignalScales};
+use crate::identify::model::{Model, ModelEffect, SignalScales, Value};
+use crate::identify::prepare::Prepared;
 use crate::plant::effects::entry;
 
 /// Viscous friction whose coefficient goes up or down with speed, fitted within the given range of what speed takes.
@@ -143,4 +144,35 @@ fn what_is_ranked_behind_a_model_that_does_not_stand_is_asked() {
     assert!(chosen(14.0, &[vec![first]]).is_empty(), "it does not stand");
     let noise = [vec![of(&["end_stop"], 1.3, 2.0), of(&["backlash"], 1.2, 1.2)]];
     assert!(chosen(2.0, &noise).is_empty(), "noise");
+}
+
+/// A command that arrives 40 ms late looks much like `b1` of the other sign. Fitted from there it stays there; fitted near what was stated
+/// it is found, and leaves no more.
+#[test]
+fn a_hollow_far_from_what_was_stated_is_not_the_last_word() {
+    let late = |time: f64| {
+        let mut placed = ModelEffect::start(entry("command_delay").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
+        placed.values[0].value = time;
+        placed
+    };
+    let with = |b1: f64, free: bool| {
+        let mut model = model(TRUTH);
+        model.own[0] = Value { value: b1, low: -50.0, high: 50.0, positive: false, free, prior: None };
+        model
+    };
+    let runs: Vec<Run> = (1..4).map(|seed| recorded(&with(TRUTH[0], false).with(late(0.04)), seed)).collect();
+    let (fitted, weighs) = runs.split_at(2);
+    let stated = with(1.1 * TRUTH[0], true);
+    let prepared =
+        Prepared { model: stated, fit: fitted.to_vec(), holdout: Vec::new(), signal_scales: SignalScales::TYPICAL };
+    let weighing = Weighing::of(prepared, weighs.to_vec());
+    let mut fit = Fit::begin(with(-3.0, true).with(late(0.004)), fitted).unwrap();
+    fit.improve(fitted, Effort::FULL).unwrap();
+    let bent = ScoredModel::of(fit, &weighing).unwrap();
+    assert!(bent.departure.disbelief() > CHANCE, "{}", bent.departure.disbelief());
+    let near = unbent(std::slice::from_ref(&bent), &weighing).unwrap();
+    let [near] = &near[..] else { panic!("{} models", near.len()) };
+    let time = near.fit.model.effects[0].values[0].value;
+    assert!((time - 0.04).abs() < 0.002 && near.departure.disbelief() < CHANCE, "{time}");
+    assert!(near.fit.squares < bent.fit.squares, "{} {}", near.fit.chi2(), bent.fit.chi2());
 }

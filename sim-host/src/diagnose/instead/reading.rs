@@ -3,7 +3,7 @@
 use crate::identify::data::{Channel, Run};
 use crate::plant::simulate::SimulatedLaw;
 use crate::recording::signal::shifted;
-use crate::recording::{self, Doubt, Experiment, SetUpFinding};
+use crate::recording::{self, Doubt, Experiment, RecordedLaw, SetUpFinding};
 
 /// What may have been stated wrong.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,8 +14,9 @@ pub(super) enum Reading {
     LateReference(i32),
     /// A channel was.
     Late(Channel, i32),
-    /// The integral gain of the controller is so many times what was stated.
-    Integral(f64),
+    /// The gain of the controller that no value of the model takes up is so many times what was stated: the integral one of a PI law, the
+    /// outer one of a cascade.
+    Gain(f64),
 }
 
 impl Reading {
@@ -24,7 +25,7 @@ impl Reading {
         match self {
             Self::Values(names) => names.len(),
             Self::LateReference(_) | Self::Late(..) => 0,
-            Self::Integral(_) => 1,
+            Self::Gain(_) => 1,
         }
     }
 
@@ -43,11 +44,10 @@ impl Reading {
                         run.shaping.late_command = run.shaping.late_command.saturating_sub(by.unsigned_abs() as usize);
                     }
                 }
-                Self::Integral(factor) => {
-                    if let SimulatedLaw::Pi { ki, .. } = &mut run.law {
-                        *ki *= factor;
-                    }
-                }
+                Self::Gain(factor) => match &mut run.law {
+                    SimulatedLaw::Pi { ki: gain, .. } | SimulatedLaw::Cascade { kp: gain, .. } => *gain *= factor,
+                    SimulatedLaw::Recorded => {}
+                },
             }
         }
         runs
@@ -64,11 +64,12 @@ impl Reading {
                 Self::Values(_) => {}
                 Self::LateReference(by) => shift(run, recording::Channel::Reference, |series| shifted(series, *by)),
                 Self::Late(channel, by) => shift(run, channel.recorded(), |series| at_its_time(series, *by)),
-                Self::Integral(factor) => {
-                    if let recording::RecordedLaw::ProportionalIntegral { ki, .. } = &mut run.law {
-                        *ki *= factor;
+                Self::Gain(factor) => match &mut run.law {
+                    RecordedLaw::ProportionalIntegral { ki: gain, .. } | RecordedLaw::Cascade { kp: gain, .. } => {
+                        *gain *= factor;
                     }
-                }
+                    RecordedLaw::Open | RecordedLaw::Core { .. } => {}
+                },
             }
         }
         experiment
@@ -82,11 +83,14 @@ impl Reading {
             Self::Values(_) => None,
             Self::LateReference(by) => late(recording::Channel::Reference, *by),
             Self::Late(channel, by) => late(channel.recorded(), *by),
-            Self::Integral(factor) => match run.law {
-                recording::RecordedLaw::ProportionalIntegral { ki, .. } => {
+            Self::Gain(factor) => match run.law {
+                RecordedLaw::ProportionalIntegral { ki, .. } => {
                     Some(SetUpFinding::gain(Doubt::ControllerKi, ki, factor * ki, "unit of u per m s"))
                 }
-                _ => None,
+                RecordedLaw::Cascade { kp, .. } => {
+                    Some(SetUpFinding::gain(Doubt::ControllerKp, kp, factor * kp, "1/s"))
+                }
+                RecordedLaw::Open | RecordedLaw::Core { .. } => None,
             },
         }
     }
@@ -110,6 +114,20 @@ fn shift(run: &mut recording::Run, channel: recording::Channel, to_its_time: imp
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::fit::tests::{TRUTH, model, recorded};
+
+    /// What a model's own gain takes up is left as it was stated: the proportional gain of a PI law, the inner one of a cascade.
+    #[test]
+    fn the_gain_that_no_value_takes_up_is_read_otherwise() {
+        let read = |law| {
+            let run = Run { law, ..recorded(&model(TRUTH), 1) };
+            Reading::Gain(1.1).of(&[run])[0].law
+        };
+        let (pi, cascade) = (SimulatedLaw::Pi { kp: 2.0, ki: 3.0 }, SimulatedLaw::Cascade { kp: 2.0, kv: 3.0 });
+        assert!(matches!(read(pi), SimulatedLaw::Pi { kp: 2.0, ki } if (ki - 3.3).abs() < 1e-12));
+        assert!(matches!(read(cascade), SimulatedLaw::Cascade { kp, kv: 3.0 } if (kp - 2.2).abs() < 1e-12));
+        assert_eq!(read(SimulatedLaw::Recorded), SimulatedLaw::Recorded);
+    }
 
     #[test]
     fn what_was_recorded_late_is_at_its_time() {

@@ -10,10 +10,10 @@ use crate::identify::model::Model;
 use crate::identify::stated::expect_near_stated;
 use crate::plant::simulate::{SimulateError, SimulatedLaw};
 
-/// Trials of an integral gain, as shares of it: the first two on either side of what was stated, the others from a parabola.
-const TRIALS: usize = 3;
+/// Trials of a gain, as shares of it: the first two on either side of what was stated, the others from a parabola.
+const TRIALS: usize = 6;
 const TRIAL: f64 = 0.05;
-/// Share by which an integral gain may be stated wrong without a unit or a digit being the likelier fault.
+/// Share by which a gain may be stated wrong without a unit or a digit being the likelier fault.
 const SLIP: f64 = 0.3;
 /// How many times as fast as stated a table is tried.
 const FASTER: f64 = 4.0;
@@ -85,14 +85,18 @@ fn fitted(
     Ok((fit, left))
 }
 
-/// A model with the integral gain that fits best, where the command does not say what it was.
-pub(super) fn integral(base: &Base<'_>, examined: &Examined) -> Result<Option<Tried>, SimulateError> {
+/// A model with the gain of the controller that fits best, of those that no value of the model takes up, where the command does not say
+/// what it was.
+pub(super) fn gain(base: &Base<'_>, examined: &Examined) -> Result<Option<Tried>, SimulateError> {
     let runs = &examined.prepared.fit;
-    let integrates = |run: &Run| matches!(run.law, SimulatedLaw::Pi { ki, .. } if ki != 0.0);
-    if !super::unrecorded(runs) || !runs.iter().all(integrates) {
+    let has_one = |run: &Run| match run.law {
+        SimulatedLaw::Pi { ki: gain, .. } | SimulatedLaw::Cascade { kp: gain, .. } => gain != 0.0,
+        SimulatedLaw::Recorded => false,
+    };
+    if !super::unrecorded(runs) || !runs.iter().all(has_one) {
         return Ok(None);
     }
-    let at = |share: f64| tried(&Reading::Integral(1.0 + share), base, examined);
+    let at = |share: f64| tried(&Reading::Gain(1.0 + share), base, examined);
     let mut points = Vec::new();
     for share in [-TRIAL, 0.0, TRIAL] {
         points.push((share, at(share)?));

@@ -15,23 +15,24 @@ const LOOKS: usize = 36;
 /// Starts that are taken further than one look.
 const PROMISING: usize = 18;
 
-/// Every effect that a parent has not, at each of its starting values; no set of effects from two parents.
+/// Every effect that a parent has not, at each of its starting values; no set of effects from parents of different effects.
 pub(in crate::diagnose) fn candidate_starts<'a>(
     parents: &'a [Fit],
     singles: &[Fit],
     signal_scales: &SignalScales,
 ) -> Vec<CandidateStart<'a>> {
     let mut candidate_starts = Vec::new();
-    let mut sets: Vec<Vec<&'static str>> = Vec::new();
+    let mut sets: Vec<(Vec<&'static str>, Vec<&'static str>)> = Vec::new();
     for parent in parents {
+        let of = parent.model.ids();
         for entry in parent.model.candidates() {
-            let mut set = parent.model.ids();
+            let mut set = of.clone();
             set.push(entry.id);
             set.sort_unstable();
-            if sets.contains(&set) && !parent.model.effects.is_empty() {
+            if sets.iter().any(|(known, others)| *known == set && *others != of) {
                 continue;
             }
-            sets.push(set);
+            sets.push((set, of.clone()));
             // Alone the effect was fitted already: its values there are one start, the library's the others.
             let alone = singles.iter().find_map(|fit| fit.model.effects.iter().find(|p| p.entry.id == entry.id));
             let library = (0..).map_while(|i| ModelEffect::start(entry, i, signal_scales));

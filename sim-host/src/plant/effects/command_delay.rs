@@ -22,7 +22,7 @@ pub(crate) const ENTRY: Entry = Entry {
         signal_scale: SignalScale::One,
         low: 2e-4,
         high: 0.1,
-        starts: &[0.001, 0.008],
+        starts: &[0.001, 0.008, 0.03],
         positive: true,
         simple: Ends::Low,
         role: Role::Shared,

@@ -30,7 +30,7 @@ pub(super) const TIME_CONSTANT: Parameter = Parameter {
     signal_scale: SignalScale::One,
     low: 1e-4,
     high: 0.1,
-    starts: &[0.001, 0.008],
+    starts: &[0.001, 0.008, 0.03],
     positive: true,
     simple: Ends::Low,
     role: Role::Shared,
