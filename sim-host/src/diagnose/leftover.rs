@@ -6,6 +6,7 @@ use super::split::Weighing;
 use super::structure::{Structure, structures};
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::{Predicted, predict};
+use crate::identify::judge::Score;
 use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
@@ -54,6 +55,8 @@ pub(super) struct Followed {
     pub(super) structures: Vec<(Channel, Structure)>,
     /// Channels whose noise nobody states.
     pub(super) estimated: Vec<Channel>,
+    /// What the model leaves of each channel on the runs fitted, chi2, where other runs are looked at.
+    pub(super) fitted: Vec<(Channel, f64)>,
 }
 
 impl Followed {
@@ -61,7 +64,12 @@ impl Followed {
     pub(super) fn of(runs: &[Run], predicted: &[Predicted]) -> Self {
         let measured = runs.iter().flat_map(|run| &run.measured);
         let estimated = measured.filter(|m| m.judged && m.estimated).map(|m| m.channel).collect();
-        Self { structures: structures(runs, predicted), estimated }
+        Self { structures: structures(runs, predicted), estimated, fitted: Vec::new() }
+    }
+
+    /// The same of runs held out, beside what the model leaves of those fitted: a noise that was stated too small is too small there too.
+    pub(super) fn beside(self, fitted: &Score) -> Self {
+        Self { fitted: fitted.channels.iter().map(|&(channel, chi2, _)| (channel, chi2)).collect(), ..self }
     }
 
     /// True where what is left is no larger than noise may be: what follows the motion or not is then physics or noise.
@@ -73,7 +81,9 @@ impl Followed {
 
     /// chi2 of a channel up to which what follows nothing is its noise.
     fn most(&self, channel: Channel) -> f64 {
-        if self.estimated.contains(&channel) { CALIBRATION.unstated } else { CALIBRATION.modest }
+        let most = if self.estimated.contains(&channel) { CALIBRATION.unstated } else { CALIBRATION.modest };
+        let fitted = self.fitted.iter().find(|(known, _)| *known == channel);
+        fitted.map_or(most, |(_, chi2)| most.min(CALIBRATION.modest * chi2.max(1.0)))
     }
 
     /// True where something follows the motion beyond doubt.

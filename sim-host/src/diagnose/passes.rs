@@ -29,7 +29,7 @@ pub(super) struct Concluded {
 /// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
 pub(super) fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
     let all: usize = whole.fit.iter().chain(&whole.holdout).map(Run::len).sum();
-    let first = with_right_clock(whole, seen, options)?;
+    let mut first = with_right_clock(whole, seen, options)?;
     if !first.conclusion.unforeseen() || all > 2 * SEARCHED {
         return Ok(first);
     }
@@ -42,6 +42,7 @@ pub(super) fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Re
     if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {
         return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
     }
+    first.conclusion.note_what_is_left_there();
     Ok(first)
 }
 

@@ -1,23 +1,23 @@
-//! Whether a curve that knows no physics outdoes the effects that were named: what they leave is then not the difference
-//! between two forms of the same physics, and the names are not what it is.
+//! Whether a curve or an equation that knows no physics outdoes the effects that were named: what they leave is then not the
+//! difference between two forms of the same physics, and the names are not what it is.
 
 use super::judged::Decision;
 use super::remainder::remainder;
 use super::split::Weighing;
-use super::term::Modelled;
+use super::term::{self, Modelled};
 use crate::plant::simulate::SimulateError;
 
 /// chi2 on the hold-out runs from which what the named effects leave is worth another look.
 const DOUBTFUL: f64 = 1.3;
 /// Share of the stated model's excess from which it is: a simple form leaves a hundredth or two of a gross effect, whatever
 /// its shape.
-const SHARE: f64 = 0.05;
-/// Share of what they leave that the curve may leave to outdo them, on the hold-out runs and on those fitted.
+const SHARE: f64 = 0.03;
+/// Share of what they leave that a curve or an equation may leave to outdo them, on the hold-out runs and on those fitted.
 const OUTDONE: f64 = 0.3;
 /// Belief in what lies outside the library where a curve outdoes it.
 const BELIEF: f64 = 0.9;
 
-/// Calls the mismatch unlisted, and gives the curve, where one outdoes the effects named.
+/// Calls the mismatch unlisted, and gives the curve or the equation, where one outdoes the effects named.
 pub(super) fn reject_for_curve(
     weighing: &Weighing,
     decision: &mut Decision,
@@ -26,17 +26,21 @@ pub(super) fn reject_for_curve(
     if !doubtful || decision.left() < SHARE {
         return Ok(None);
     }
-    let Some(curve) = remainder(weighing, &decision.stated, &decision.stated)? else { return Ok(None) };
+    let curve = remainder(weighing, &decision.stated, &decision.stated)?.map(Modelled::from);
+    let equation = term::alone(weighing, &decision.stated)?;
     let leaves = |chi2: f64, named: f64| chi2 - 1.0 < OUTDONE * (named - 1.0);
-    let (judged, named) = (&curve.judged, &decision.accepted);
-    if !leaves(judged.hold.chi2, named.hold.chi2) || !leaves(judged.fit.chi2(), named.fit.chi2()) {
-        return Ok(None);
-    }
+    let named = &decision.accepted;
+    let outdoes = |modelled: &Modelled| {
+        let judged = &modelled.judged;
+        leaves(judged.hold.chi2, named.hold.chi2) && leaves(judged.fit.chi2(), named.fit.chi2())
+    };
+    let best = [curve, equation].into_iter().flatten().filter(outdoes);
+    let Some(best) = best.min_by(|a, b| a.judged.hold.chi2.total_cmp(&b.judged.hold.chi2)) else { return Ok(None) };
     decision.take_back(BELIEF);
     decision.unlisted = true;
     decision.partial = Some(std::mem::replace(&mut decision.accepted, decision.stated.clone()));
     decision.ties.clear();
-    Ok(Some(curve.into()))
+    Ok(Some(best))
 }
 
 #[cfg(test)]

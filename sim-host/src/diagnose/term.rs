@@ -109,6 +109,15 @@ pub(super) fn unlisted(
     Ok(Some(Modelled { remainder, judged: term.judged.clone(), term: Some(term), names_needed, rival }))
 }
 
+/// Models it by an equation in the place of any name.
+pub(super) fn alone(weighing: &Weighing, before: &ScoredModel) -> Result<Option<Modelled>, SimulateError> {
+    let modelled = |term: Found| {
+        let judged = term.judged.clone();
+        Modelled { remainder: None, term: Some(term), judged, names_needed: false, rival: None }
+    };
+    Ok(equation(weighing, before)?.map(modelled))
+}
+
 fn chi2(found: Option<&Found>) -> f64 {
     found.map_or(f64::INFINITY, |f| f.judged.hold.chi2)
 }

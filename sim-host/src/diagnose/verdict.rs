@@ -63,9 +63,20 @@ impl Conclusion {
         let hidden = outside(&self.stated, &self.accepted).0 && fit < NOTHING * held;
         let refused =
             matches!(self.refusal, Some(Refusal::Worse { .. } | Refusal::NoSkill { .. } | Refusal::NoGain { .. }));
-        // However little of the mismatch it is: a form that leaves a share of what its effect does leaves it on all runs alike.
-        let more = (self.more_missing || rest_beyond_noise(&self.accepted)) && fit < NOTHING * held;
-        self.held_out && (hidden || refused || more)
+        self.held_out && (hidden || refused || self.leaves_more_held_out())
+    }
+
+    /// True where the runs held out alone show that more is missing. However little of the mismatch it is: a form that leaves a share of
+    /// what its effect does leaves it on all runs alike.
+    fn leaves_more_held_out(&self) -> bool {
+        let (fit, held) = (self.accepted.fit.chi2() - 1.0, self.accepted.hold.chi2 - 1.0);
+        (self.more_missing || rest_beyond_noise(&self.accepted)) && fit < NOTHING * held
+    }
+
+    /// Says that more is missing beside names where the runs held out alone show it, beyond any noise, and no second look found it.
+    pub(super) fn note_what_is_left_there(&mut self) {
+        let beyond = self.accepted.hold.chi2 > CALIBRATION.modest && self.leaves_more_held_out();
+        self.more_missing |= self.held_out && beyond && !self.unlisted && !self.accepted.added.is_empty();
     }
 }
 
@@ -132,7 +143,8 @@ pub(super) fn verdict(
     }
     // A misfit far from the noise is physics whether or not it follows the motion.
     if !unlisted
-        && let follows = Followed::of(&judging, &accepted.hold.predicted)
+        && let fitted = score_beside(&accepted.fit, &whole.fit, &whole.fit)?
+        && let follows = Followed::of(&judging, &accepted.hold.predicted).beside(&fitted)
         && (!follows.is_modest(&accepted) || follows.is_certain())
     {
         let quiet = follows.noise(&accepted);

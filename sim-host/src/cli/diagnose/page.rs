@@ -140,12 +140,10 @@ fn answer(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Mismatch => {
             let left = diagnosis.judged.after.chi2;
-            let more = if left > 1.5 {
-                format!(
-                    " More is missing: chi2 {}; {} % of the initial misfit remains.",
-                    digits::three(left),
-                    share(diagnosis.share_left)
-                )
+            let says = if diagnosis.more_missing { "More is missing" } else { "Their simple equations leave a rest" };
+            let more = if diagnosis.more_missing || left > 1.5 {
+                let (left, share) = (digits::three(left), share(diagnosis.share_left));
+                format!(" {says}: chi2 {left}; {share} % of the initial misfit remains.")
             } else {
                 String::new()
             };

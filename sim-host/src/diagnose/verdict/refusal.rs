@@ -2,7 +2,7 @@
 
 use super::super::calibration::CALIBRATION;
 use super::super::judged::{ScoredModel, explains_a_channel};
-use super::super::leftover::LARGER_PART;
+use super::super::leftover::{Followed, LARGER_PART};
 use super::super::standing::SURE;
 use super::LAST;
 use crate::identify::data::{Channel, Run};
@@ -113,10 +113,13 @@ pub(super) fn refusal(
         }
     }
     let lacks = rest_beyond_noise(before);
-    let in_all = (named.hold.chi2 - 1.0) / (before.hold.chi2 - 1.0).max(1e-9);
+    // The noise of channels that nothing is left of but noise was stated too small: it is no excess that names could explain.
+    let noise = if is_needed(before, named) { Followed::of(judging, &named.hold.predicted).noise(named) } else { 0.0 };
+    let left = named.hold.chi2 - 1.0 - noise;
+    let in_all = left / (before.hold.chi2 - 1.0 - noise).max(1e-9);
     let share_left = channel_explained.map_or(in_all, |(_, left)| left.min(in_all));
-    // Where what is left could hide another effect, noise or not, the names have to explain the larger part.
-    let hides = named.hold.chi2 - 1.0 > CALIBRATION.hidden;
+    // Where what is left could hide another effect the names have to explain the larger part.
+    let hides = left > CALIBRATION.hidden;
     let most_left = if beside_more || hides { LARGER_PART } else { 1.0 - CALIBRATION.credible };
     if lacks && share_left > most_left {
         return Some(Refusal::NoGain { share_left });

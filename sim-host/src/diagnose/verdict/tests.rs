@@ -249,7 +249,11 @@ fn a_channel_that_is_hardly_explained_is_more_that_is_missing() {
         judged
     };
     let certain = Structure { foretold: 1.0, certainty: 9.0 };
-    let follows = |of: Structure| Followed { structures: vec![(Channel::Acceleration, of)], estimated: Vec::new() };
+    let follows = |of: Structure| Followed {
+        structures: vec![(Channel::Acceleration, of)],
+        estimated: Vec::new(),
+        fitted: Vec::new(),
+    };
     let (before, after) = (with(5.8, 56.5), with(5.2, 1.0));
     assert!(follows(certain).leaves_a_channel(&before, &after));
     assert!(!follows(Structure::default()).leaves_a_channel(&before, &after));
