@@ -27,15 +27,20 @@ pub(super) struct Concluded {
 }
 
 /// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
-pub(super) fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
-    let all: usize = whole.fit.iter().chain(&whole.holdout).map(Run::len).sum();
-    let mut first = with_right_clock(whole, seen, options)?;
-    if !first.conclusion.unforeseen() || all > 2 * SEARCHED {
+pub(super) fn conclude(whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
+    let mut first = with_right_clock(whole, &mut seen, options)?;
+    if !first.conclusion.unforeseen() {
         return Ok(first);
     }
+    let rows = |runs: &[Run]| runs.iter().map(Run::len).sum::<usize>();
+    if rows(&seen.fit) + rows(&first.conclusion.judging) / 2 > 2 * SEARCHED {
+        first.conclusion.note_what_is_left_there();
+        return Ok(first);
+    }
+    seen.model = first.whole.model.clone();
     options.say("the runs fitted do not show it: opening half of those held out", 0.9);
     let Conclusion { accepted, judging, .. } = &first.conclusion;
-    let opened = reopened(&first.whole, judging, &accepted.hold.predicted);
+    let opened = reopened(&first.whole, seen, judging, &accepted.hold.predicted);
     let second = pass(opened, options)?;
     let names = !second.conclusion.unlisted && !second.conclusion.consistent();
     let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
@@ -48,8 +53,8 @@ pub(super) fn conclude(whole: Prepared, seen: Prepared, options: &Options) -> Re
 
 /// Forward through the data once, with the sampling period corrected where a clock of another rate is part of what is accepted:
 /// then everything is selected anew, before anything was judged.
-fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
-    let (split_up, selected) = with_noise_as_left(&mut whole, &mut seen, options)?;
+fn with_right_clock(mut whole: Prepared, seen: &mut Prepared, options: &Options) -> Result<Concluded, SimulateError> {
+    let (split_up, selected) = with_noise_as_left(&mut whole, seen, options)?;
     let dt = whole.fit.first().map_or(1.0, |run| run.dt);
     let Some(finding) = clock::found(&selected.decision.accepted.fit, dt) else {
         let mut concluded = judge(split_up, selected, options)?;
@@ -57,10 +62,10 @@ fn with_right_clock(mut whole: Prepared, mut seen: Prepared, options: &Options) 
         return Ok(concluded);
     };
     options.say("correcting the sampling period", 0.1);
-    for prepared in [&mut whole, &mut seen] {
+    for prepared in [&mut whole, &mut *seen] {
         clock::settle(prepared, Some(&finding));
     }
-    Ok(Concluded { clock: Some(finding), ..pass(split(whole, Some(seen)), options)? })
+    Ok(Concluded { clock: Some(finding), ..pass(split(whole, Some(seen.clone())), options)? })
 }
 
 /// Cuts the data up and selects; once more where what is named leaves less than the noise of a channel and one effect more leaves

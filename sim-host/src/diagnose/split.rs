@@ -130,10 +130,12 @@ const DEALT: [Role; 6] = [Role::Fits, Role::Judges, Role::Weighs, Role::Judges, 
 /// The same experiment with half of the stretches of the runs held out among those that may be fitted: for physics that they
 /// alone show, a stop that only the largest motion reaches. They are dealt by how much the model handed on, whose predictions
 /// these are, misses in each, the largest first: a moment may be all that shows it, and fits need one such as the judge does.
-pub(super) fn reopened(whole: &Prepared, held_out: &[Run], predicted: &[Predicted]) -> Split {
+///
+/// `seen` is what hypotheses were fitted to so far, an excerpt of long recordings.
+pub(super) fn reopened(whole: &Prepared, seen: Prepared, held_out: &[Run], predicted: &[Predicted]) -> Split {
     let mut whole = whole.clone();
     whole.holdout = Vec::new();
-    let mut opened = split(whole, None);
+    let mut opened = split(whole, Some(seen));
     let missed: Vec<Vec<f64>> = held_out.iter().zip(predicted).map(|(run, p)| missed(run, p)).collect();
     for (run, roles) in held_out.iter().zip(dealt(&missed)) {
         let with = |wanted: &[Role]| kept(run, |i| roles.get(i).is_some_and(|role| wanted.contains(role)));
@@ -243,7 +245,7 @@ mod tests {
             .map(|m| m.values.iter().enumerate().map(|(k, value)| value - shown(k) * m.noise).collect());
         let predicted = [Predicted { channels: channels.collect(), displacement: Vec::new() }];
         let whole = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
-        let opened = reopened(&whole, &holdout, &predicted);
+        let opened = reopened(&whole, whole.clone(), &holdout, &predicted);
         let uses = [&opened.weighing.fitted()[1], &opened.weighing.weighed()[1], &opened.test.0[0]].map(finite);
         assert!(uses[2].first() == Some(&0), "the judge has the beginning");
         let scale = opened.weighing.training.0.signal_scales.displacement;
