@@ -1,6 +1,7 @@
 //! The passes forward through the data: selected on training and validation, judged on the test; once more by a corrected clock, by a
 //! noise that was stated too large, or with half of what was held out opened.
 
+use super::calibration::CALIBRATION;
 use super::judged::Decision;
 use super::options::Options;
 use super::search::Depth;
@@ -45,6 +46,10 @@ pub(super) fn conclude(whole: Prepared, mut seen: Prepared, options: &Options) -
     let names = !second.conclusion.unlisted && !second.conclusion.consistent();
     let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
     if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {
+        return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
+    }
+    // Names for the little that the runs fitted show say nothing of the much that those held out show and nothing explains.
+    if first_names && second.conclusion.unlisted && first.conclusion.left() > 1.0 - CALIBRATION.explained {
         return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
     }
     first.conclusion.note_what_is_left_there();
