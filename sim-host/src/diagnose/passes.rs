@@ -43,13 +43,12 @@ pub(super) fn conclude(whole: Prepared, mut seen: Prepared, options: &Options) -
     let Conclusion { accepted, judging, .. } = &first.conclusion;
     let opened = reopened(&first.whole, seen, judging, &accepted.hold.predicted);
     let second = pass(opened, options)?;
-    let names = !second.conclusion.unlisted && !second.conclusion.consistent();
-    let first_names = !first.conclusion.unlisted && !first.conclusion.consistent();
-    if names && (!first_names || second.conclusion.left() < FAR_LESS * first.conclusion.left()) {
-        return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
-    }
+    let names = |concluded: &Concluded| !concluded.conclusion.unlisted && !concluded.conclusion.consistent();
+    let left = first.conclusion.left();
+    let far_less = names(&second) && (!names(&first) || second.conclusion.left() < FAR_LESS * left);
     // Names for the little that the runs fitted show say nothing of the much that those held out show and nothing explains.
-    if first_names && second.conclusion.unlisted && first.conclusion.left() > 1.0 - CALIBRATION.explained {
+    let for_a_little = names(&first) && second.conclusion.unlisted && left > 1.0 - CALIBRATION.explained;
+    if far_less || for_a_little {
         return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
     }
     first.conclusion.note_what_is_left_there();

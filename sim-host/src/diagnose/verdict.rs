@@ -12,7 +12,7 @@ use super::term::Modelled;
 use crate::identify::data::Run;
 use crate::identify::evaluate::Local;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::{score, score_beside};
+use crate::identify::judge::{score, score_beside, score_from};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 pub(crate) use refusal::Refusal;
@@ -143,7 +143,7 @@ pub(super) fn verdict(
     }
     // A misfit far from the noise is physics whether or not it follows the motion.
     if !unlisted
-        && let fitted = score_beside(&accepted.fit, &whole.fit, &whole.fit)?
+        && let fitted = score_from(&accepted.fit, &whole.fit)?
         && let follows = Followed::of(&judging, &accepted.hold.predicted).beside(&fitted)
         && (!follows.is_modest(&accepted) || follows.is_certain())
     {

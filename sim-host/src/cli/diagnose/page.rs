@@ -140,7 +140,7 @@ fn answer(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Mismatch => {
             let left = diagnosis.judged.after.chi2;
-            let says = if diagnosis.more_missing { "More is missing" } else { "Their simple equations leave a rest" };
+            let says = if diagnosis.more_missing { "More is missing" } else { "What is named leaves a rest" };
             let more = if diagnosis.more_missing || left > 1.5 {
                 let (left, share) = (digits::three(left), share(diagnosis.share_left));
                 format!(" {says}: chi2 {left}; {share} % of the initial misfit remains.")

@@ -38,7 +38,14 @@ fn a_name_that_a_curve_outdoes_is_taken_back() {
     let left = decision.accepted.hold.chi2;
     assert!(left > DOUBTFUL, "the equation of friction leaves chi2 {left}");
     let curve = reject_for_curve(&weighing, &mut decision).unwrap().expect("an equation of velocity");
-    assert!(curve.term.is_some() || curve.remainder.as_ref().is_some_and(|r| r.id.ends_with("by_velocity")));
+    let [placed] = &curve.judged.fit.model.effects[..] else { panic!("one effect stands for it") };
+    let entry = placed.entry;
+    assert!(
+        entry.id.ends_with("by_velocity") || entry.equation.contains("velocity"),
+        "{}: {}",
+        entry.id,
+        entry.equation
+    );
     assert!(curve.judged.hold.chi2 - 1.0 < OUTDONE * (left - 1.0), "{} of {left}", curve.judged.hold.chi2);
     assert!(decision.unlisted && decision.accepted.added.is_empty());
     assert_eq!(decision.partial.unwrap().added, ["viscous_friction"]);

@@ -112,7 +112,9 @@ pub(super) fn refusal(
             return Some(Refusal::NoSkill { channel: channel.name(), r2: 1.0 - found * found });
         }
     }
-    let lacks = rest_beyond_noise(before);
+    if !rest_beyond_noise(before) {
+        return None;
+    }
     // The noise of channels that nothing is left of but noise was stated too small: it is no excess that names could explain.
     let noise = if is_needed(before, named) { Followed::of(judging, &named.hold.predicted).noise(named) } else { 0.0 };
     let left = named.hold.chi2 - 1.0 - noise;
@@ -121,10 +123,7 @@ pub(super) fn refusal(
     // Where what is left could hide another effect the names have to explain the larger part.
     let hides = left > CALIBRATION.hidden;
     let most_left = if beside_more || hides { LARGER_PART } else { 1.0 - CALIBRATION.credible };
-    if lacks && share_left > most_left {
-        return Some(Refusal::NoGain { share_left });
-    }
-    None
+    (share_left > most_left).then_some(Refusal::NoGain { share_left })
 }
 
 /// The first effect that nothing shows to be there: none of its parameters is significantly different from zero, and the runs that
