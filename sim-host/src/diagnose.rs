@@ -63,7 +63,7 @@ use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, ex
 use calibration::CALIBRATION;
 use instead::Instead;
 pub use options::{Options, Progress};
-use passes::{Concluded, conclude};
+use passes::{Concluded, Reopening, conclude};
 pub use result::{Diagnosis, Verdict};
 use split::{Split, split};
 use std::path::Path;
@@ -129,7 +129,7 @@ pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, Diagno
 /// Diagnoses an experiment; once more by another reading of its set-up where that explains the recordings, and nothing that was found
 /// does.
 pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
-    let mut examined = examine(experiment, options)?;
+    let mut examined = examine(experiment, options, Reopening::Allowed)?;
     if examined.diagnosis.verdict == Verdict::BadData {
         return Ok(examined);
     }
@@ -138,7 +138,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
         Instead::AsWell(values) => examined.diagnosis.stated_values_instead = values,
         Instead::Better(read, finding) => {
             options.say("another reading of the set-up explains it", 0.0);
-            let mut again = examine(&read, options)?;
+            let mut again = examine(&read, options, Reopening::Never)?;
             let open = |examined: &Examined| examined.conclusion.unlisted || examined.conclusion.more_missing;
             if again.left() > examined.left() || (open(&examined) && open(&again)) {
                 examined.diagnosis.seconds += again.diagnosis.seconds;
@@ -158,7 +158,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
 }
 
 /// Diagnoses an experiment as its set-up was stated.
-fn examine(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
+fn examine(experiment: &Experiment, options: &Options, reopening: Reopening) -> Result<Examined, DiagnoseError> {
     let begun = std::time::Instant::now();
     options.say("checking the recordings", 0.0);
     let mut set_up = doubt(experiment);
@@ -178,7 +178,7 @@ fn examine(experiment: &Experiment, options: &Options) -> Result<Examined, Diagn
     for prepared in [&mut whole, &mut seen] {
         clock::doubt(prepared);
     }
-    let Concluded { whole, conclusion, modelled, held_out_shared, clock } = conclude(whole, seen, options)?;
+    let Concluded { whole, conclusion, modelled, held_out_shared, clock } = conclude(whole, seen, options, reopening)?;
     set_up.findings.extend(clock);
     options.say("looking for the test that would settle what is open", 0.96);
     let (next_test, no_test) = next_test::next_test(&whole, &conclusion, modelled.as_ref())?.parts();

@@ -27,10 +27,23 @@ pub(super) struct Concluded {
     pub(super) clock: Option<SetUpFinding>,
 }
 
+/// Whether half of the stretches held out may be opened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reopening {
+    Allowed,
+    /// A set-up that is read otherwise explains the recordings at once, or is not what is wrong.
+    Never,
+}
+
 /// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
-pub(super) fn conclude(whole: Prepared, mut seen: Prepared, options: &Options) -> Result<Concluded, SimulateError> {
+pub(super) fn conclude(
+    whole: Prepared,
+    mut seen: Prepared,
+    options: &Options,
+    reopening: Reopening,
+) -> Result<Concluded, SimulateError> {
     let mut first = with_right_clock(whole, &mut seen, options)?;
-    if !first.conclusion.unforeseen() {
+    if reopening == Reopening::Never || !first.conclusion.unforeseen() {
         return Ok(first);
     }
     let rows = |runs: &[Run]| runs.iter().map(Run::len).sum::<usize>();

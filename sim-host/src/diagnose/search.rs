@@ -55,9 +55,11 @@ pub(super) const CHANCE: f64 = 30.0;
 const BENT: f64 = 4.0;
 /// What is left of the baseline's excess when growing stops.
 const SETTLED: f64 = 0.008;
-
 /// The same on the stretches that weigh.
 const FORESEEN: f64 = 0.03;
+/// Share of what single effects leave beyond the noise that pairs must leave at most for triples to be worth a search: of three effects
+/// the second takes away more.
+const FUTILE: f64 = 0.7;
 
 /// Searches for what the stated model lacks.
 pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Result<Search, SimulateError> {
@@ -99,7 +101,9 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
         let settled = left < SETTLED && best.chi2() < 1.0 + CALIBRATION.hidden;
         let done = !bent(best) && (explains(best) || settled) && held_back.reaches(best)?;
-        if gain < CHANCE || (done && beyond == 0) {
+        let smaller = size.checked_sub(1).and_then(|smaller| search.grown[smaller].first());
+        let futile = smaller.is_some_and(|fit| best.chi2() - 1.0 > FUTILE * (fit.chi2() - 1.0)) && !explains(best);
+        if gain < CHANCE || (done && beyond == 0) || (futile && !bent(best)) {
             break;
         }
         beyond -= usize::from(done);

@@ -24,7 +24,7 @@ fn open(value: f64, low: f64, high: f64) -> Value {
 /// where nothing could fit it.
 pub(super) fn window(placed: &ModelEffect, along: Along, (from, to): (f64, f64), ends: &[f64]) -> Option<ModelEffect> {
     let entry = regional(placed.entry, along, Shape::Window)?;
-    let (low, high) = (ends[0], ends[PARTS]);
+    let (low, high) = (*ends.first()?, *ends.last()?);
     let range = high - low;
     let end = |value| open(value, low - 0.2 * range, high + 0.2 * range);
     let from = if from <= low { fixed(low - BEYOND * range) } else { end(from) };
@@ -72,9 +72,9 @@ pub(super) fn parts(along: Along, runs: &[Run], predicted: &[Predicted]) -> Opti
 }
 
 /// The first and the last part of every row of neighbouring parts but the whole.
-pub(super) fn spans() -> impl Iterator<Item = (usize, usize)> {
-    let all = (0..PARTS).flat_map(|first| (first..PARTS).map(move |last| (first, last)));
-    all.filter(|(first, last)| last - first + 1 < PARTS)
+pub(super) fn spans(parts: usize) -> impl Iterator<Item = (usize, usize)> {
+    let all = (0..parts).flat_map(move |first| (first..parts).map(move |last| (first, last)));
+    all.filter(move |(first, last)| last - first + 1 < parts)
 }
 
 /// Where a model's effect that acts in a window has what says so.

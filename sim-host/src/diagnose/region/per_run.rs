@@ -36,7 +36,7 @@ pub(super) fn start(
     let gain = |first: usize, last: usize| -> f64 {
         products.iter().filter_map(|of_run| taken_away(of_run, sizes.len(), (first, last))).sum()
     };
-    let windows = spans().map(|(first, last)| (gain(first, last), first, last));
+    let windows = spans(PARTS).map(|(first, last)| (gain(first, last), first, last));
     let best = windows.filter(|(gain, ..)| gain.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0));
     let at = best.and_then(|(gain, first, last)| {
         let placed = window(placed, along, (ends[first], ends[last + 1]), ends)?;

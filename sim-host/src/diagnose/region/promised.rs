@@ -2,11 +2,11 @@
 
 use super::super::search::Search;
 use super::Start;
-use super::ends::{PARTS, parts, sloped, spans, window};
+use super::ends::{parts, sloped, spans, window};
 use crate::identify::data::Run;
 use crate::identify::evaluate::predict;
 use crate::identify::fit::secant::Base;
-use crate::identify::model::ModelEffect;
+use crate::identify::model::{Model, ModelEffect};
 use crate::plant::effects::regional::{Along, Shape, regional};
 use crate::plant::effects::{Parameter, Role};
 use crate::plant::simulate::SimulateError;
@@ -16,6 +16,9 @@ use rayon::prelude::*;
 const LOOKED_AT: usize = 20;
 /// Samples of which all are looked at.
 const SHORT: usize = 40_000;
+/// Parts that are one in a first look, and effects along a variable that get a second look at each part.
+const COARSE: usize = 2;
+const FINE: usize = 16;
 /// Effects that are fitted, each in the forms that promise about as much as its best.
 const FITTED: usize = 6;
 const AS_GOOD: f64 = 0.9;
@@ -23,6 +26,9 @@ const AS_GOOD: f64 = 0.9;
 const TELLING: f64 = 0.1;
 /// Share of the squares beyond the noise that a form must promise to take away to be fitted.
 const PROMISING: f64 = 0.3;
+
+/// An effect, along what it may act in a region, and where the parts of that end.
+type Task<'a> = (&'a ModelEffect, Along, &'a [f64]);
 
 /// The forms that are worth a fit: of the effects that promise most, those that promise about as much as an effect's best.
 pub(super) fn promising(runs: &[Run], search: &Search) -> Result<Vec<ModelEffect>, SimulateError> {
@@ -61,15 +67,10 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
         possible.then(|| [Some(own.clone()), typical].into_iter().flatten())
     });
     let looked_at: Vec<ModelEffect> = placed.take(looks).flatten().collect();
-    let tasks: Vec<(&ModelEffect, &(Along, Vec<f64>))> =
-        looked_at.iter().flat_map(|placed| ranges.iter().map(move |range| (placed, range))).collect();
-    let each = tasks.into_par_iter().map(|(placed, (along, ends))| -> Result<Vec<Start>, SimulateError> {
-        let part = |i: usize| window(placed, *along, (ends[i], ends[i + 1]), ends);
-        let Some(parts) = (0..PARTS).map(part).collect::<Option<Vec<_>>>() else { return Ok(Vec::new()) };
-        let chord = |part| base.chord(&search.baseline.model.with(part), runs);
-        let chords = parts.into_iter().map(chord).collect::<Result<Vec<_>, _>>()?;
-        Ok(base.products(&chords).map_or_else(Vec::new, |products| promised(placed, *along, ends, &products)))
-    });
+    let tasks = looked_at.iter().flat_map(|p| ranges.iter().map(move |r| (p, r.0, r.1.as_slice()))).collect();
+    let look = |task: &Task, step| looked(&base, (&search.baseline.model, runs), task, step);
+    let fine = most_promising(tasks, |task| look(task, COARSE))?;
+    let each = fine.par_iter().map(|task| look(task, 1));
     let mut starts: Vec<Start> = each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     let sized = search.baseline.model.candidates().into_iter();
     for placed in sized.filter_map(|entry| ModelEffect::start(entry, 0, &search.signal_scales)).filter(per_run) {
@@ -78,6 +79,34 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
         }
     }
     Ok(starts)
+}
+
+/// What one linear step promises of an effect in a region whose ends are among every so many of those given.
+fn looked(
+    base: &Base,
+    (model, runs): (&Model, &[Run]),
+    (placed, along, ends): &Task,
+    step: usize,
+) -> Result<Vec<Start>, SimulateError> {
+    let ends: Vec<f64> = ends.iter().copied().step_by(step).collect();
+    let part = |i: usize| window(placed, *along, (ends[i], ends[i + 1]), &ends);
+    let Some(parts) = (0..ends.len() - 1).map(part).collect::<Option<Vec<_>>>() else { return Ok(Vec::new()) };
+    let chord = |part| base.chord(&model.with(part), runs);
+    let chords = parts.into_iter().map(chord).collect::<Result<Vec<_>, _>>()?;
+    Ok(base.products(&chords).map_or_else(Vec::new, |products| promised(placed, *along, &ends, &products)))
+}
+
+/// The tasks that promise most at a coarse look.
+fn most_promising<'a>(
+    tasks: Vec<Task<'a>>,
+    look: impl Fn(&Task<'a>) -> Result<Vec<Start>, SimulateError> + Sync,
+) -> Result<Vec<Task<'a>>, SimulateError> {
+    let most = |task: &Task<'a>| Ok(look(task)?.iter().map(|start| start.gain).fold(0.0, f64::max));
+    let gains = tasks.par_iter().map(most).collect::<Result<Vec<f64>, SimulateError>>()?;
+    let mut ranked: Vec<(f64, Task<'a>)> = gains.into_iter().zip(tasks).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.truncate(FINE);
+    Ok(ranked.into_iter().map(|(_, task)| task).collect())
 }
 
 /// Squares that the stated model, refitted, leaves beyond the noise.
@@ -97,13 +126,16 @@ fn promised(
     ends: &[f64],
     (gram, along_left): &(Vec<Vec<f64>>, Vec<f64>),
 ) -> Vec<Start> {
-    let of = |weights: &[f64; PARTS], other: &[f64; PARTS]| -> f64 {
-        (0..PARTS).map(|i| (0..PARTS).map(|j| weights[i] * other[j] * gram[i][j]).sum::<f64>()).sum()
+    let parts = along_left.len();
+    let of = |weights: &[f64], other: &[f64]| -> f64 {
+        (0..parts).map(|i| (0..parts).map(|j| weights[i] * other[j] * gram[i][j]).sum::<f64>()).sum()
     };
-    let with_left = |weights: &[f64; PARTS]| (0..PARTS).map(|i| weights[i] * along_left[i]).sum::<f64>();
+    let with_left = |weights: &[f64]| weights.iter().zip(along_left).map(|(weight, left)| weight * left).sum::<f64>();
     let mut starts = Vec::new();
-    let inner = |first: usize, last: usize| std::array::from_fn(|i| f64::from((first..=last).contains(&i)));
-    let windows = spans().map(|(first, last)| {
+    let inner = |first: usize, last: usize| -> Vec<f64> {
+        (0..parts).map(|i| f64::from(u8::from((first..=last).contains(&i)))).collect()
+    };
+    let windows = spans(parts).map(|(first, last)| {
         let weights = inner(first, last);
         let (own, c) = (of(&weights, &weights), with_left(&weights));
         let strength = c / own.max(f64::MIN_POSITIVE);
@@ -118,15 +150,15 @@ fn promised(
         // It may end within the outermost part as well as beyond it.
         let within = (
             if first == 0 { 0.5 * (ends[0] + ends[1]) } else { from },
-            if last + 1 == PARTS { 0.5 * (ends[last] + ends[PARTS]) } else { to },
+            if last + 1 == parts { 0.5 * (ends[last] + ends[parts]) } else { to },
         );
         if within != (from, to) {
             starts.extend(window(placed, along, within, ends).map(|placed| Start { placed, gain }));
         }
     }
-    let scale = ends[PARTS].abs().max(ends[0].abs()).max(f64::MIN_POSITIVE);
-    let (even, rising): ([f64; PARTS], [f64; PARTS]) =
-        ([1.0; PARTS], std::array::from_fn(|i| 0.5 * (ends[i] + ends[i + 1]) / scale));
+    let scale = ends[parts].abs().max(ends[0].abs()).max(f64::MIN_POSITIVE);
+    let even = vec![1.0; parts];
+    let rising: Vec<f64> = ends.windows(2).map(|end| 0.5 * (end[0] + end[1]) / scale).collect();
     let (a, b, d) = (of(&even, &even), of(&even, &rising), of(&rising, &rising));
     let (p, q, det) = (with_left(&even), with_left(&rising), a * d - b * b);
     if det > 1e-9 * a * d {

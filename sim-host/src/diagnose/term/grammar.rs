@@ -207,6 +207,20 @@ impl Term {
         all
     }
 
+    /// Terms that remember the last turn, one of each kind at every place: what they do looks like no term without memory that
+    /// follows the same.
+    pub(super) fn turning(kind: Kind) -> Vec<Self> {
+        let turns = |follows: &Follows| !follows.grows() && *follows != Follows::Acceleration;
+        let forms = [(Form::Linear, Memory::Play), (Form::Square, Memory::Relay)];
+        let mut all = Vec::new();
+        for sense in senses(kind).into_iter().filter(|sense| *sense != Sense::Acceleration) {
+            for follows in states(sense, kind).into_iter().filter(turns) {
+                all.extend(forms.map(|(form, memory)| Self { sense, follows, form, memory, times: Times::One }));
+            }
+        }
+        all
+    }
+
     /// True where the library has the same under a name of its own.
     fn is_listed(self) -> bool {
         let force = matches!(self.sense, Sense::Force | Sense::ForcePerMass);

@@ -51,7 +51,8 @@ pub(super) fn screen(fit: &Fit, weighing: &Weighing, sense: Option<Sense>) -> Re
     let fit = Fit::resume(fit.model.clone(), locals, &runs)?;
     let tangents = Tangents::of(&fit, &runs)?;
     let here = |term: &Term| sense.is_none_or(|sense| term.sense == sense);
-    let plain: Vec<Term> = Term::plain(fit.model.kind).into_iter().filter(here).collect();
+    let kind = fit.model.kind;
+    let plain: Vec<Term> = Term::plain(kind).into_iter().chain(Term::turning(kind)).filter(here).collect();
     let mut additions = Vec::new();
     let mut columns = regressed(&tangents, &fit.model, &plain, &reach, &mut additions)?;
     sort(&mut columns);
@@ -61,7 +62,8 @@ pub(super) fn screen(fit: &Fit, weighing: &Weighing, sense: Option<Sense>) -> Re
             groups.push(column.term);
         }
     }
-    let richer: Vec<Term> = groups.into_iter().flat_map(Term::richer).collect();
+    let known = |term: &Term| columns.iter().any(|column| column.term == *term);
+    let richer: Vec<Term> = groups.into_iter().flat_map(Term::richer).filter(|term| !known(term)).collect();
     columns.extend(regressed(&tangents, &fit.model, &richer, &reach, &mut additions)?);
     sort(&mut columns);
     let stability = stabilities(&tangents, &additions, &columns);
