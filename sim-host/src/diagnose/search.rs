@@ -51,8 +51,6 @@ const HOPEFUL: usize = 4;
 const DOUBLES: usize = 8;
 /// A gain of squares no larger than this is nothing: chance over the whole library.
 pub(super) const CHANCE: f64 = 30.0;
-/// chi2 above which a refitted model may be bent.
-const BENT: f64 = 4.0;
 /// What is left of the baseline's excess when growing stops.
 const SETTLED: f64 = 0.008;
 /// The same on the stretches that weigh.
@@ -78,10 +76,6 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
         parents = fit_near(prepared, &search.baseline)?.map_or(parents, |near| vec![near]);
     } else {
         parents.extend(fit_from_near(prepared, &search.baseline)?);
-    }
-    // So are the stated values themselves.
-    if search.baseline.chi2() > BENT {
-        parents.push(Fit::begin(prepared.model.clone(), runs)?);
     }
     let mut beyond = usize::from(depth == Depth::OneMore);
     for size in 0..MOST {

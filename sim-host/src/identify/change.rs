@@ -1,7 +1,7 @@
 //! What changed on a table between two dates: the same model fitted to both experiments, number by number.
 //!
 //! A difference is judged by both fits' deviations together, against a threshold that all its numbers share, so that of a
-//! hundred pairs of the same table about one shows anything (Bonferroni).
+//! thousand pairs of the same table about one shows anything (Bonferroni).
 
 use super::interval::NINETY;
 use super::outcome::{Identified, IdentifyError, identify};
@@ -10,7 +10,7 @@ use crate::recording::Experiment;
 use serde::Serialize;
 
 /// Chance that anything is reported changed on a table that is the same.
-const FALSE_ALARM: f64 = 0.01;
+const FALSE_ALARM: f64 = 0.001;
 
 /// One number on both dates.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -122,7 +122,9 @@ fn answer(diagnosis: &Diagnosis) -> String {
         Verdict::Consistent => "The model explains the recordings to within their noise; nothing is missing.".into(),
         Verdict::BadData => "The recordings cannot be believed as they are; the findings say why.".into(),
         Verdict::Mismatch if names == ["unlisted"] => {
-            let part = diagnosis.part_explained.as_ref().map_or(String::new(), |part| {
+            let nearest =
+                diagnosis.part_explained.as_ref().filter(|part| part.share > 0.0 || diagnosis.refusal.is_some());
+            let part = nearest.map_or(String::new(), |part| {
                 let ids = part.ids.join(" with ");
                 diagnosis.refusal.map_or_else(
                     || format!(" The nearest it holds, {ids}, explains {:.0} % of the excess.", 100.0 * part.share),
