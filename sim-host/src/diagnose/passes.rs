@@ -43,11 +43,12 @@ pub(super) fn conclude(
     reopening: Reopening,
 ) -> Result<Concluded, SimulateError> {
     let mut first = with_right_clock(whole, &mut seen, options)?;
-    if reopening == Reopening::Never || !first.conclusion.unforeseen() {
+    if !first.conclusion.unforeseen() {
         return Ok(first);
     }
     let rows = |runs: &[Run]| runs.iter().map(Run::len).sum::<usize>();
-    if rows(&seen.fit) + rows(&first.conclusion.judging) / 2 > 2 * SEARCHED {
+    let too_many = rows(&seen.fit) + rows(&first.conclusion.judging) / 2 > 2 * SEARCHED;
+    if too_many || reopening == Reopening::Never {
         first.conclusion.note_what_is_left_there();
         return Ok(first);
     }
