@@ -1,9 +1,10 @@
 //! Whether what the library's effects leave as they stand is one of them in a part of the runs or of the state alone, or with a
 //! strength that changes along it.
 //!
-//! Of every effect that explains something alone, what it would do in each tenth of a run's time, stroke or speed is simulated. The
-//! sums over neighbouring tenths say in one linear step which window, and which slope, takes most away; the best few are fitted
-//! to the end and weighed as every other hypothesis is, their ends and slopes being parameters with a price.
+//! Of every effect that explains something alone, what it would do in each fifth of a run's time, stroke or speed is simulated, and
+//! in each tenth where that promises most. The sums over neighbouring parts say in one linear step which window, and which slope,
+//! takes most away; the best few are fitted to the end and weighed as every other hypothesis is, their ends and slopes being
+//! parameters with a price.
 
 mod ends;
 mod finish;

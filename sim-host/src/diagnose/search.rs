@@ -1,5 +1,6 @@
 //! Grows the stated model by effects of the library: one look at every effect from all its starting values, a few steps
-//! for those that promise most, the best to the end; then pairs around the best singles, then triples around the best pairs.
+//! for those that promise most, the best to the end; then pairs around the best singles, then triples around the best pairs where
+//! these leave less than singles do.
 
 mod candidate_starts;
 mod details;
@@ -95,7 +96,7 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
         let left = (best.chi2() - 1.0) / (search.baseline.chi2() - 1.0).max(1e-9);
         let settled = left < SETTLED && best.chi2() < 1.0 + CALIBRATION.hidden;
         let done = !bent(best) && (explains(best) || settled) && held_back.reaches(best)?;
-        let smaller = size.checked_sub(1).and_then(|smaller| search.grown[smaller].first());
+        let smaller = size.checked_sub(1).and_then(|size| search.grown[size].first());
         let futile = smaller.is_some_and(|fit| best.chi2() - 1.0 > FUTILE * (fit.chi2() - 1.0)) && !explains(best);
         if gain < CHANCE || (done && beyond == 0) || (futile && !bent(best)) {
             break;

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 const LOOKED_AT: usize = 20;
 /// Samples of which all are looked at.
 const SHORT: usize = 40_000;
-/// Parts that are one in a first look, and effects along a variable that get a second look at each part.
+/// Parts that are one in a first look, and how many pairs of an effect and a variable get a second look at each part.
 const COARSE: usize = 2;
 const FINE: usize = 16;
 /// Effects that are fitted, each in the forms that promise about as much as its best.
@@ -67,7 +67,8 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
         possible.then(|| [Some(own.clone()), typical].into_iter().flatten())
     });
     let looked_at: Vec<ModelEffect> = placed.take(looks).flatten().collect();
-    let tasks = looked_at.iter().flat_map(|p| ranges.iter().map(move |r| (p, r.0, r.1.as_slice()))).collect();
+    let along = |placed| ranges.iter().map(move |(along, ends)| (placed, *along, ends.as_slice()));
+    let tasks = looked_at.iter().flat_map(along).collect();
     let look = |task: &Task, step| looked(&base, (&search.baseline.model, runs), task, step);
     let fine = most_promising(tasks, |task| look(task, COARSE))?;
     let each = fine.par_iter().map(|task| look(task, 1));
@@ -133,7 +134,7 @@ fn promised(
     let with_left = |weights: &[f64]| weights.iter().zip(along_left).map(|(weight, left)| weight * left).sum::<f64>();
     let mut starts = Vec::new();
     let inner = |first: usize, last: usize| -> Vec<f64> {
-        (0..parts).map(|i| f64::from(u8::from((first..=last).contains(&i)))).collect()
+        (0..parts).map(|i| f64::from((first..=last).contains(&i))).collect()
     };
     let windows = spans(parts).map(|(first, last)| {
         let weights = inner(first, last);

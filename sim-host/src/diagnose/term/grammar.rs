@@ -194,9 +194,8 @@ impl Term {
         use Form::{Cube, Direction, Linear, Magnitude, OddSquare, Root, Square};
         let base = Self { times: Times::One, memory: Memory::None, ..self };
         let mut all = vec![Self { form: Form::Wave, ..base }];
-        let remembers = !self.follows.grows() && self.sense != Sense::Acceleration;
         let with = |form, memory| Self { form, memory, ..base };
-        if remembers {
+        if self.may_remember() {
             let forms = [Linear, Magnitude, OddSquare, Square, Cube, Root];
             all.extend(forms.map(|form| with(form, Memory::Lag)));
             all.extend(forms[1..].iter().map(|&form| with(form, Memory::Late)));
@@ -210,15 +209,20 @@ impl Term {
     /// Terms that remember the last turn, one of each kind at every place: what they do looks like no term without memory that
     /// follows the same.
     pub(super) fn turning(kind: Kind) -> Vec<Self> {
-        let turns = |follows: &Follows| !follows.grows() && *follows != Follows::Acceleration;
         let forms = [(Form::Linear, Memory::Play), (Form::Square, Memory::Relay)];
         let mut all = Vec::new();
-        for sense in senses(kind).into_iter().filter(|sense| *sense != Sense::Acceleration) {
-            for follows in states(sense, kind).into_iter().filter(turns) {
+        for sense in senses(kind) {
+            for follows in states(sense, kind) {
                 all.extend(forms.map(|(form, memory)| Self { sense, follows, form, memory, times: Times::One }));
             }
         }
+        all.retain(|term| term.may_remember());
         all
+    }
+
+    /// True where memory adds something to what a term follows: what only grows has no last turn.
+    fn may_remember(self) -> bool {
+        !self.follows.grows() && self.sense != Sense::Acceleration
     }
 
     /// True where the library has the same under a name of its own.

@@ -52,9 +52,9 @@ pub(super) fn screen(fit: &Fit, weighing: &Weighing, sense: Option<Sense>) -> Re
     let tangents = Tangents::of(&fit, &runs)?;
     let here = |term: &Term| sense.is_none_or(|sense| term.sense == sense);
     let kind = fit.model.kind;
-    let plain: Vec<Term> = Term::plain(kind).into_iter().chain(Term::turning(kind)).filter(here).collect();
+    let asked: Vec<Term> = Term::plain(kind).into_iter().chain(Term::turning(kind)).filter(here).collect();
     let mut additions = Vec::new();
-    let mut columns = regressed(&tangents, &fit.model, &plain, &reach, &mut additions)?;
+    let mut columns = regressed(&tangents, &fit.model, &asked, &reach, &mut additions)?;
     sort(&mut columns);
     let mut groups: Vec<Term> = Vec::new();
     for column in &columns {
