@@ -1,13 +1,15 @@
 //! What changed on a table between two dates: the same model fitted to both experiments, number by number.
 //!
-//! A difference is judged by both fits' deviations together, against a threshold that all its numbers share, so that of a
-//! thousand pairs of the same table about one shows anything (Bonferroni).
+//! A difference is judged by the deviation that the stretches of both experiments tell together, against a threshold that all
+//! numbers share, so that of a thousand pairs of the same table about one shows anything (Bonferroni).
 
+use super::covariance::Variance;
 use super::interval::NINETY;
 use super::outcome::{Identified, IdentifyError, identify};
 use super::quantity::Quantity;
 use crate::recording::Experiment;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Chance that anything is reported changed on a table that is the same.
 const FALSE_ALARM: f64 = 0.001;
@@ -82,15 +84,29 @@ fn fitted(experiment: &Experiment) -> Result<Identified, CompareError> {
 fn changes(before: &Identified, after: &Identified) -> Vec<Change> {
     let pairs: Vec<_> = before.quantities.iter().zip(after.quantities.values()).collect();
     let threshold = normal_quantile(1.0 - FALSE_ALARM / (2.0 * pairs.len().max(1) as f64));
-    let mut rated: Vec<(f64, Change)> = pairs.into_iter().map(|((name, b), a)| change(name, b, a, threshold)).collect();
+    let pooled = pooled(before, after);
+    let judged = |((name, b), a): ((&String, _), _)| {
+        change(name, (b, a), pooled.get(name.as_str()).copied().unwrap_or(1.0), threshold)
+    };
+    let mut rated: Vec<(f64, Change)> = pairs.into_iter().map(judged).collect();
     rated.sort_by(|(x, _), (y, _)| y.total_cmp(x));
     rated.into_iter().map(|(_, change)| change).collect()
 }
 
+/// The deviation of each number's difference that both fits tell together, as a share of what their own add up to: each own one is the larger
+/// of two estimates and widened for its few stretches, and so is the sum of two twice over.
+fn pooled(before: &Identified, after: &Identified) -> BTreeMap<String, f64> {
+    let (Some(b), Some(a)) = (before.fit.variances(), after.fit.variances()) else { return BTreeMap::new() };
+    let model = &before.fit.model;
+    let free = model.names().into_iter().zip(model.values()).filter(|(_, value)| value.free).map(|(name, _)| name);
+    let share = |(b, a): (Variance, Variance)| (b.with(a).honest() / (b.honest() + a.honest())).sqrt();
+    free.zip(b.into_iter().zip(a).map(share)).collect()
+}
+
 /// A change with how many deviations it is.
-fn change(name: &str, before: &Quantity, after: &Quantity, threshold: f64) -> (f64, Change) {
+fn change(name: &str, (before, after): (&Quantity, &Quantity), pooled: f64, threshold: f64) -> (f64, Change) {
     let difference = after.value - before.value;
-    let root = |a: Option<f64>, b: Option<f64>| Some(a?.hypot(b?));
+    let root = |a: Option<f64>, b: Option<f64>| Some(pooled * a?.hypot(b?));
     let below = |q: &Quantity| q.low.map(|low| q.value - low);
     let above = |q: &Quantity| q.high.map(|high| high - q.value);
     let (down, up) = (root(below(after), above(before)), root(above(after), below(before)));
@@ -135,12 +151,12 @@ mod tests {
 
     #[test]
     fn a_difference_within_both_intervals_is_no_change() {
-        let judged = |a: f64, b: f64| change("a1", &quantity(a, 1.645), &quantity(b, 1.645), 3.0).1;
+        let judged = |a: f64, b: f64| change("a1", (&quantity(a, 1.645), &quantity(b, 1.645)), 1.0, 3.0).1;
         assert_eq!(judged(50.0, 54.0).changed, Some(false), "2.8 deviations");
         let far = judged(50.0, 55.0);
         assert_eq!(far.changed, Some(true), "3.5 deviations");
         assert!((far.high.unwrap() - 5.0 - 1.645 * 2f64.sqrt()).abs() < 1e-12 && far.share == Some(0.1));
-        let open = change("a1", &Quantity { high: None, ..quantity(50.0, 1.0) }, &quantity(40.0, 1.0), 3.0).1;
+        let open = change("a1", (&Quantity { high: None, ..quantity(50.0, 1.0) }, &quantity(40.0, 1.0)), 1.0, 3.0).1;
         assert!(open.low.is_none() && open.changed == Some(true), "what points towards no change is bounded: {open:?}");
     }
 }

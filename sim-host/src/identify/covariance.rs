@@ -20,8 +20,50 @@ const MOST: f64 = 0.9;
 /// Fewest stretches that a spread counts to be estimated from.
 const FEWEST: f64 = 2.0;
 
+/// A parameter's variance, told in two ways.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Variance {
+    /// From how far each stretch moves it.
+    spread: f64,
+    /// Equal stretches that the spread is worth.
+    parts: f64,
+    /// From the curvature of the squares and the misfit where it shows.
+    curved: f64,
+}
+
+impl Variance {
+    /// The one to count with: where residuals are white the curvature alone is the sharper estimate; the larger of the two is honest.
+    pub(super) fn honest(self) -> f64 {
+        (self.spread * (student(self.parts) / NINETY).powi(2)).max(self.curved)
+    }
+
+    /// That of the difference of two, whose stretches tell one spread: of more stretches, and chosen once as the larger. Its degrees of
+    /// freedom are those of B. L. Welch, "The generalization of `Student's' problem when several different population variances are
+    /// involved", Biometrika 34 (1947) 28-35.
+    pub(super) fn with(self, other: Self) -> Self {
+        let spread = self.spread + other.spread;
+        let unsure = self.spread.powi(2) / self.parts + other.spread.powi(2) / other.parts;
+        Self { spread, parts: spread.powi(2) / unsure.max(f64::MIN_POSITIVE), curved: self.curved + other.curved }
+    }
+}
+
 /// Covariance of all parameters, in the order of the normal equations; none where the data do not determine them.
 pub(super) fn covariance(normal: &Normal) -> Option<DMatrix<f64>> {
+    let (spread, variances) = told_twice(normal)?;
+    Some(DMatrix::from_fn(
+        spread.nrows(),
+        spread.nrows(),
+        |i, j| if i == j { variances[i].honest() } else { spread[(i, j)] },
+    ))
+}
+
+/// The variance of every parameter, in the order of the normal equations; none where the data do not determine them.
+pub(super) fn variances(normal: &Normal) -> Option<Vec<Variance>> {
+    told_twice(normal).map(|(_, variances)| variances)
+}
+
+/// The covariance that the stretches tell, and the variances with what the curvature says beside.
+fn told_twice(normal: &Normal) -> Option<(DMatrix<f64>, Vec<Variance>)> {
     let n = normal.gradient.len();
     let inverse = normal.inverse()?;
     let chi2 = (normal.squares / (normal.rows as f64 - n as f64).max(1.0)).max(1.0);
@@ -33,10 +75,13 @@ pub(super) fn covariance(normal: &Normal) -> Option<DMatrix<f64>> {
         misfit += &shares * (block.squares / block.rows as f64);
         concentration += shares.map(|share| share * share);
     }
-    let widened = |i: usize| spread[(i, i)] * (student(1.0 / concentration[i]) / NINETY).powi(2);
-    // Where residuals are white the curvature alone is the sharper estimate; the larger of the two is honest.
-    let curved = |i: usize| inverse[(i, i)] * chi2.max(misfit[i]);
-    Some(DMatrix::from_fn(n, n, |i, j| if i == j { widened(i).max(curved(i)) } else { spread[(i, j)] }))
+    let variance = |i: usize| Variance {
+        spread: spread[(i, i)],
+        parts: (1.0 / concentration[i]).max(FEWEST),
+        curved: inverse[(i, i)] * chi2.max(misfit[i]),
+    };
+    let variances = (0..n).map(variance).collect();
+    Some((spread, variances))
 }
 
 /// What share of all that is known of each parameter a block knows, and by how much its residuals alone would move each
@@ -85,6 +130,16 @@ mod tests {
         for (parts, width) in [(2.0, 2.920), (3.0, 2.353), (5.0, 2.015), (10.0, 1.812), (30.0, 1.697), (1e9, 1.645)] {
             assert!((student(parts) / width - 1.0).abs() < 0.03, "{parts}: {} {width}", student(parts));
         }
+    }
+
+    /// Two spreads of two stretches each are one of four; the larger of spread and curvature is chosen once.
+    #[test]
+    fn a_difference_pools_what_both_tell() {
+        let one = Variance { spread: 1.0, parts: 2.0, curved: 0.5 };
+        assert_eq!(one.with(one), Variance { spread: 2.0, parts: 4.0, curved: 1.0 });
+        assert!(one.with(one).honest() < 2.0 * one.honest());
+        let curved = Variance { curved: 9.0, ..one };
+        assert!((one.with(curved).honest() - 9.5).abs() < 1e-12);
     }
 
     /// Residuals that are alike through a block count once a block: the spread of the blocks' means is the error.

@@ -5,7 +5,7 @@ mod idle;
 pub(crate) mod secant;
 pub(crate) mod tangents;
 
-use super::covariance::covariance;
+use super::covariance::{Variance, covariance, variances};
 use super::data::Run;
 use super::evaluate::{Local, normal, residuals};
 use super::model::{Model, Value};
@@ -167,6 +167,13 @@ impl Fit {
     /// Covariance of the free shared parameters' coordinates; none where the data do not determine them.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         Some(self.shared(&covariance(&self.normal)?))
+    }
+
+    /// How the variance of each free shared coordinate is told; none where the data do not determine them.
+    pub(super) fn variances(&self) -> Option<Vec<Variance>> {
+        let mut all = variances(&self.normal)?;
+        all.truncate(self.model.free_values());
+        Some(all)
     }
 
     /// Inverse of the curvature of the squares by the free shared values' coordinates, all else fitted along; none where the data do not
