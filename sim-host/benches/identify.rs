@@ -59,7 +59,7 @@ fn recorded(number: usize) -> Run {
         0.05 / f64::from(i + 1) * (std::f64::consts::TAU * hz * k as f64 * DT + f64::from(i) * number as f64).sin()
     };
     let input: Vec<f64> = (0..n).map(|k| (k as f64 * DT).min(1.0) * (0..8).map(|i| tone(k, i)).sum::<f64>()).collect();
-    let channel = |channel, noise| Measured { channel, values: vec![0.0; n], noise, estimated: false, judged: true };
+    let channel = |channel, noise| Measured { channel, values: vec![0.0; n], noise, stated: Some(noise), judged: true };
     let mut run = Run {
         name: format!("run {number}"),
         dt: DT,

@@ -167,7 +167,7 @@ fn about_trend(series: &[f64]) -> Vec<f64> {
 /// A run like `pattern` but for what drives it, from rest, nothing filtered, that shows these channels.
 fn watching(pattern: &Run, channels: &[Channel], input: Vec<f64>, law: SimulatedLaw) -> Run {
     let noise = pattern.channel(Channel::Displacement).map_or(0.0, |m| m.noise);
-    let of = |&channel: &Channel| Measured { channel, values: Vec::new(), noise, estimated: false, judged: true };
+    let of = |&channel: &Channel| Measured { channel, values: Vec::new(), noise, stated: Some(noise), judged: true };
     let measured = channels.iter().map(of).collect();
     Run { measured, input, law, added: Vec::new(), moving_start: false, filter: None, ..pattern.clone() }
 }

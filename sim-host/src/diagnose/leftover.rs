@@ -63,7 +63,7 @@ impl Followed {
     /// Of runs and their predictions.
     pub(super) fn of(runs: &[Run], predicted: &[Predicted]) -> Self {
         let measured = runs.iter().flat_map(|run| &run.measured);
-        let estimated = measured.filter(|m| m.judged && m.estimated).map(|m| m.channel).collect();
+        let estimated = measured.filter(|m| m.judged && m.stated.is_none()).map(|m| m.channel).collect();
         Self { structures: structures(runs, predicted), estimated, fitted: Vec::new() }
     }
 

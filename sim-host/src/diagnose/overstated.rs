@@ -3,7 +3,7 @@
 use super::judged::{Decision, ScoredModel};
 use super::search::Search;
 use super::split::Weighing;
-use crate::identify::data::Channel;
+use crate::identify::data::{Channel, Run};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 
@@ -16,11 +16,24 @@ const ASKED: usize = 2;
 /// Power that a model leaves of the channels that judge, in that of their noise.
 type Powers = Vec<(Channel, f64)>;
 
+/// Share of the power of a noise as it was stated beyond which more than that noise is left.
+const MORE: f64 = 1.02;
+
 /// What the accepted model leaves, where it names something and leaves less than noise of a channel.
-pub(super) fn by_names(decision: &Decision) -> Option<Powers> {
+pub(super) fn by_names(weighing: &Weighing, decision: &Decision) -> Option<Powers> {
     let named = !decision.unlisted && !decision.accepted.added.is_empty();
     let powers = powers(&decision.accepted);
-    (named && is_less(&powers)).then_some(powers)
+    (named && is_less(&powers) && !as_stated(&powers, weighing.weighed())).then_some(powers)
+}
+
+/// True where what is left of each channel is the noise that was stated of it, though more was believed of it: it was raised to what
+/// the stated model leaves between neighbouring samples, and what the names take away there was no noise.
+fn as_stated(powers: &Powers, runs: &[Run]) -> bool {
+    let measured = |channel: Channel| runs.iter().find_map(|run| run.channel(channel));
+    powers.iter().filter(|(_, power)| *power < LESS).all(|(channel, power)| {
+        let raised = measured(*channel).and_then(|m| Some((m.noise / m.stated?).powi(2)));
+        raised.is_some_and(|raised| (LESS..MORE).contains(&(power * raised)))
+    })
 }
 
 /// The least that any of the best models of a search leaves, where that is less than noise of a channel.

@@ -96,7 +96,7 @@ pub(super) fn with_noise_as_left(
     let cut = |whole: &Prepared, seen: &Prepared| split(whole.clone(), Some(seen.clone()));
     let first = cut(whole, seen);
     let selected = select(&first.weighing, options)?;
-    let Some(left) = overstated::by_names(&selected.decision) else { return Ok((first, selected)) };
+    let Some(left) = overstated::by_names(&first.weighing, &selected.decision) else { return Ok((first, selected)) };
     options.say("looking beneath a noise that was stated too large", 0.1);
     let mut lowered = [seen.clone(), whole.clone()];
     for prepared in &mut lowered {

@@ -55,9 +55,15 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     accept(weighing, decision, &mut found)
 }
 
-/// True where names are few and leave nothing: there is then nothing to look for.
+/// False where one name is enough or several leave nothing: there is then nothing to look for.
 fn is_open(decision: &Decision) -> bool {
-    decision.unlisted || decision.more_missing || decision.accepted.added.len() > 1
+    let several = decision.accepted.added.len() > 1 && left(&decision.accepted) > 0.0;
+    decision.unlisted || decision.more_missing || several
+}
+
+/// Excess of chi2 on the stretches that weigh.
+fn left(judged: &ScoredModel) -> f64 {
+    (judged.hold.chi2 - 1.0).max(0.0)
 }
 
 /// Weighs what was found with all others, and accepts the best of it where it stands and costs less.
@@ -73,7 +79,6 @@ fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<ScoredModel>)
         new
     });
     let Some(best) = found.first() else { return Ok(decision) };
-    let left = |judged: &ScoredModel| (judged.hold.chi2 - 1.0).max(0.0);
     let better = ranking.cost(best) < ranking.cost(present) && left(best) < CALIBRATION.region * left(present);
     if !better || !is_justified(before, before, best, false) || outside(before, best).0 {
         return Ok(decision);

@@ -1,7 +1,7 @@
 //! What the accepted model is mistaken for, fitted as thoroughly as it: a double that a short look left half way must not lose
 //! for that.
 
-use super::search::{CandidateStart, Search, candidate_starts, detailed};
+use super::search::{CandidateStart, Search, brief, candidate_starts, detailed};
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::secant::Base;
@@ -17,6 +17,8 @@ const FULL: Effort = Effort { steps: 12, tolerance: 1e-4 };
 /// Strangers that are looked at in the place of each effect of several, and how many of them are taken further.
 const STRANGERS: usize = 4;
 const NEAREST: usize = 2;
+/// Share of what the accepted effect explains that another in its place may leave of it and still matter.
+const NEAR: f64 = 0.1;
 
 /// The accepted model with each of its added effects in turn put out for one that it is mistaken for, by the library's own
 /// word; of several effects, for what else promises most in its place too: what looks like an effect alone may not beside
@@ -24,90 +26,113 @@ const NEAREST: usize = 2;
 pub(super) fn rivals(weighing: &Weighing, accepted: &Fit, search: &Search) -> Result<Vec<Fit>, SimulateError> {
     let added = accepted.model.ids_beside(&weighing.model().ids());
     let ours = accepted.model.effects.iter().filter(|p| added.contains(&p.entry.id));
-    let mut tasks = Vec::new();
-    for placed in ours {
-        let rest = accepted.model.without(placed.entry.id);
-        for double in accepted.model.candidates().into_iter().filter(|double| alike(placed.entry, double)) {
-            tasks.push((rest.clone(), double));
-        }
+    let vacancies = ours.map(|placed| Vacancy::of(accepted, placed.entry, weighing.fitted()));
+    let vacancies = vacancies.collect::<Result<Vec<_>, _>>()?;
+    let known = accepted.model.candidates();
+    let mut tasks: Vec<(&Vacancy, &'static Entry)> = Vec::new();
+    for vacancy in &vacancies {
+        tasks.extend(known.iter().filter(|double| alike(vacancy.out, double)).map(|double| (vacancy, *double)));
     }
-    let fitted = |(rest, double): (Model, &'static Entry)| thorough(weighing.fitted(), accepted, &rest, double, search);
+    let fitted = |(vacancy, double): (&Vacancy, &'static Entry)| vacancy.thorough(double, search);
     let fits = tasks.into_par_iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
     let mut fits: Vec<Fit> = fits.into_iter().flatten().collect();
     if added.len() > 1 {
-        let ours = accepted.model.effects.iter().filter(|p| added.contains(&p.entry.id));
-        for placed in ours {
-            fits.extend(strangers(weighing.fitted(), accepted, placed.entry, &search.signal_scales)?);
+        for vacancy in &vacancies {
+            fits.extend(vacancy.strangers(&search.signal_scales)?);
         }
     }
     Ok(fits)
 }
 
-/// What promises most in the place of one effect of the accepted model, but for what that is mistaken for.
-fn strangers(
-    runs: &[Run],
-    accepted: &Fit,
+/// The place of one effect of the accepted model, to be filled by others.
+struct Vacancy<'a> {
+    accepted: &'a Fit,
     out: &'static Entry,
-    signal_scales: &SignalScales,
-) -> Result<Vec<Fit>, SimulateError> {
-    let mut rest = Fit::resume(accepted.model.without(out.id), accepted.locals.clone(), runs)?;
-    rest.improve(runs, LOOK)?;
-    let Some(base) = Base::of(&rest, runs)? else { return Ok(Vec::new()) };
-    let mut starts = candidate_starts(std::slice::from_ref(&rest), &[], signal_scales);
-    starts.retain(|start| start.placed.entry.id != out.id && !alike(out, start.placed.entry));
-    let look = |start: CandidateStart| Ok(start.look(&base, runs)?.map(|promised| (promised, start.placed)));
-    let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, SimulateError>>()?;
-    let mut looks: Vec<(f64, ModelEffect)> = looks.into_iter().flatten().collect();
-    looks.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    let mut seen: Vec<&str> = Vec::new();
-    looks.retain(|(_, placed)| {
-        let new = !seen.contains(&placed.entry.id);
-        seen.push(placed.entry.id);
-        new && seen.len() <= STRANGERS
-    });
-    let begun = |(_, placed): (f64, ModelEffect)| -> Result<Fit, SimulateError> {
-        let mut fit = Fit::resume(rest.model.with(placed), accepted.locals.clone(), runs)?;
-        fit.improve(runs, LOOK)?;
+    runs: &'a [Run],
+    rest: Model,
+    /// The beginnings of the runs on which others are looked at, where these are long.
+    beginnings: Option<Vec<Run>>,
+    /// Squares near which another must come to matter.
+    goal: f64,
+}
+
+impl<'a> Vacancy<'a> {
+    fn of(accepted: &'a Fit, out: &'static Entry, runs: &'a [Run]) -> Result<Self, SimulateError> {
+        let without = Fit::resume(accepted.model.without(out.id), accepted.locals.clone(), runs)?;
+        let goal = accepted.squares + NEAR * (without.squares - accepted.squares);
+        Ok(Self { beginnings: brief(&without, runs)?, rest: without.model, accepted, out, runs, goal })
+    }
+
+    /// What others are looked at on.
+    fn seen(&self) -> &[Run] {
+        self.beginnings.as_deref().unwrap_or(self.runs)
+    }
+
+    fn begun(&self, placed: ModelEffect) -> Result<Fit, SimulateError> {
+        Fit::resume(self.rest.with(placed), self.accepted.locals.clone(), self.seen())
+    }
+
+    /// A fit to what was seen taken on to all runs, as far as it may matter there.
+    fn on_all(&self, fit: Fit) -> Result<Fit, SimulateError> {
+        let mut fit = if self.beginnings.is_some() { Fit::resume(fit.model, fit.locals, self.runs)? } else { fit };
+        fit.improve_towards(self.runs, FULL, self.goal)?;
         Ok(fit)
-    };
-    let mut fits = looks.into_par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
-    fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
-    fits.truncate(NEAREST);
-    fits.par_iter_mut().try_for_each(|fit| fit.improve(runs, FULL))?;
-    Ok(fits)
+    }
+
+    /// What promises most in this place, but for what its effect is mistaken for.
+    fn strangers(&self, signal_scales: &SignalScales) -> Result<Vec<Fit>, SimulateError> {
+        let seen = self.seen();
+        let mut rest = Fit::resume(self.rest.clone(), self.accepted.locals.clone(), seen)?;
+        rest.improve(seen, LOOK)?;
+        let Some(base) = Base::of(&rest, seen)? else { return Ok(Vec::new()) };
+        let mut starts = candidate_starts(std::slice::from_ref(&rest), &[], signal_scales);
+        starts.retain(|start| start.placed.entry.id != self.out.id && !alike(self.out, start.placed.entry));
+        let look = |start: CandidateStart| Ok(start.look(&base, seen)?.map(|promised| (promised, start.placed)));
+        let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, SimulateError>>()?;
+        let mut looks: Vec<(f64, ModelEffect)> = looks.into_iter().flatten().collect();
+        looks.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let mut known: Vec<&str> = Vec::new();
+        looks.retain(|(_, placed)| {
+            let new = !known.contains(&placed.entry.id);
+            known.push(placed.entry.id);
+            new && known.len() <= STRANGERS
+        });
+        let begun = |(_, placed): (f64, ModelEffect)| -> Result<Fit, SimulateError> {
+            let mut fit = Fit::resume(rest.model.with(placed), self.accepted.locals.clone(), seen)?;
+            fit.improve(seen, LOOK)?;
+            Ok(fit)
+        };
+        let mut fits = looks.into_par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;
+        fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+        fits.truncate(NEAREST);
+        fits.into_par_iter().map(|fit| self.on_all(fit)).collect()
+    }
+
+    /// The double's best fit: on from where the search left it, or from its most promising start.
+    fn thorough(&self, double: &'static Entry, search: &Search) -> Result<Option<Fit>, SimulateError> {
+        let placed = (0..).map_while(|i| ModelEffect::start(double, i, &search.signal_scales));
+        let mut starts = placed.map(|placed| self.begun(placed)).collect::<Result<Vec<_>, _>>()?;
+        // What a linear step promises from far away is little: every start is taken some way.
+        starts.iter_mut().try_for_each(|start| start.improve(self.seen(), LOOK))?;
+        let Some(mut fresh) = starts.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares)) else {
+            return Ok(None);
+        };
+        let set = fresh.model.ids();
+        fresh.improve(self.seen(), FULL)?;
+        let fresh = detailed(&fresh, self.seen(), FULL)?.unwrap_or(fresh);
+        let begun = search.grown.iter().flatten().find(|fit| fit.model.ids() == set).cloned();
+        let mut best = if self.beginnings.is_some() { self.on_all(fresh)? } else { fresh };
+        if let Some(mut begun) = begun {
+            begun.improve_towards(self.runs, FULL, self.goal)?;
+            if begun.squares < best.squares {
+                best = begun;
+            }
+        }
+        Ok(Some(best))
+    }
 }
 
 /// True where the library says that one is mistaken for the other.
 pub(super) fn alike(a: &Entry, b: &Entry) -> bool {
     a.mistaken_for.contains(&b.id) || b.mistaken_for.contains(&a.id)
-}
-
-/// The double's best fit: on from where the search left it, or from its most promising start.
-fn thorough(
-    runs: &[Run],
-    accepted: &Fit,
-    rest: &Model,
-    double: &'static Entry,
-    search: &Search,
-) -> Result<Option<Fit>, SimulateError> {
-    let mut starts = Vec::new();
-    for placed in (0..).map_while(|i| ModelEffect::start(double, i, &search.signal_scales)) {
-        starts.push(Fit::resume(rest.with(placed), accepted.locals.clone(), runs)?);
-    }
-    // What a linear step promises from far away is little: every start is taken some way.
-    starts.iter_mut().try_for_each(|start| start.improve(runs, LOOK))?;
-    let Some(mut fresh) = starts.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares)) else { return Ok(None) };
-    let set = fresh.model.ids();
-    let seen = search.grown.iter().flatten().find(|fit| fit.model.ids() == set);
-    fresh.improve(runs, FULL)?;
-    let mut best = fresh;
-    best = detailed(&best, runs, FULL)?.unwrap_or(best);
-    if let Some(seen) = seen {
-        let mut seen = seen.clone();
-        seen.improve(runs, FULL)?;
-        if seen.squares < best.squares {
-            best = seen;
-        }
-    }
-    Ok(Some(best))
 }

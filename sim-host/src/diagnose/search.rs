@@ -2,6 +2,7 @@
 //! for those that promise most, the best to the end; then pairs around the best singles, then triples around the best pairs where
 //! these leave less than singles do.
 
+mod brief;
 mod candidate_starts;
 mod details;
 
@@ -14,6 +15,7 @@ use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
+pub(super) use brief::brief;
 pub(super) use candidate_starts::{CandidateStart, candidate_starts};
 use candidate_starts::{screen_by_fit, screen_by_secant};
 use details::detail;
@@ -209,13 +211,39 @@ fn grow_each(parents: &[Fit], runs: &[Run], signal_scales: &SignalScales) -> Res
     Ok(all)
 }
 
-/// Models with one effect more than their parents, best first; each set of effects once.
+/// Models with one effect more than their parents, best first; each set of effects once. Where the runs are long they are looked at on
+/// the beginnings of these and fitted to all from there.
 fn grow(
     parents: &[Fit],
     singles: &[Fit],
     runs: &[Run],
     signal_scales: &SignalScales,
 ) -> Result<Vec<Fit>, SimulateError> {
+    let beginnings = parents.first().map_or(Ok(None), |parent| brief(parent, runs))?;
+    let seen = beginnings.as_deref().unwrap_or(runs);
+    let on = |fit: &Fit, runs: &[Run]| Fit::resume(fit.model.clone(), fit.locals.clone(), runs);
+    let parents = match beginnings {
+        Some(_) => &parents.par_iter().map(|parent| on(parent, seen)).collect::<Result<Vec<_>, _>>()?,
+        None => parents,
+    };
+    let (mut fits, finalists) = looked_at(parents, singles, seen, signal_scales)?;
+    if beginnings.is_some() {
+        fits = fits.par_iter().map(|fit| on(fit, runs)).collect::<Result<Vec<_>, _>>()?;
+        further(&mut fits, finalists, Effort { steps: 1, tolerance: 1e-4 }, runs)?;
+    }
+    if finalists > 0 {
+        further(&mut fits, BEAM, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
+    }
+    Ok(fits)
+}
+
+/// The same with a few steps of those that promise most; and how many these are, none where chance gains as much.
+fn looked_at(
+    parents: &[Fit],
+    singles: &[Fit],
+    runs: &[Run],
+    signal_scales: &SignalScales,
+) -> Result<(Vec<Fit>, usize), SimulateError> {
     let candidate_starts = candidate_starts(parents, singles, signal_scales);
     let candidate_starts = screen_by_secant(candidate_starts, parents, runs, singles.is_empty())?;
     let begun = |s: &CandidateStart| Fit::resume(s.model(), s.parent.locals.clone(), runs);
@@ -225,12 +253,11 @@ fn grow(
     best_of_each_set(&mut fits);
     let floor = parents.iter().map(|parent| parent.squares).fold(f64::NEG_INFINITY, f64::max) - CHANCE;
     if fits.first().is_some_and(|best| best.squares > floor && best.promised() > floor) {
-        return Ok(fits);
+        return Ok((fits, 0));
     }
     let finalists = seed(&mut fits);
     further(&mut fits, finalists, Effort { steps: 4, tolerance: 1e-4 }, runs)?;
-    further(&mut fits, BEAM, Effort { steps: 12, tolerance: 1e-5 }, runs)?;
-    Ok(fits)
+    Ok((fits, finalists))
 }
 
 /// Puts those first that deserve more steps: the best so far, and those that promise most; says how many.

@@ -197,7 +197,8 @@ mod tests {
         let mut normal = || (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
         let model: Vec<f64> = (0..N).map(motion).collect();
         let values = model.iter().enumerate().map(|(k, x)| x + 1e-5 * residual(k, normal())).collect();
-        let measured = Measured { channel: Channel::Displacement, values, noise: 1e-5, estimated: false, judged: true };
+        let measured =
+            Measured { channel: Channel::Displacement, values, noise: 1e-5, stated: Some(1e-5), judged: true };
         let run = Run {
             name: "a".into(),
             dt: DT,

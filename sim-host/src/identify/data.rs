@@ -80,8 +80,9 @@ pub struct Measured {
     pub values: Vec<f64>,
     /// Standard deviation of the noise, in the channel's unit.
     pub noise: f64,
-    /// True where nobody states that noise: it is what the recording shows where it rests, or between neighbouring samples.
-    pub estimated: bool,
+    /// The same as it was stated; none where nobody did: it is then what the recording shows where it rests, or between neighbouring
+    /// samples.
+    pub stated: Option<f64>,
     /// Whether a fit is judged by it; the others are shown beside.
     pub judged: bool,
 }
@@ -123,6 +124,18 @@ impl Run {
     /// Samples.
     pub fn len(&self) -> usize {
         self.input.len()
+    }
+
+    /// Its first samples.
+    pub(crate) fn beginning(&self, samples: usize) -> Self {
+        let first = |series: &[f64]| series[..samples.min(series.len())].to_vec();
+        let measured = self.measured.iter().map(|m| Measured { values: first(&m.values), ..m.clone() }).collect();
+        let motion = self.motion.as_ref().map(|m| MeasuredMotion {
+            displacement: first(&m.displacement),
+            velocity: first(&m.velocity),
+            acceleration: first(&m.acceleration),
+        });
+        Self { input: first(&self.input), added: first(&self.added), measured, motion, ..self.clone() }
     }
 
     /// True without samples.

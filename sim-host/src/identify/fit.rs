@@ -90,6 +90,12 @@ impl Fit {
 
     /// Takes steps until the effort is spent or nothing moves.
     pub fn improve(&mut self, runs: &[Run], effort: Effort) -> Result<(), SimulateError> {
+        self.improve_towards(runs, effort, f64::INFINITY)
+    }
+
+    /// The same, no further once the steps that are left would not lower the squares to a goal even if each lowered them as the last
+    /// one did.
+    pub(crate) fn improve_towards(&mut self, runs: &[Run], effort: Effort, goal: f64) -> Result<(), SimulateError> {
         let mut steps = 0;
         while steps < effort.steps && !self.converged {
             steps += 1;
@@ -97,6 +103,9 @@ impl Fit {
             if !self.step(runs)? {
                 self.converged = self.damping > 1e7;
                 continue;
+            }
+            if self.squares - (effort.steps - steps) as f64 * (before - self.squares) > goal {
+                return Ok(());
             }
             self.converged = before - self.squares <= effort.tolerance * before.min(self.rows as f64);
             if self.converged {

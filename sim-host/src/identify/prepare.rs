@@ -265,9 +265,9 @@ fn measured(
             Channel::Velocity => !effort && (noise.is_some() || speed_alone),
             Channel::PressureDifference | Channel::SupplyPressure => !effort,
         };
-        let estimated = noise.is_none();
+        let stated = noise;
         let noise = noise.or(floors.get(source).map(|floor| floor / start.abs())).unwrap_or_else(|| least(&values));
-        all.push(Measured { channel, values, noise, estimated, judged });
+        all.push(Measured { channel, values, noise, stated, judged });
     }
     Ok(all)
 }

@@ -110,7 +110,7 @@ mod tests {
             channel: Channel::Displacement,
             values: vec![0.0; n],
             noise: 1e-6,
-            estimated: false,
+            stated: Some(1e-6),
             judged: true,
         };
         let mut run = Run {

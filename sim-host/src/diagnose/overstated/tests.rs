@@ -13,6 +13,7 @@ fn prepared(truth: &crate::identify::model::Model, times: f64) -> Prepared {
     let mut fit: Vec<Run> = (1..3).map(|seed| recorded(truth, seed)).collect();
     for measured in fit.iter_mut().flat_map(|run| &mut run.measured) {
         measured.noise *= times;
+        measured.stated = Some(measured.noise);
     }
     let signal_scales = SignalScales::of(&fit, 1.0);
     let mut stated = model(TRUTH);
@@ -28,15 +29,28 @@ fn what_hides_beneath_an_overstated_noise_is_found() {
     let truth = model(TRUTH).with(viscous(2.5, 0.0, (-0.2, 2.0))).with(friction);
     let prepared = prepared(&truth, 3.0);
     let options = Options::default();
-    let first = select(&split(prepared.clone(), None).weighing, &options).unwrap();
+    let weighing = split(prepared.clone(), None).weighing;
+    let first = select(&weighing, &options).unwrap();
     assert_eq!(first.decision.accepted.added, ["viscous_friction"]);
     let (mut whole, mut seen) = (prepared.clone(), prepared);
-    let left = by_names(&first.decision);
+    let left = by_names(&weighing, &first.decision);
     let (_, second) = with_noise_as_left(&mut whole, &mut seen, &options).unwrap();
     assert_eq!(second.decision.accepted.added, ["viscous_friction", "coulomb_friction"], "{left:?}");
     for (measured, made) in whole.fit[0].measured.iter().zip(&recorded(&truth, 1).measured) {
         assert!((measured.noise / made.noise - 1.0).abs() < 0.1, "{}", measured.noise / made.noise);
     }
+}
+
+/// What was raised and comes down to what was stated hides nothing.
+#[test]
+fn a_noise_as_it_was_stated_is_not_looked_beneath() {
+    let mut prepared = prepared(&model(TRUTH), 1.0);
+    let measured = |p: &mut Prepared| p.fit.iter_mut().flat_map(|run| &mut run.measured).for_each(|m| m.noise *= 1.3);
+    let left = vec![(Channel::Displacement, 1.3_f64.powi(-2))];
+    assert!(!as_stated(&left, &prepared.fit), "a noise that was stated too large");
+    measured(&mut prepared);
+    assert!(as_stated(&left, &prepared.fit));
+    assert!(!as_stated(&vec![(Channel::Displacement, 0.8)], &prepared.fit), "more than what was stated");
 }
 
 /// Where nothing hides, names and noise stay as they were.

@@ -42,7 +42,7 @@ fn run() -> Run {
     let shown = |channel, share: f64, noise| {
         let mut values: Vec<f64> = input.iter().map(|x| share * x).collect();
         values[40] = f64::NAN;
-        Measured { channel, values, noise, estimated: false, judged: true }
+        Measured { channel, values, noise, stated: Some(noise), judged: true }
     };
     let measured = vec![shown(Channel::Displacement, 0.97, 1e-4), shown(Channel::Acceleration, -20.0, 0.2)];
     Run {
