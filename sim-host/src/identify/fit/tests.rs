@@ -77,6 +77,34 @@ fn a_model_is_recovered_from_ten_per_cent_off() {
     }
 }
 
+/// A goal that the steps left cannot reach at the last one's pace ends an effort; one within reach does not.
+#[test]
+fn no_step_is_spent_on_what_cannot_matter() {
+    let runs = [recorded(&model(TRUTH), 1)];
+    let begun = Fit::begin(model([0.69, 152.0, 52.0, 0.26]), &runs).unwrap();
+    let towards = |goal: f64| {
+        let mut fit = begun.clone();
+        fit.improve_towards(&runs, Effort::FULL, goal).unwrap();
+        fit
+    };
+    let near = towards(1.1 * begun.rows as f64);
+    assert!(near.chi2() < 1.1 && near.evaluations > 3, "{}", near.evaluations);
+    let far = towards(0.5 * begun.rows as f64);
+    assert!(far.evaluations < near.evaluations, "{} of {}", far.evaluations, near.evaluations);
+}
+
+/// The beginning of a run is simulated as the run is.
+#[test]
+fn a_beginning_is_what_the_run_begins_with() {
+    let run = recorded(&model(TRUTH), 1);
+    let beginning = run.beginning(700);
+    let predict = |run: &Run| predict(&model(TRUTH), run, &Local::start(&model(TRUTH), run)).unwrap();
+    let (all, first) = (predict(&run), predict(&beginning));
+    assert_eq!((beginning.len(), beginning.measured[1].values.len()), (700, 700));
+    assert_eq!(all.channels[0][..700], first.channels[0][..]);
+    assert_eq!(run.beginning(9000).len(), run.len());
+}
+
 /// A limit above what anything asks of it has no slope to follow.
 #[test]
 fn a_limit_that_nothing_reaches_is_brought_down_to_where_it_binds() {
