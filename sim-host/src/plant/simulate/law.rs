@@ -57,7 +57,13 @@ impl SimulatedLaw {
     /// The law at the start of a run that begins with this velocity (m/s), run every `tick` seconds, and what surrounds it.
     pub(super) fn begin<S: Scalar>(self, tick: f64, shaping: Shaping, velocity: S) -> Running<S> {
         let waiting = std::iter::repeat_n(S::from(shaping.integral), shaping.late_command).collect();
-        let notch = shaping.notch.map(|notch| NotchFilter::new(notch, tick).resting_at(S::from(shaping.integral)));
+        let notch = shaping.notch.map(|notch| {
+            let filter = NotchFilter::new(notch, tick);
+            match shaping.notch_start {
+                Some(outputs) => filter.having_given(outputs),
+                None => filter.resting_at(S::from(shaping.integral)),
+            }
+        });
         Running {
             law: self,
             shaping,
@@ -88,6 +94,9 @@ pub struct Shaping {
     pub integral: f64,
     /// How fast the reference moves when the run begins, m/s.
     pub reference_slope: f64,
+    /// What the notch would have given at the two ticks before the run begins, the latest first, to go on from there as it did had its
+    /// inputs been none, unit of u; none where it stood at what the integral holds.
+    pub notch_start: Option<[f64; 2]>,
 }
 
 /// A notch `(s^2 + 2 z d w s + w^2) / (s^2 + 2 z w s + w^2)`, made discrete by the bilinear rule with its centre kept.
@@ -130,6 +139,12 @@ impl<S: Scalar> NotchFilter<S> {
     #[must_use]
     pub(crate) fn resting_at(self, value: S) -> Self {
         Self { x: [value; 2], y: [value; 2], ..self }
+    }
+
+    /// The same with these outputs at the last two ticks, the latest first, of no inputs.
+    #[must_use]
+    pub(crate) fn having_given(self, outputs: [f64; 2]) -> Self {
+        Self { y: outputs.map(S::from), ..self }
     }
 
     /// One tick.
