@@ -16,7 +16,7 @@ pub(super) fn polished(after: ScoredModel, weighing: &Weighing) -> Result<Scored
     if after.added.is_empty() {
         return Ok(after);
     }
-    let mut fit = Fit::resume(after.fit.model.clone(), after.fit.locals.clone(), weighing.fitted())?;
+    let mut fit = after.fit.on(weighing.fitted())?;
     fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })?;
     let polished = ScoredModel::of(fit, weighing)?;
     refined(if polished.total() < after.total() { polished } else { after }, weighing)

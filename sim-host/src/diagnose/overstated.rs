@@ -10,14 +10,13 @@ use crate::plant::simulate::SimulateError;
 /// Share of a noise's power that a model must leave at most for the noise to be smaller: less is within what chance and the colour of
 /// a noise do to it.
 const LESS: f64 = 0.87;
+/// Share of the power of a noise as it was stated beyond which more than that noise is left.
+const MORE: f64 = 1.02;
 /// Models of each size that are asked.
 const ASKED: usize = 2;
 
 /// Power that a model leaves of the channels that judge, in that of their noise.
 type Powers = Vec<(Channel, f64)>;
-
-/// Share of the power of a noise as it was stated beyond which more than that noise is left.
-const MORE: f64 = 1.02;
 
 /// What the accepted model leaves, where it names something and leaves less than noise of a channel.
 pub(super) fn by_names(weighing: &Weighing, decision: &Decision) -> Option<Powers> {

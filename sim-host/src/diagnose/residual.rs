@@ -11,6 +11,17 @@ pub(super) fn residual(run: &Run, predicted: &Predicted, channel: Channel) -> Op
     Some(measured.values.iter().zip(&predicted.channels[place]).map(|(y, m)| (y - m) / measured.noise).collect())
 }
 
+/// Sums of the residuals' squares of all judged channels over parts of a run, of which each sample belongs to one.
+pub(super) fn squares_in(run: &Run, predicted: &Predicted, parts: usize, part: impl Fn(usize) -> usize) -> Vec<f64> {
+    let mut squares = vec![0.0; parts];
+    for residual in judged_channels(run).into_iter().filter_map(|channel| residual(run, predicted, channel)) {
+        for (k, r) in residual.iter().enumerate().filter(|(_, r)| r.is_finite()) {
+            squares[part(k)] += r * r;
+        }
+    }
+    squares
+}
+
 /// The channels a location looks at, the most telling first.
 pub(super) fn judged_channels(run: &Run) -> Vec<Channel> {
     run.measured.iter().filter(|m| m.judged).map(|m| m.channel).collect()

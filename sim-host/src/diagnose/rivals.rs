@@ -18,7 +18,7 @@ const FULL: Effort = Effort { steps: 12, tolerance: 1e-4 };
 const STRANGERS: usize = 4;
 const NEAREST: usize = 2;
 /// Share of what the accepted effect explains that another in its place may leave of it and still matter.
-const NEAR: f64 = 0.1;
+const MATTERS: f64 = 0.1;
 
 /// The accepted model with each of its added effects in turn put out for one that it is mistaken for, by the library's own
 /// word; of several effects, for what else promises most in its place too: what looks like an effect alone may not beside
@@ -59,7 +59,7 @@ struct Vacancy<'a> {
 impl<'a> Vacancy<'a> {
     fn of(accepted: &'a Fit, out: &'static Entry, runs: &'a [Run]) -> Result<Self, SimulateError> {
         let without = Fit::resume(accepted.model.without(out.id), accepted.locals.clone(), runs)?;
-        let goal = accepted.squares + NEAR * (without.squares - accepted.squares);
+        let goal = accepted.squares + MATTERS * (without.squares - accepted.squares);
         Ok(Self { beginnings: brief(&without, runs)?, rest: without.model, accepted, out, runs, goal })
     }
 
@@ -68,13 +68,9 @@ impl<'a> Vacancy<'a> {
         self.beginnings.as_deref().unwrap_or(self.runs)
     }
 
-    fn begun(&self, placed: ModelEffect) -> Result<Fit, SimulateError> {
-        Fit::resume(self.rest.with(placed), self.accepted.locals.clone(), self.seen())
-    }
-
     /// A fit to what was seen taken on to all runs, as far as it may matter there.
     fn on_all(&self, fit: Fit) -> Result<Fit, SimulateError> {
-        let mut fit = if self.beginnings.is_some() { Fit::resume(fit.model, fit.locals, self.runs)? } else { fit };
+        let mut fit = if self.beginnings.is_some() { fit.on(self.runs)? } else { fit };
         fit.improve_towards(self.runs, FULL, self.goal)?;
         Ok(fit)
     }
@@ -110,22 +106,24 @@ impl<'a> Vacancy<'a> {
 
     /// The double's best fit: on from where the search left it, or from its most promising start.
     fn thorough(&self, double: &'static Entry, search: &Search) -> Result<Option<Fit>, SimulateError> {
+        let seen = self.seen();
         let placed = (0..).map_while(|i| ModelEffect::start(double, i, &search.signal_scales));
-        let mut starts = placed.map(|placed| self.begun(placed)).collect::<Result<Vec<_>, _>>()?;
+        let starts = placed.map(|placed| Fit::resume(self.rest.with(placed), self.accepted.locals.clone(), seen));
+        let mut starts = starts.collect::<Result<Vec<_>, _>>()?;
         // What a linear step promises from far away is little: every start is taken some way.
-        starts.iter_mut().try_for_each(|start| start.improve(self.seen(), LOOK))?;
+        starts.iter_mut().try_for_each(|start| start.improve(seen, LOOK))?;
         let Some(mut fresh) = starts.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares)) else {
             return Ok(None);
         };
         let set = fresh.model.ids();
-        fresh.improve(self.seen(), FULL)?;
-        let fresh = detailed(&fresh, self.seen(), FULL)?.unwrap_or(fresh);
-        let begun = search.grown.iter().flatten().find(|fit| fit.model.ids() == set).cloned();
+        fresh.improve(seen, FULL)?;
+        let fresh = detailed(&fresh, seen, FULL)?.unwrap_or(fresh);
+        // What was fitted to all runs is at its end.
         let mut best = if self.beginnings.is_some() { self.on_all(fresh)? } else { fresh };
-        if let Some(mut begun) = begun {
-            begun.improve_towards(self.runs, FULL, self.goal)?;
-            if begun.squares < best.squares {
-                best = begun;
+        if let Some(mut known) = search.grown.iter().flatten().find(|fit| fit.model.ids() == set).cloned() {
+            known.improve_towards(self.runs, FULL, self.goal)?;
+            if known.squares < best.squares {
+                best = known;
             }
         }
         Ok(Some(best))

@@ -221,14 +221,13 @@ fn grow(
 ) -> Result<Vec<Fit>, SimulateError> {
     let beginnings = parents.first().map_or(Ok(None), |parent| brief(parent, runs))?;
     let seen = beginnings.as_deref().unwrap_or(runs);
-    let on = |fit: &Fit, runs: &[Run]| Fit::resume(fit.model.clone(), fit.locals.clone(), runs);
     let parents = match beginnings {
-        Some(_) => &parents.par_iter().map(|parent| on(parent, seen)).collect::<Result<Vec<_>, _>>()?,
+        Some(_) => &parents.par_iter().map(|parent| parent.on(seen)).collect::<Result<Vec<_>, _>>()?,
         None => parents,
     };
     let (mut fits, finalists) = looked_at(parents, singles, seen, signal_scales)?;
     if beginnings.is_some() {
-        fits = fits.par_iter().map(|fit| on(fit, runs)).collect::<Result<Vec<_>, _>>()?;
+        fits = fits.par_iter().map(|fit| fit.on(runs)).collect::<Result<Vec<_>, _>>()?;
         further(&mut fits, finalists, Effort { steps: 1, tolerance: 1e-4 }, runs)?;
     }
     if finalists > 0 {

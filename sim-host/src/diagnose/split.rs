@@ -5,7 +5,7 @@
 //! Society B 36 (1974) 111-147; for stretches in place of single samples: P. Burman, E. Chow, D. Nolan, "A cross-validatory
 //! method for dependent data", Biometrika 81 (1994) 351-358.
 
-use super::residual::{judged_channels, residual};
+use super::residual::squares_in;
 use crate::identify::data::Run;
 use crate::identify::evaluate::Predicted;
 use crate::identify::fit::Fit;
@@ -153,13 +153,7 @@ pub(super) fn reopened(whole: &Prepared, seen: Prepared, held_out: &[Run], predi
 /// Squares of the residual of all judged channels in each stretch of a run.
 fn missed(run: &Run, predicted: &Predicted) -> Vec<f64> {
     let length = stretch_length(run);
-    let mut squares = vec![0.0; run.len().div_ceil(length)];
-    for residual in judged_channels(run).into_iter().filter_map(|channel| residual(run, predicted, channel)) {
-        for (k, r) in residual.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-            squares[k / length] += r * r;
-        }
-    }
-    squares
+    squares_in(run, predicted, run.len().div_ceil(length), |k| k / length)
 }
 
 /// What each stretch of each run is used for.

@@ -72,6 +72,11 @@ impl Fit {
         Ok(Self { model, locals, squares, rows, evaluations: 1, damping: 1e-3, normal, kept: false, converged: false })
     }
 
+    /// The same values on other recordings or parts of the same runs, before any step.
+    pub(crate) fn on(&self, runs: &[Run]) -> Result<Self, SimulateError> {
+        Self::resume(self.model.clone(), self.locals.clone(), runs)
+    }
+
     /// Mean squared residual in units of noise; 1 is the floor.
     pub fn chi2(&self) -> f64 {
         self.squares / (self.rows as f64).max(1.0)

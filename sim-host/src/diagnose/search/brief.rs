@@ -4,7 +4,7 @@
 //! kept as far as its share of it says what the whole says: what a model leaves is there at about its mean, and at about its most.
 //! Little that is left needs every sample: then there is no such beginning.
 
-use super::super::residual::{judged_channels, residual};
+use super::super::residual::squares_in;
 use super::CHANCE;
 use crate::identify::data::Run;
 use crate::identify::evaluate::predict;
@@ -19,7 +19,7 @@ const SAMPLES: f64 = 12_000.0;
 const WORTH: f64 = 0.6;
 /// Share of the mean and of the most of what is left that a beginning must have.
 const TYPICAL: f64 = 0.5;
-/// Length over which what is left is summed, as a share of a run.
+/// Parts of a run in which what is left is summed.
 const PARTS: usize = 50;
 /// Squares beyond the noise, in gains of which chance makes one, that rank models by a beginning as by all.
 const AMPLE: f64 = 30.0;
@@ -33,8 +33,8 @@ pub(in crate::diagnose) fn brief(fit: &Fit, runs: &[Run]) -> Result<Option<Vec<R
     }
     let ends = runs.par_iter().zip(&fit.locals).map(|(run, local)| {
         let predicted = predict(&fit.model, run, local)?;
-        let residuals = judged_channels(run).into_iter().filter_map(|channel| residual(run, &predicted, channel));
-        Ok(typical(&squares(residuals, run.len()), share))
+        let parts = squares_in(run, &predicted, PARTS, |k| k * PARTS / run.len());
+        Ok(typical(&parts, share))
     });
     let ends = ends.collect::<Result<Vec<f64>, SimulateError>>()?;
     let kept = runs.iter().zip(&ends).map(|(run, end)| end * run.len() as f64).sum::<f64>();
@@ -43,17 +43,6 @@ pub(in crate::diagnose) fn brief(fit: &Fit, runs: &[Run]) -> Result<Option<Vec<R
     }
     let beginnings = runs.iter().zip(ends).map(|(run, end)| run.beginning((end * run.len() as f64) as usize));
     Ok(Some(beginnings.collect()))
-}
-
-/// Sums of squares in the parts of a run.
-fn squares(residuals: impl Iterator<Item = Vec<f64>>, samples: usize) -> Vec<f64> {
-    let mut sums = vec![0.0; PARTS];
-    for residual in residuals {
-        for (k, r) in residual.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-            sums[k * PARTS / samples.max(1)] += r * r;
-        }
-    }
-    sums
 }
 
 /// The shortest beginning, as a share of all, that is typical of what is left.

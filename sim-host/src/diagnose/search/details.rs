@@ -17,9 +17,8 @@ pub(super) fn detail(grown: &mut [Vec<Fit>], runs: &[Run]) -> Result<(), Simulat
     let effort = Effort { steps: 8, tolerance: 1e-4 };
     let finer = |fit: &Fit| -> Result<Option<Fit>, SimulateError> {
         let Some(seen) = beginnings.as_deref() else { return detailed(fit, runs, effort) };
-        let begun = Fit::resume(fit.model.clone(), fit.locals.clone(), seen)?;
-        let Some(finer) = detailed(&begun, seen, effort)? else { return Ok(None) };
-        let mut finer = Fit::resume(finer.model, finer.locals, runs)?;
+        let Some(finer) = detailed(&fit.on(seen)?, seen, effort)? else { return Ok(None) };
+        let mut finer = finer.on(runs)?;
         finer.improve(runs, Effort { steps: 4, ..effort })?;
         Ok(worth(finer, fit))
     };

@@ -30,7 +30,7 @@ fn slope_at_start(run: &recording::Run) -> f64 {
     first.filter(|step| step.is_finite()).map_or(0.0, |step| step / run.dt)
 }
 
-/// Samples over which the state of the controller is told where a run begins.
+/// Samples from which the state of the controller is estimated where a run begins.
 const BEGINNING: usize = 64;
 
 /// Where a controller's states stand when a part of a recording begins.
@@ -38,7 +38,7 @@ const BEGINNING: usize = 64;
 struct Begun {
     /// What the integral holds, in units of the command.
     integral: f64,
-    /// What the notch gave before; none where it is not told.
+    /// The notch's state as [`Shaping::notch_start`] has it; none where the recording does not tell it.
     notch_start: Option<[f64; 2]>,
 }
 

@@ -94,8 +94,8 @@ pub struct Shaping {
     pub integral: f64,
     /// How fast the reference moves when the run begins, m/s.
     pub reference_slope: f64,
-    /// What the notch would have given at the two ticks before the run begins, the latest first, to go on from there as it did had its
-    /// inputs been none, unit of u; none where it stood at what the integral holds.
+    /// State of the notch when the run begins, as its outputs at the two ticks before, the latest first, with inputs of zero, unit of u;
+    /// none where it rests at what the integral holds.
     pub notch_start: Option<[f64; 2]>,
 }
 
@@ -141,7 +141,7 @@ impl<S: Scalar> NotchFilter<S> {
         Self { x: [value; 2], y: [value; 2], ..self }
     }
 
-    /// The same with these outputs at the last two ticks, the latest first, of no inputs.
+    /// The same with these outputs at the last two ticks, the latest first, and inputs of zero.
     #[must_use]
     pub(crate) fn having_given(self, outputs: [f64; 2]) -> Self {
         Self { y: outputs.map(S::from), ..self }
