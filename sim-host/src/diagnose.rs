@@ -18,6 +18,7 @@
 //! fitted, consumes the test and judges. `locate` looks at the residual without the library; `change` says what it means
 //! for who runs the table. `passes` goes through these in order. Out comes a [`Diagnosis`].
 
+mod beside;
 mod calibration;
 pub(crate) mod change;
 mod clock;

@@ -10,7 +10,8 @@ pub(super) struct Calibration {
     /// Degrees of freedom with which the share that a simple form leaves is known: the odds of two effects whose leftovers
     /// have the ratio r are r to half of this, on training and validation each.
     pub(super) form_freedom: f64,
-    /// Share of the stated model's excess below which what is left tells no two equations apart.
+    /// Share of the stated model's excess below which a simple form may leave as much of any order: what is left tells two equations apart
+    /// there by its order alone.
     pub(super) form_least: f64,
     /// What a fitted parameter must earn, as twice a log likelihood.
     pub(super) parameter_price: f64,

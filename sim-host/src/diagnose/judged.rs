@@ -100,6 +100,16 @@ impl Decision {
         self.unlisted_probability = self.unlisted_probability.max(belief);
     }
 
+    /// Moves the belief in names to those of them that are left, where these were weighed.
+    pub(super) fn pass_on(&mut self, names: &[&'static str], left: &[&'static str]) {
+        if names == left || !self.candidates.iter().any(|c| c.added == left) {
+            return;
+        }
+        let given: f64 = self.candidates.iter().filter(|c| c.added == names).map(|c| c.probability).sum();
+        self.candidates.iter_mut().filter(|c| c.added == names).for_each(|c| c.probability = 0.0);
+        self.candidates.iter_mut().filter(|c| c.added == left).for_each(|c| c.probability += given);
+    }
+
     /// Moves belief from names that nothing speaks for to the stated model.
     pub(super) fn fall_back(&mut self, belief: f64) {
         self.candidates.iter_mut().for_each(|c| c.probability *= 1.0 - belief);

@@ -8,7 +8,7 @@ use super::search::Depth;
 use super::split::{Split, Weighing, reopened, split};
 use super::term::Modelled;
 use super::verdict::Conclusion;
-use super::{SEARCHED, clock, decide, overstated, region, reject_for_curve, search, term, verdict};
+use super::{SEARCHED, beside, clock, decide, overstated, region, reject_for_curve, search, term, verdict};
 use crate::identify::data::Run;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
@@ -147,6 +147,12 @@ fn judge(split: Split, selected: Selected, options: &Options) -> Result<Conclude
         options.say("modelling what the library does not hold", 0.93);
         let beside = decision.partial.as_ref().unwrap_or(&decision.stated);
         modelled = term::unlisted(&weighing, &decision.stated, beside)?;
+    }
+    if decision.unlisted
+        && let Some(unnamed) = modelled.as_ref().filter(|m| !m.names_needed)
+    {
+        options.say("looking for effects beside it", 0.94);
+        modelled = beside::name_beside(&weighing, &mut decision, unnamed)?.or(modelled);
     }
     let explain = |m: &&Modelled| decision.explain_a_part(&m.judged.added);
     if let Some(modelled) = modelled.as_ref().filter(|m| decision.unlisted && m.names_needed).filter(explain) {

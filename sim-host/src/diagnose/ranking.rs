@@ -10,8 +10,9 @@ use super::judged::{ScoredModel, parameters};
 /// nothing is known but that it may be of any order. So what a model leaves beyond the noise has a variance that is unknown
 /// with so many degrees of freedom ([`super::calibration::Calibration::form_freedom`]), and the likelihood is Student's: within the
 /// noise squares count as they do for normal residuals; beyond it ratios of what is left count, and the thousands of samples
-/// that show a ratio well make it no more telling. Each channel of the validation has a share of the say, whatever its noise was
-/// said to be: what explains a displacement and spoils the pressure is not what is there.
+/// that show a ratio well make it no more telling. Each channel
+/// of the validation has a share of the say, whatever its noise was said to be: what explains a displacement and spoils the pressure is
+/// not what is there.
 ///
 /// Source: K. L. Lange, R. J. A. Little, J. M. G. Taylor, "Robust statistical modeling using the t distribution", Journal of
 /// the American Statistical Association 84 (1989) 881-896; for the term of the model's own error: M. C. Kennedy, A. O'Hagan,
@@ -66,7 +67,6 @@ impl Ranking {
     }
 
     fn misfit(&self, judged: &ScoredModel) -> f64 {
-        let freedom = CALIBRATION.form_freedom;
         let [(_, fitted), _] = judged.kinds();
         judged.departure.least(|squares| {
             // What a value put back leaves lies where the mismatch lies: as much as there on the runs fitted, and in proportion elsewhere.
@@ -75,11 +75,23 @@ impl Ranking {
             let each = looks(judged).zip(&self.floors).zip(&self.forms);
             each.map(|(((chi2, rows, say), floor), form)| {
                 // Excess that the noise of so many samples makes as likely as not.
-                let chance = freedom * self.colour * floor / rows.max(1.0);
+                let chance = CALIBRATION.form_freedom * self.colour * floor / rows.max(1.0);
                 let here = chi2 + more * scale.map_or(1.0, |scale| form / scale);
-                say * freedom * ((here - floor).max(0.0) / (chance + form).max(f64::MIN_POSITIVE)).ln_1p()
+                say * against((here - floor).max(0.0), chance.max(f64::MIN_POSITIVE), *form)
             })
             .sum()
         })
     }
 }
+
+/// Twice the logarithm of what speaks against a model that leaves an excess of chi2, of which `chance` makes as much as likely as not and
+/// a simple form of a gross effect `form`. Below that nothing is known of what a form leaves but that it may be of any order: its
+/// logarithm is as likely everywhere, down to what noise is not known better than.
+fn against(excess: f64, chance: f64, form: f64) -> f64 {
+    let wide = chance + form;
+    let least = chance.max(CALIBRATION.negligible).min(wide);
+    CALIBRATION.form_freedom * (excess / wide).ln_1p() + 2.0 * ((excess / least).ln_1p() - (excess / wide).ln_1p())
+}
+
+#[cfg(test)]
+mod tests;

@@ -200,6 +200,11 @@ impl<'a> Foresight<'a> {
     }
 }
 
+/// A model that no search grew, with one effect of the library more.
+pub(super) fn grow_beside(parent: &Fit, runs: &[Run], signal_scales: &SignalScales) -> Result<Vec<Fit>, SimulateError> {
+    grow(std::slice::from_ref(parent), &[], runs, signal_scales)
+}
+
 /// Single effects on every fit of the stated model, each grown to its end: a fit that hides what is missing leaves so little that
 /// an honest one would never be seen beside it half way.
 fn grow_each(parents: &[Fit], runs: &[Run], signal_scales: &SignalScales) -> Result<Vec<Fit>, SimulateError> {

@@ -100,10 +100,13 @@ fn completes(present: &ScoredModel, larger: &ScoredModel) -> bool {
     leaves_at_most(1.0 - CALIBRATION.explained, present, larger)
 }
 
-/// True where the present model leaves more than any noise and a larger one a hundredth of that at most, on both kinds of runs: what a
-/// simple form leaves is not another effect's to that extent, however much of the mismatch that explains alone.
+/// True where the present model leaves more than any noise and a larger one a tenth of that at most on either kind of runs and a
+/// thousandth of both together: what a simple form leaves is not another effect's to that extent, however much of the mismatch that
+/// explains alone.
 fn settles(present: &ScoredModel, larger: &ScoredModel) -> bool {
-    present.hold.chi2 > CALIBRATION.modest && leaves_at_most((1.0 - CALIBRATION.explained).powi(2), present, larger)
+    present.hold.chi2 > CALIBRATION.modest
+        && completes(present, larger)
+        && kept(present, larger) < (1.0 - CALIBRATION.explained).powi(3)
 }
 
 /// True where effects leave a hundredth of the mismatch at most, on both kinds of runs, and the noise of so many samples hides no tenth of it.

@@ -65,6 +65,19 @@ impl From<Curved> for Modelled {
     }
 }
 
+impl Modelled {
+    /// The same with effects of the library beside it that cannot be left to it.
+    pub(super) fn beside(mut self, judged: ScoredModel) -> Self {
+        if let Some(term) = &mut self.term {
+            term.judged = judged.clone();
+        }
+        if let Some(curve) = &mut self.remainder {
+            curve.beside.clone_from(&judged.added);
+        }
+        Self { judged, names_needed: true, ..self }
+    }
+}
+
 /// Most parameters of an equation.
 const MOST: usize = 4;
 /// Equations that are fitted at each size, and of those that are fitted to the end.
@@ -231,4 +244,4 @@ fn words(place: &str, pieces: &[Piece]) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

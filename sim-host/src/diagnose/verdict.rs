@@ -97,12 +97,17 @@ pub(super) fn verdict(
     // Names that stand beside a curve are judged with it, and where that fails without it: the curve may be what fails.
     let beside = modelled.filter(|_| decision.more_missing && selected.is_none());
     let with_curve = if beside.is_some() { curve.clone() } else { None };
+    let beside_more = decision.more_missing;
     let refused = |named: &ScoredModel| -> Result<Option<Refusal>, SimulateError> {
-        let failed = refusal(&stated, named, &judging, decision.more_missing);
+        let failed = refusal(&stated, named, &judging, beside_more);
         if failed.is_some() { Ok(failed) } else { untold(&stated, named, whole, &judging) }
     };
-    let mut named = selected.or(with_curve);
-    let mut refusal = named.as_ref().map(refused).transpose()?.flatten();
+    let (mut named, mut refusal) = (selected.or(with_curve), None);
+    if let Some(all) = named.take() {
+        let (rest, refused) = told(&all, refused, last)?;
+        decision.pass_on(&all.added, &rest.added);
+        (named, refusal) = (Some(rest), refused);
+    }
     if (named.is_none() || refusal.is_some())
         && let Some(names) = beside.and_then(|modelled| decision.weighed(&modelled.judged.added).next())
         && let alone = last(names)?
@@ -166,6 +171,25 @@ pub(super) fn verdict(
         accepted = better;
     }
     Ok(Conclusion { stated, accepted, partial, unlisted, more_missing, refusal, judging, held_out, decision })
+}
+
+/// Names less those that nothing shows on the runs that judge, as long as others are left, and why they cannot stand.
+fn told(
+    named: &ScoredModel,
+    refused: impl Fn(&ScoredModel) -> Result<Option<Refusal>, SimulateError>,
+    last: impl Fn(&ScoredModel) -> Result<ScoredModel, SimulateError>,
+) -> Result<(ScoredModel, Option<Refusal>), SimulateError> {
+    let mut rest = named.clone();
+    let mut refusal = refused(&rest)?;
+    while let Some(Refusal::NotTold { id }) = refusal
+        && rest.added.len() > 1
+    {
+        rest.fit.model = rest.fit.model.without(id);
+        rest.added.retain(|other| *other != id);
+        rest = last(&rest)?;
+        refusal = refused(&rest)?;
+    }
+    Ok((rest, refusal))
 }
 
 /// The stated model's standing, for recordings of which nothing else can be said.

@@ -11,13 +11,14 @@ fn what_differs_stands_beside_a_gross_effect_where_it_completes_it() {
     let template = judged(model(TRUTH), &runs);
     let before = leaving(1000.0, &template);
     let present = ScoredModel { added: vec!["command_delay"], ..leaving(3.0, &template) };
-    let whole = ScoredModel { added: vec!["command_delay", "null_bias"], ..leaving(1.05, &template) };
-    let half = ScoredModel { added: whole.added.clone(), ..leaving(1.5, &template) };
-    assert!(is_justified(&before, &present, &whole, true));
-    assert!(!is_justified(&before, &present, &whole, false), "as little as a simple form leaves");
-    assert!(!is_justified(&before, &present, &half, true), "a quarter of the rest is left");
-    let all = ScoredModel { added: whole.added.clone(), ..leaving(1.01, &template) };
-    assert!(is_justified(&before, &present, &all, false), "nothing of a rest that no noise is");
+    let both =
+        |fitted, held| ScoredModel { added: vec!["command_delay", "null_bias"], ..leaving_on(fitted, held, &template) };
+    assert!(is_justified(&before, &present, &both(1.1, 1.1), true));
+    assert!(!is_justified(&before, &present, &both(1.1, 1.1), false), "as little as a simple form leaves");
+    assert!(!is_justified(&before, &present, &both(1.5, 1.5), true), "a quarter of the rest is left");
+    assert!(is_justified(&before, &present, &both(1.05, 1.05), false), "a thousandth on both kinds together");
+    assert!(is_justified(&before, &present, &both(1.08, 1.0), false), "nothing where it was not fitted");
+    assert!(!is_justified(&before, &present, &both(1.3, 1.0), false), "a seventh where it was fitted");
 }
 
 /// What takes most of the rest away on both kinds of stretches stands for a four hundredth of the whole, alike or not; what takes less

@@ -38,7 +38,13 @@ fn every_term_is_a_sound_effect_with_a_name_of_its_own() {
 }
 
 /// An effect of a test, with its values.
-fn placed(id: &str, stage: Stage, states: &[&str], expression: &str, parameters: &[(&str, &str, f64)]) -> ModelEffect {
+pub(in super::super) fn placed(
+    id: &str,
+    stage: Stage,
+    states: &[&str],
+    expression: &str,
+    parameters: &[(&str, &str, f64)],
+) -> ModelEffect {
     let parameter = |&(name, unit, value): &(&str, &str, f64)| StatedParameter {
         name: name.into(),
         unit: unit.into(),

@@ -226,6 +226,18 @@ fn a_name_of_no_size_leaves_the_stated_model_standing() {
     assert!(none.map(|c| c.probability).all(|p| p > 0.5) && conclusion.decision.unlisted_probability < 0.05);
 }
 
+/// Of two names the one whose size is nothing is taken back, and the other stands.
+#[test]
+fn a_name_of_no_size_beside_another_is_taken_back_alone() {
+    let mut bias = ModelEffect::start(entry("null_bias").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
+    bias.values[0].value = 1e-5;
+    let truth = with_viscous(90.0);
+    let conclusion = concluded(&truth, &truth, with_viscous(50.0).with(bias));
+    assert_eq!(conclusion.accepted.added, ["viscous_friction"]);
+    assert!(conclusion.refusal.is_none() && !conclusion.unlisted && !conclusion.more_missing);
+    assert!(conclusion.accepted.hold.chi2 < 1.1, "{}", conclusion.accepted.hold.chi2);
+}
+
 /// However its values lean on each other, an effect is needed where the runs that judge are predicted better with it.
 #[test]
 fn what_the_judging_runs_need_is_there() {
