@@ -10,8 +10,8 @@ pub(super) struct Calibration {
     /// Degrees of freedom with which the share that a simple form leaves is known: the odds of two effects whose leftovers
     /// have the ratio r are r to half of this, on training and validation each.
     pub(super) form_freedom: f64,
-    /// Share of the stated model's excess below which a simple form may leave as much of any order: what is left tells two equations apart
-    /// there by its order alone.
+    /// Share of the stated model's excess below which nothing is known of what a simple form leaves but that it may be of any order: two
+    /// equations are distinguished there by that order alone.
     pub(super) form_least: f64,
     /// What a fitted parameter must earn, as twice a log likelihood.
     pub(super) parameter_price: f64,

@@ -1,21 +1,17 @@
-use super::super::decide::tests::judged;
+use super::super::decide::tests::{judged, weighing};
 use super::super::term::tests::placed;
 use super::super::term::{Modelled, unlisted};
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
-use crate::identify::prepare::Prepared;
 use crate::plant::effects::{Stage, entry};
 
 /// The effect named beside what models a drag that the library does not hold, and all that was decided.
 fn said_of(truth: &Model) -> (Option<Modelled>, Decision) {
     let runs: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
     let stated = judged(model(TRUTH), &runs);
-    let (fit, holdout) = (runs[..2].to_vec(), runs[2..].to_vec());
-    let signal_scales = SignalScales::of(&fit, 1.0);
-    let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
-    let weighing = Weighing::of(training, holdout);
+    let weighing = weighing(&runs);
     let modelled = unlisted(&weighing, &stated, &stated).unwrap().expect("something is proposed");
     let mut decision = Decision {
         stated: stated.clone(),

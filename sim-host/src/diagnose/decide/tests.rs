@@ -34,6 +34,14 @@ pub(crate) fn judged(model: Model, runs: &[Run]) -> ScoredModel {
     }
 }
 
+/// The first two runs to fit to and the others to weigh on, with nothing but the stated model.
+pub(crate) fn weighing(runs: &[Run]) -> Weighing {
+    let (fit, weighs) = runs.split_at(2);
+    let signal_scales = SignalScales::of(fit, 1.0);
+    let training = Prepared { model: model(TRUTH), fit: fit.to_vec(), holdout: Vec::new(), signal_scales };
+    Weighing::of(training, weighs.to_vec())
+}
+
 /// A judged model of which so much is left on both kinds of stretches.
 pub(crate) fn leaving(chi2: f64, template: &ScoredModel) -> ScoredModel {
     let mut judged = template.clone();

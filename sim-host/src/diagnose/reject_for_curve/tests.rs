@@ -1,10 +1,9 @@
-use super::super::decide::tests::{judged, viscous};
+use super::super::decide::tests::{judged, viscous, weighing};
 use super::super::judged::ScoredModel;
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
-use crate::identify::prepare::Prepared;
 use crate::plant::effects::entry;
 
 /// Runs of a truth, the stated model and one that names viscous friction on them, decided for the name.
@@ -12,8 +11,6 @@ fn named(truth: &Model) -> (Weighing, Decision) {
     let runs: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
     let (before, after) =
         (judged(model(TRUTH), &runs), judged(model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))), &runs));
-    let (fit, holdout) = (runs[..2].to_vec(), runs[2..].to_vec());
-    let signal_scales = SignalScales::of(&fit, 1.0);
     let candidates: Vec<ScoredModel> = vec![ScoredModel { probability: 0.8, ..after.clone() }];
     let decision = Decision {
         stated: before,
@@ -27,8 +24,7 @@ fn named(truth: &Model) -> (Weighing, Decision) {
         noise: Vec::new(),
         one_of_many: false,
     };
-    let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
-    (Weighing::of(training, holdout), decision)
+    (weighing(&runs), decision)
 }
 
 /// A drag that grows with the square of speed is bent to by an equation of friction, up to a point. A curve has no such point.

@@ -17,6 +17,7 @@ fn what_differs_stands_beside_a_gross_effect_where_it_completes_it() {
     assert!(!is_justified(&before, &present, &both(1.1, 1.1), false), "as little as a simple form leaves");
     assert!(!is_justified(&before, &present, &both(1.5, 1.5), true), "a quarter of the rest is left");
     assert!(is_justified(&before, &present, &both(1.05, 1.05), false), "a thousandth on both kinds together");
+    assert!(is_justified(&before, &present, &both(1.01, 1.01), false), "nothing of a rest that no noise is");
     assert!(is_justified(&before, &present, &both(1.08, 1.0), false), "nothing where it was not fitted");
     assert!(!is_justified(&before, &present, &both(1.3, 1.0), false), "a seventh where it was fitted");
 }

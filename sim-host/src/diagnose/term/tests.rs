@@ -1,11 +1,10 @@
-use super::super::decide::tests::judged;
+use super::super::decide::tests::{judged, weighing};
 use super::grammar::Term;
 use super::writing::stated;
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
-use crate::identify::model::{Model, ModelEffect, SignalScales, Value};
-use crate::identify::prepare::Prepared;
+use crate::identify::model::{Model, ModelEffect, Value};
 use crate::plant::effects::Stage;
 use crate::plant::effects::own::{Own, Stated, StatedParameter, register};
 use crate::plant::model::Kind;
@@ -69,11 +68,7 @@ pub(in super::super) fn placed(
 fn said_of(truth: &Model) -> (ScoredModel, Option<Modelled>) {
     let runs: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
     let before = judged(model(TRUTH), &runs);
-    let (fit, holdout) = (runs[..2].to_vec(), runs[2..].to_vec());
-    let signal_scales = SignalScales::of(&fit, 1.0);
-    let training = Prepared { model: model(TRUTH), fit, holdout: Vec::new(), signal_scales };
-    let weighing = Weighing::of(training, holdout);
-    let modelled = unlisted(&weighing, &before, &before).unwrap();
+    let modelled = unlisted(&weighing(&runs), &before, &before).unwrap();
     (before, modelled)
 }
 
