@@ -64,7 +64,7 @@ use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, ex
 use calibration::CALIBRATION;
 use instead::Instead;
 pub use options::{Options, Progress};
-use passes::{Concluded, Reopening, conclude};
+use passes::{Concluded, End, Reopening, conclude};
 pub use result::{Diagnosis, Verdict};
 use split::{Split, split};
 use std::path::Path;
@@ -130,7 +130,7 @@ pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, Diagno
 /// Diagnoses an experiment; once more by another reading of its set-up where that explains the recordings, and nothing that was found
 /// does.
 pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
-    let mut examined = examine(experiment, options, Reopening::Allowed)?;
+    let (mut examined, clock) = examine(experiment, options, Reopening::Allowed, None)?;
     if examined.diagnosis.verdict == Verdict::BadData {
         return Ok(examined);
     }
@@ -139,7 +139,7 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
         Instead::AsWell(values) => examined.diagnosis.stated_values_instead = values,
         Instead::Better(read, finding) => {
             options.say("another reading of the set-up explains it", 0.0);
-            let mut again = examine(&read, options, Reopening::Never)?;
+            let (mut again, _) = examine(&read, options, Reopening::Never, clock)?;
             let open = |examined: &Examined| examined.conclusion.unlisted || examined.conclusion.more_missing;
             if again.left() > examined.left() || (open(&examined) && open(&again)) {
                 examined.diagnosis.seconds += again.diagnosis.seconds;
@@ -158,29 +158,77 @@ pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, 
     Ok(examined)
 }
 
-/// Diagnoses an experiment as its set-up was stated.
-fn examine(experiment: &Experiment, options: &Options, reopening: Reopening) -> Result<Examined, DiagnoseError> {
+/// Diagnoses an experiment as its set-up was stated; anew by another clock, where that is found, and says by which.
+fn examine(
+    experiment: &Experiment,
+    options: &Options,
+    reopening: Reopening,
+    mut clock: Option<SetUpFinding>,
+) -> Result<(Examined, Option<SetUpFinding>), DiagnoseError> {
     let begun = std::time::Instant::now();
+    loop {
+        let read = clock.as_ref().map(|finding| clock::corrected(experiment, finding));
+        match once(read.as_ref().unwrap_or(experiment), options, reopening, clock.as_ref())? {
+            Once::Examined(mut examined) => {
+                examined.diagnosis.seconds = begun.elapsed().as_secs_f64();
+                return Ok((*examined, clock));
+            }
+            Once::Clock(finding) => clock = Some(finding),
+        }
+        options.say("reading everything by another sampling period", 0.0);
+    }
+}
+
+/// What comes of going through everything once.
+enum Once {
+    Examined(Box<Examined>),
+    /// The clock runs at another rate: everything is to be read anew.
+    Clock(SetUpFinding),
+}
+
+/// Goes through everything once, by the clock as stated or by one that was found, and then no other is.
+fn once(
+    experiment: &Experiment,
+    options: &Options,
+    reopening: Reopening,
+    clock: Option<&SetUpFinding>,
+) -> Result<Once, DiagnoseError> {
     options.say("checking the recordings", 0.0);
     let mut set_up = doubt(experiment);
     let findings = check(&set_up.experiment);
     let shortened = excerpt(&set_up.experiment, FITTED);
     let mut whole = prepare(shortened.as_ref().unwrap_or(&set_up.experiment))?;
-    if !is_bad_data(&findings) {
-        weigh_determined(&mut whole)?;
-    }
-    expect_near_stated(&mut whole.model);
     if is_bad_data(&findings) {
-        return unfit(whole, &findings, set_up.findings, begun);
+        expect_near_stated(&mut whole.model);
+        return Ok(Once::Examined(Box::new(unfit(whole, &findings, set_up.findings)?)));
     }
+    weigh_determined(&mut whole)?;
+    expect_near_stated(&mut whole.model);
     let searched = excerpt(&set_up.experiment, SEARCHED).as_ref().map(prepare).transpose()?;
     let mut seen = searched.map_or_else(|| whole.clone(), |seen| Prepared { model: whole.model.clone(), ..seen });
     set_up.findings.extend(noise::rescale(&mut seen, &mut whole)?);
-    for prepared in [&mut whole, &mut seen] {
-        clock::doubt(prepared);
+    if clock.is_none() {
+        let told = clock::told(experiment, &set_up.experiment);
+        for prepared in [&mut whole, &mut seen] {
+            clock::doubt(prepared, told);
+        }
     }
-    let Concluded { whole, conclusion, modelled, held_out_shared, clock } = conclude(whole, seen, options, reopening)?;
-    set_up.findings.extend(clock);
+    let concluded = match conclude(whole, seen, options, reopening)? {
+        End::Concluded(concluded) => *concluded,
+        End::Clock(finding) => return Ok(Once::Clock(finding)),
+    };
+    set_up.findings.extend(clock.cloned());
+    Ok(Once::Examined(Box::new(said(experiment, concluded, (set_up.findings, findings), options)?)))
+}
+
+/// What is said of what was concluded.
+fn said(
+    experiment: &Experiment,
+    concluded: Concluded,
+    (set_up, findings): (Vec<SetUpFinding>, Vec<Finding>),
+    options: &Options,
+) -> Result<Examined, DiagnoseError> {
+    let Concluded { whole, conclusion, modelled, held_out_shared } = concluded;
     options.say("looking for the test that would settle what is open", 0.96);
     let (next_test, no_test) = next_test::next_test(&whole, &conclusion, modelled.as_ref())?.parts();
     let location = locate::locate(&whole, &conclusion)?;
@@ -188,13 +236,12 @@ fn examine(experiment: &Experiment, options: &Options, reopening: Reopening) -> 
     let modelled = modelled.filter(|_| conclusion.unlisted || conclusion.more_missing);
     let term = modelled.as_ref().and_then(|m| term::report::reported(m.term.as_ref()?, &conclusion));
     let remainder = modelled.and_then(|m| m.remainder);
-    let seconds = begun.elapsed().as_secs_f64();
-    let open = result::Open { remainder, term, next_test, no_test, change, held_out_shared, seconds };
+    let open = result::Open { remainder, term, next_test, no_test, change, held_out_shared };
     let mut diagnosis = result::assemble(&whole, &conclusion, location, open, &findings);
     if let Some(term) = diagnosis.term.as_ref().filter(|_| conclusion.unlisted) {
         diagnosis.location.block = Some(term.place);
     }
-    diagnosis.set_up = set_up.findings;
+    diagnosis.set_up = set_up;
     diagnosis.set_up.extend(far::far_from_stated(experiment, &whole, &conclusion)?);
     diagnosis.set_up.extend(far::moved_effects(experiment, &conclusion));
     for noise in &conclusion.decision.noise {
@@ -206,12 +253,7 @@ fn examine(experiment: &Experiment, options: &Options, reopening: Reopening) -> 
 }
 
 /// What is said of recordings that cannot be believed: the stated model's standing and nothing more.
-fn unfit(
-    prepared: Prepared,
-    findings: &[Finding],
-    set_up: Vec<SetUpFinding>,
-    begun: std::time::Instant,
-) -> Result<Examined, DiagnoseError> {
+fn unfit(prepared: Prepared, findings: &[Finding], set_up: Vec<SetUpFinding>) -> Result<Examined, DiagnoseError> {
     let Split { weighing, whole, test } = split(prepared, None);
     let baseline = Fit::begin(weighing.model().clone(), weighing.fitted())?;
     let signal_scales = weighing.signal_scales();
@@ -219,8 +261,7 @@ fn unfit(
     let decision = decide::decide(&weighing, &stated)?;
     let conclusion = verdict::as_stated(&whole, decision, test)?;
     let location = locate::Location::default();
-    let open = result::Open { seconds: begun.elapsed().as_secs_f64(), ..result::Open::default() };
-    let mut diagnosis = result::assemble(&whole, &conclusion, location, open, findings);
+    let mut diagnosis = result::assemble(&whole, &conclusion, location, result::Open::default(), findings);
     diagnosis.verdict = Verdict::BadData;
     diagnosis.effects.clear();
     diagnosis.candidates.clear();

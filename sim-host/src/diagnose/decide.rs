@@ -154,7 +154,7 @@ pub(super) fn weigh(
         noise,
         one_of_many: false,
     };
-    scatter(&mut decision);
+    scatter(&mut decision, if larger { quiet } else { 0.0 });
     if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.stated, partial, &decision.candidates)) {
         decision.name_beside_more(&leader.added);
         decision.accepted = ScoredModel { probability: CALIBRATION.beside_more, ..leader };
@@ -164,11 +164,11 @@ pub(super) fn weigh(
 
 /// Takes names back for which several others stand as well: what is missing is then not among what these data can name, unless it is
 /// explained whole. Then it is one of them.
-fn scatter(decision: &mut Decision) {
+fn scatter(decision: &mut Decision, quiet: f64) {
     let beliefs = decision.accepted.added.iter().map(|id| belief(id, &decision.candidates));
     let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
     let many = least < EVEN && stories(&decision.ties, &decision.accepted.added) > FEW;
-    let one_of_many = many && !explains_all(&decision.stated, &decision.accepted);
+    let one_of_many = many && !explains_all(&decision.stated, &decision.accepted, quiet);
     if !decision.unlisted && (least < CALIBRATION.unlikely || one_of_many) {
         decision.take_back(1.0 - least);
         (decision.unlisted, decision.more_missing) = (true, false);

@@ -33,7 +33,7 @@ const A_DECADE: f64 = 4.0;
 impl Departure {
     /// Of a fit from what was stated. Masses and dashpots may be stated in any way: residuals depend on them almost linearly.
     pub(super) fn of(stated: &Model, fit: &Fit) -> Self {
-        let clock = clock::disbelief(&fit.model);
+        let clock = clock::disbelief(stated, &fit.model);
         if stated.kind != Kind::Servo {
             return Self { away: DVector::zeros(0), spread: None, clock };
         }

@@ -23,8 +23,13 @@ pub(super) struct Concluded {
     pub(super) conclusion: Conclusion,
     pub(super) modelled: Option<Modelled>,
     pub(super) held_out_shared: bool,
-    /// The sampling period, where it was found to be another.
-    pub(super) clock: Option<SetUpFinding>,
+}
+
+/// How passes end.
+pub(super) enum End {
+    Concluded(Box<Concluded>),
+    /// A clock of another rate is part of what was selected: everything is to be read anew by it, and nothing was judged.
+    Clock(SetUpFinding),
 }
 
 /// Whether half of the stretches held out may be opened.
@@ -37,53 +42,60 @@ pub(super) enum Reopening {
 
 /// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
 pub(super) fn conclude(
-    whole: Prepared,
+    mut whole: Prepared,
     mut seen: Prepared,
     options: &Options,
     reopening: Reopening,
-) -> Result<Concluded, SimulateError> {
-    let mut first = with_right_clock(whole, &mut seen, options)?;
+) -> Result<End, SimulateError> {
+    let (split_up, selected) = with_noise_as_left(&mut whole, &mut seen, options)?;
+    if let Some(finding) = clock_in(&selected, &whole) {
+        return Ok(End::Clock(finding));
+    }
+    let mut first = judge(split_up, selected, options)?;
     if !first.conclusion.unforeseen() {
-        return Ok(first);
+        return Ok(ended(first));
     }
     let rows = |runs: &[Run]| runs.iter().map(Run::len).sum::<usize>();
     let too_many = rows(&seen.fit) + rows(&first.conclusion.judging) / 2 > 2 * SEARCHED;
     if too_many || reopening == Reopening::Never {
         first.conclusion.note_what_is_left_there();
-        return Ok(first);
+        return Ok(ended(first));
     }
-    seen.model = first.whole.model.clone();
     options.say("the runs fitted do not show it: opening half of those held out", 0.9);
     let Conclusion { accepted, judging, .. } = &first.conclusion;
     let opened = reopened(&first.whole, seen, judging, &accepted.hold.predicted);
-    let second = pass(opened, options)?;
-    let names = |concluded: &Concluded| !concluded.conclusion.unlisted && !concluded.conclusion.consistent();
-    let left = first.conclusion.left();
-    let far_less = names(&second) && (!names(&first) || second.conclusion.left() < FAR_LESS * left);
-    // Names for the little that the runs fitted show say nothing of the much that those held out show and nothing explains.
-    let for_a_little = names(&first) && second.conclusion.unlisted && left > 1.0 - CALIBRATION.explained;
-    if far_less || for_a_little {
-        return Ok(Concluded { held_out_shared: true, clock: first.clock, ..second });
+    let selected = select(&opened.weighing, options)?;
+    if let Some(finding) = clock_in(&selected, &opened.whole) {
+        return Ok(End::Clock(finding));
+    }
+    let second = judge(opened, selected, options)?;
+    if is_better(&second.conclusion, &first.conclusion) {
+        return Ok(ended(Concluded { held_out_shared: true, ..second }));
     }
     first.conclusion.note_what_is_left_there();
-    Ok(first)
+    Ok(ended(first))
 }
 
-/// Forward through the data once, with the sampling period corrected where a clock of another rate is part of what is accepted:
-/// then everything is selected anew, before anything was judged.
-fn with_right_clock(mut whole: Prepared, seen: &mut Prepared, options: &Options) -> Result<Concluded, SimulateError> {
-    let (split_up, selected) = with_noise_as_left(&mut whole, seen, options)?;
-    let dt = whole.fit.first().map_or(1.0, |run| run.dt);
-    let Some(finding) = clock::found(&selected.decision.accepted.fit, dt) else {
-        let mut concluded = judge(split_up, selected, options)?;
-        clock::settle(&mut concluded.whole, None);
-        return Ok(concluded);
-    };
-    options.say("correcting the sampling period", 0.1);
-    for prepared in [&mut whole, &mut *seen] {
-        clock::settle(prepared, Some(&finding));
-    }
-    Ok(Concluded { clock: Some(finding), ..pass(split(whole, Some(seen.clone())), options)? })
+/// Whether what was concluded with half of what was held out opened stands in the place of what was concluded before.
+fn is_better(second: &Conclusion, first: &Conclusion) -> bool {
+    let names = |conclusion: &Conclusion| !conclusion.unlisted && !conclusion.consistent();
+    let left = first.left();
+    let far_less = names(second) && (!names(first) || second.left() < FAR_LESS * left);
+    // Names for the little that the runs fitted show say nothing of the much that those held out show and nothing explains.
+    let for_a_little = names(first) && second.unlisted && left > 1.0 - CALIBRATION.explained;
+    // Values that the runs fitted hardly determine predict nothing: fitted to some of what they missed, they predict the rest.
+    let of_values = second.consistent() && second.explains_all();
+    far_less || for_a_little || of_values
+}
+
+fn ended(mut concluded: Concluded) -> End {
+    clock::settle(&mut concluded.whole);
+    End::Concluded(Box::new(concluded))
+}
+
+/// A clock of another rate among what was selected.
+fn clock_in(selected: &Selected, whole: &Prepared) -> Option<SetUpFinding> {
+    clock::found(&selected.decision.accepted.fit, whole.fit.first().map_or(1.0, |run| run.dt))
 }
 
 /// Cuts the data up and selects; once more where what is named leaves less than the noise of a channel and one effect more leaves
@@ -114,12 +126,6 @@ pub(super) fn with_noise_as_left(
     let second = cut(whole, seen);
     let selected = select(&second.weighing, options)?;
     Ok((second, selected))
-}
-
-/// Forward through the data once: fitted on training, selected on validation, judged on the test.
-fn pass(split: Split, options: &Options) -> Result<Concluded, SimulateError> {
-    let selected = select(&split.weighing, options)?;
-    judge(split, selected, options)
 }
 
 /// What was selected, and the curve that outdoes it.
@@ -159,5 +165,5 @@ fn judge(split: Split, selected: Selected, options: &Options) -> Result<Conclude
         decision.name_beside_more(&modelled.judged.added);
     }
     let conclusion = verdict::verdict(&whole, weighing.fitted(), decision, modelled.as_ref(), test)?;
-    Ok(Concluded { whole, conclusion, modelled, held_out_shared: false, clock: None })
+    Ok(Concluded { whole, conclusion, modelled, held_out_shared: false })
 }

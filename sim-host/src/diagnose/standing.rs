@@ -109,19 +109,23 @@ fn settles(present: &ScoredModel, larger: &ScoredModel) -> bool {
         && kept(present, larger) < (1.0 - CALIBRATION.explained).powi(3)
 }
 
-/// True where effects leave a hundredth of the mismatch at most, on both kinds of runs, and the noise of so many samples hides no tenth of it.
-pub(super) fn explains_all(before: &ScoredModel, after: &ScoredModel) -> bool {
-    explains_all_held(before, after) && all(before.fit.chi2(), after.fit.chi2(), after.fit.rows)
+/// True where effects leave a hundredth of the mismatch at most, on both kinds of runs, and the noise of so many samples hides no tenth of it;
+/// `quiet` of chi2 is the noise of channels of which nothing follows the motion, and no part of either.
+pub(super) fn explains_all(before: &ScoredModel, after: &ScoredModel, quiet: f64) -> bool {
+    let floor = 1.0 + quiet;
+    all((before.hold.chi2, after.hold.chi2), floor, after.hold.samples)
+        && all((before.fit.chi2(), after.fit.chi2()), floor, after.fit.rows)
 }
 
 /// The same on the runs that judge.
 pub(super) fn explains_all_held(before: &ScoredModel, after: &ScoredModel) -> bool {
-    all(before.hold.chi2, after.hold.chi2, after.hold.samples)
+    all((before.hold.chi2, after.hold.chi2), 1.0, after.hold.samples)
 }
 
-fn all(before: f64, after: f64, samples: usize) -> bool {
-    let (blur, excess) = (blur(samples), before - 1.0);
-    blur < (1.0 - CALIBRATION.explained) * excess && after - 1.0 < (1.0 - CALIBRATION.explained).powi(2) * excess + blur
+fn all((before, after): (f64, f64), floor: f64, samples: usize) -> bool {
+    let (blur, excess) = (blur(samples), before - floor);
+    blur < (1.0 - CALIBRATION.explained) * excess
+        && after - floor < (1.0 - CALIBRATION.explained).powi(2) * excess + blur
 }
 
 /// What chance makes of the chi2 of so many samples, three standard deviations.

@@ -57,6 +57,11 @@ impl Conclusion {
         (self.accepted.hold.chi2 - 1.0).max(0.0) / (self.stated.hold.chi2 - 1.0).max(1e-9)
     }
 
+    /// True where the model handed on leaves no more than noise of the runs that judge.
+    pub(super) fn explains_all(&self) -> bool {
+        !rest_beyond_noise(&self.accepted)
+    }
+
     /// True where the runs held out miss what the runs fitted do not show, or refuse what those showed.
     pub(super) fn unforeseen(&self) -> bool {
         let (fit, held) = (self.accepted.fit.chi2() - 1.0, self.accepted.hold.chi2 - 1.0);

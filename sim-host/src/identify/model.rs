@@ -82,6 +82,8 @@ pub struct Model {
     pub effects: Vec<ModelEffect>,
     /// What it may be missing beside the library's effects: the user's own, and a clock at another rate.
     pub library: Vec<&'static Entry>,
+    /// True over stated sampling period, less one, by what a controller's law makes of its recorded command; none where that says nothing.
+    pub clock_told: Option<f64>,
 }
 
 impl ModelEffect {
@@ -249,7 +251,8 @@ mod tests {
     fn what_an_effect_freed_is_known_again_without_it() {
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
         let own = own.map(|v| Value { low: 0.1 * v.value, high: 10.0 * v.value, positive: true, ..v }).to_vec();
-        let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new() };
+        let stated =
+            Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new(), clock_told: None };
         let placed = |id: &str| ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
         let mut soft = stated.with(placed("flow_softening")).with(placed("null_bias"));
         let limit = soft.own_mut("velocity_limit").unwrap();
@@ -268,8 +271,14 @@ mod tests {
         let mut own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
         own[1].free = true;
         own[1].prior = Some(Prior { mean: own[1].coordinate(), std: 0.25, lent: false });
-        let stated =
-            Model { kind: Kind::Servo, own: own.to_vec(), scale: None, effects: Vec::new(), library: Vec::new() };
+        let stated = Model {
+            kind: Kind::Servo,
+            own: own.to_vec(),
+            scale: None,
+            effects: Vec::new(),
+            library: Vec::new(),
+            clock_told: None,
+        };
         let mut biased =
             stated.with(ModelEffect::start(entry("null_bias").unwrap(), 0, &SignalScales::TYPICAL).unwrap());
         biased.own_mut("b0").unwrap().value = 150.0;
@@ -279,7 +288,8 @@ mod tests {
     #[test]
     fn a_law_beside_one_that_contains_it_is_redundant() {
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed).to_vec();
-        let stated = Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new() };
+        let stated =
+            Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new(), clock_told: None };
         let placed = |id: &str| ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
         let friction = stated.with(placed("stribeck_friction"));
         assert!(!friction.is_redundant() && !friction.with(placed("viscous_friction")).is_redundant());

@@ -140,7 +140,7 @@ fn of_statement(stated: &recording::Model, runs: &[Run], signal_scales: &SignalS
     });
     let scale = (has_pressure && kind != Kind::ForceBalance).then(|| pressure_scale(stated));
     let library = stated.own.iter().filter_map(|id| entry(id)).collect();
-    let model = Model { kind, own: own.collect(), scale, effects: Vec::new(), library };
+    let model = Model { kind, own: own.collect(), scale, effects: Vec::new(), library, clock_told: None };
     effects.fold(model, |model, effect| model.with(effect))
 }
 

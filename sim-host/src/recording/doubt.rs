@@ -240,4 +240,4 @@ pub(crate) fn without_clipped(experiment: &Experiment) -> (Experiment, Vec<Findi
 }
 
 #[cfg(test)]
-pub(super) mod tests;
+pub(crate) mod tests;

@@ -94,6 +94,13 @@ impl Run {
         Self { time, channels, cut: self.cut || from > 0, error_before, elapsed, clock, ..self.clone() }
     }
 
+    /// The run by a clock whose period is `factor` times what the stamps say; the stamps stay as they are.
+    pub(crate) fn by_clock(&mut self, factor: f64) {
+        self.dt *= factor;
+        self.error_before *= factor;
+        self.controller_rate_hz = self.controller_rate_hz.map(|rate| rate / factor);
+    }
+
     /// Integral of reference less displacement over the samples before this one, m s; zero where either is not recorded.
     fn error_until(&self, sample: usize) -> f64 {
         let of = |channel| self.channel(channel).map(filled);

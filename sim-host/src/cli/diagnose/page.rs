@@ -119,7 +119,10 @@ pub(in super::super) fn lead(diagnosis: &Diagnosis) -> String {
 fn answer(diagnosis: &Diagnosis) -> String {
     let names: Vec<&str> = diagnosis.effects.iter().map(|e| e.id).collect();
     match diagnosis.verdict {
-        Verdict::Consistent => "The model explains the recordings to within their noise; nothing is missing.".into(),
+        Verdict::Consistent => {
+            let shared = shared(diagnosis, "hardly determine its values");
+            format!("The model explains the recordings to within their noise; nothing is missing.{shared}")
+        }
         Verdict::BadData => "The recordings cannot be believed as they are; the findings say why.".into(),
         Verdict::Mismatch if names == ["unlisted"] => {
             let nearest =
@@ -149,15 +152,16 @@ fn answer(diagnosis: &Diagnosis) -> String {
             } else {
                 String::new()
             };
-            let shared = if diagnosis.held_out_shared {
-                " The runs fitted do not show it: half of the stretches of the hold-out runs were fitted too, and the others \
-                 judged."
-            } else {
-                ""
-            };
+            let shared = shared(diagnosis, "do not show it");
             format!("The model lacks {}.{more}{shared}", names.join(" and "))
         }
     }
+}
+
+/// Why half of what was held out was fitted too; nothing where it was not.
+fn shared(diagnosis: &Diagnosis, why: &str) -> String {
+    let half = "half of the stretches of the hold-out runs were fitted too, and the others judged";
+    if diagnosis.held_out_shared { format!(" The runs fitted {why}: {half}.") } else { String::new() }
 }
 
 /// A share in per cent; not 0.0 where something is left.

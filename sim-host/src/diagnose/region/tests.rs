@@ -74,11 +74,12 @@ fn an_effect_that_acts_everywhere_has_no_region() {
 fn a_clock_at_another_rate_is_found_and_corrected() {
     let mut off = prepared(&model(TRUTH));
     off.fit.iter_mut().for_each(|run| run.dt /= 1.005);
-    clock::doubt(&mut off);
+    clock::doubt(&mut off, None);
     let decision = decided(off.clone());
     let finding = clock::found(&decision.accepted.fit, off.fit[0].dt).expect("a clock");
     assert!((finding.found / finding.stated.unwrap() - 1.005).abs() < 5e-4, "{finding:?}");
-    clock::settle(&mut off, Some(&finding));
+    clock::settle(&mut off);
+    off.fit.iter_mut().for_each(|run| run.dt *= finding.found / finding.stated.unwrap());
     let corrected = decided(off);
     assert!(corrected.accepted.added.is_empty() && !corrected.unlisted, "{:?}", corrected.accepted.added);
 }

@@ -76,10 +76,11 @@ fn what_a_pressure_alone_shows_stands() {
 fn a_mismatch_explained_whole_is_in_the_library() {
     let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
     let template = judged(model(TRUTH), &runs);
-    let explained = |stated, left| explains_all(&leaving(stated, &template), &leaving(left, &template));
-    assert!(explained(250.0, 1.1));
-    assert!(!explained(250.0, 13.0), "a twentieth is left");
-    assert!(!explained(1.05, 1.0), "hardly more than noise");
+    let explained = |stated, left, quiet| explains_all(&leaving(stated, &template), &leaving(left, &template), quiet);
+    assert!(explained(250.0, 1.1, 0.0));
+    assert!(!explained(250.0, 13.0, 0.0), "a twentieth is left");
+    assert!(!explained(1.05, 1.0, 0.0), "hardly more than noise");
+    assert!(!explained(30.0, 1.5, 0.0) && explained(30.0, 1.5, 0.45), "a channel's noise was stated too small");
 }
 
 #[test]

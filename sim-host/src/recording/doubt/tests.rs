@@ -16,7 +16,7 @@ const N: usize = 8000;
 const NOISE: f64 = 1e-5;
 
 /// A table of one lag behind a PI law, its displacement recorded as the controller saw it.
-pub(in crate::recording) fn experiment(ran: &RecordedLaw, shaping: Shaping, seed: u64) -> Experiment {
+pub(crate) fn experiment(ran: &RecordedLaw, shaping: Shaping, seed: u64) -> Experiment {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || (0..12).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
     let RecordedLaw::ProportionalIntegral { kp, ki } = *ran else { panic!("a PI law") };
