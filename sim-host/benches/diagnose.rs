@@ -45,6 +45,7 @@ fn recording(number: usize, effects: &[EffectParameters<f64>]) -> String {
         ticks: 1,
         input: &input,
         added: &[],
+        before: None,
         law: SimulatedLaw::Pi { kp: 6.0, ki: 0.6 },
         shaping: shakedown::blocks::plant::Shaping::default(),
         sensor_noise: NOISE[0],

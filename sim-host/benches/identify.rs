@@ -78,6 +78,7 @@ fn recorded(number: usize) -> Run {
         law: SimulatedLaw::Pi { kp: GAINS.0, ki: GAINS.1 },
         shaping: shakedown::blocks::plant::Shaping::default(),
         loop_noise: None,
+        sent_before: Vec::new(),
         moving_start: false,
         measured: vec![channel(Channel::Displacement, NOISE[0]), channel(Channel::Acceleration, NOISE[1])],
         motion: None,

@@ -105,6 +105,7 @@ fn open_loop(found: &Identified, experiment: &Experiment, friction: f64) -> Resu
         ticks: 1,
         input: command,
         added: &[],
+        before: None,
         law: SimulatedLaw::Recorded,
         shaping: Shaping::default(),
         sensor_noise: 0.0,

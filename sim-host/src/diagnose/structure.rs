@@ -210,6 +210,7 @@ mod tests {
             law: SimulatedLaw::Pi { kp: 5.0, ki: 0.0 },
             shaping: crate::plant::simulate::Shaping::default(),
             loop_noise: None,
+            sent_before: Vec::new(),
             moving_start: false,
             measured: vec![measured],
             motion: None,

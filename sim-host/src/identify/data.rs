@@ -104,6 +104,8 @@ pub struct Run {
     pub input: Vec<f64>,
     /// Declared additions to the command, one a sample; empty for none.
     pub added: Vec<f64>,
+    /// Commands recorded before it, one a sample, in the command's unit; empty where none were.
+    pub sent_before: Vec<f64>,
     /// The controller that ran.
     pub law: SimulatedLaw,
     /// What surrounds that controller.

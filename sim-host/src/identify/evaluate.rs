@@ -170,6 +170,7 @@ fn trace<S: Scalar>(
         ticks: run.ticks,
         input: &run.input,
         added: &run.added,
+        before: run.moving_start.then_some(&run.sent_before),
         law: run.law,
         shaping: run.shaping,
         sensor_noise,

@@ -191,6 +191,7 @@ fn of_recording(run: &recording::Run, model: &recording::Model, all: &[recording
         ticks,
         input,
         added,
+        sent_before: run.sent_before.clone(),
         law,
         shaping: shaping(run, ticks),
         loop_noise: run.loop_noise,

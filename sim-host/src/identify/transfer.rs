@@ -124,6 +124,7 @@ mod tests {
             law: SimulatedLaw::Recorded,
             shaping: crate::plant::simulate::Shaping::default(),
             loop_noise: None,
+            sent_before: Vec::new(),
             moving_start: false,
             measured: vec![displacement],
             motion: None,

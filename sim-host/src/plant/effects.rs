@@ -361,6 +361,8 @@ pub trait Effect<S: Scalar>: Debug + Send {
     fn rest(&self, _displacement: S, _y: &mut [S]) {}
     /// Told once, before a run, how the loop's noise shakes it.
     fn dither(&mut self, _dither: Dither) {}
+    /// Told once, where a run begins in the middle of a motion, a command that was sent a while before it (unit of u): until then always.
+    fn under_way(&mut self, _command: S) {}
     /// The motion at the start of an integration step.
     fn observe(&mut self, _at: &Instant<S>) {}
     /// Leakage that it makes in this step, where that changes from step to step, s.

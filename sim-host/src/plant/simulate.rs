@@ -44,6 +44,9 @@ pub struct Excitation<'a> {
     /// Known increments added to what the controller sends, one for each sample; empty for none. The command that a
     /// trace shows holds them, as the recorded one does.
     pub added: &'a [f64],
+    /// What was sent before, where the run begins in the middle of a motion, one for each sample; nothing where that is not known. None
+    /// for a run that begins at rest.
+    pub before: Option<&'a [f64]>,
     /// The controller that ran.
     pub law: SimulatedLaw,
     /// What surrounds it.
@@ -154,7 +157,7 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Excitation, start: &Start<S
     let mut state = dynamics.rest(start);
     let (n, wanted) = (drive.input.len(), drive.wanted);
     let mut trace = Trace::with_capacity(n, wanted);
-    let mut law = drive.law.begin::<S>(drive.dt / drive.ticks as f64, drive.shaping, start.velocity);
+    let mut law = drive.law.begin::<S>(drive, start.velocity);
     let steps = substeps(drive, (dynamics.fastest(), dynamics.stiffest()), dynamics.whole_steps());
     let governed = dynamics.supply_pressure(&state).is_some();
     let mut sample = Sample::new(&mut dynamics, &state, drive, steps, matrices);
@@ -165,6 +168,9 @@ fn run<S: Scalar>(mut dynamics: Dynamics<S>, drive: &Excitation, start: &Start<S
             let measured = dynamics.sense_displacement(&state);
             let command = law.step(drive.input[k] + (next - drive.input[k]) * share, measured);
             state.command = command + drive.added.get(k).copied().unwrap_or(0.0);
+            if let Some(before) = drive.before.filter(|_| (k, tick) == (0, 0)) {
+                dynamics.under_way(before, state.command, steps * drive.ticks, drive.dt / (drive.ticks * steps) as f64);
+            }
             if tick == 0 {
                 trace.displacement.push(measured);
             }

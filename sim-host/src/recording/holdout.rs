@@ -108,6 +108,7 @@ mod tests {
             purpose: Fit,
             cut: false,
             error_before: 0.0,
+            sent_before: Vec::new(),
             elapsed: 0.0,
             clock: Clock::default(),
         }

@@ -6,6 +6,9 @@ use super::law::{RecordedLaw, Shaping};
 use super::signal::filled;
 use std::path::PathBuf;
 
+/// Time over which what was sent before a run may still act in it, s.
+const BEFORE: f64 = 1.0;
+
 /// What a run is used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Use {
@@ -45,6 +48,8 @@ pub struct Run {
     /// Integral of reference less displacement from the start of the file to where this run begins, m s: what a controller's
     /// integral holds there. Zero for a run that begins with its file.
     pub error_before: f64,
+    /// Commands recorded before this run begins, at most [`BEFORE`] seconds of them, in the command's unit: what is on its way then.
+    pub sent_before: Vec<f64>,
     /// Time from the start of the file to where this run begins, s: how long the table was at work before.
     pub elapsed: f64,
     /// What the time stamps were like.
@@ -89,9 +94,16 @@ impl Run {
         let mut clock = self.clock.clone();
         clock.offsets = clock.offsets.get(from..to).unwrap_or_default().to_vec();
         let error_before = self.error_before + self.error_until(from);
+        let sent_before = self.sent_until(from);
         let time = self.time[from..to].to_vec();
         let elapsed = self.elapsed + from as f64 * self.dt;
-        Self { time, channels, cut: self.cut || from > 0, error_before, elapsed, clock, ..self.clone() }
+        Self { time, channels, cut: self.cut || from > 0, error_before, sent_before, elapsed, clock, ..self.clone() }
+    }
+
+    /// The commands recorded before this sample, as far back as they matter.
+    fn sent_until(&self, sample: usize) -> Vec<f64> {
+        let Some(command) = self.channel(Channel::Command) else { return Vec::new() };
+        lately(self.sent_before.iter().copied().chain(filled(&command[..sample])).collect(), self.dt)
     }
 
     /// The run by a clock whose period is `factor` times what the stamps say; the stamps stay as they are.
@@ -109,4 +121,10 @@ impl Run {
         };
         reference.iter().zip(&displacement).take(sample).map(|(r, x)| (r - x) * self.dt).sum()
     }
+}
+
+/// Of commands sent before a run those that may still act in it; none where they are not known.
+pub(super) fn lately(mut sent: Vec<f64>, dt: f64) -> Vec<f64> {
+    let late = sent.split_off(sent.len().saturating_sub((BEFORE / dt) as usize));
+    if late.iter().all(|command| command.is_finite()) { late } else { Vec::new() }
 }

@@ -95,6 +95,7 @@ fn run(number: i32) -> Run {
         law: SimulatedLaw::Pi { kp: 8.0, ki: 1.0 },
         shaping: shakedown::blocks::plant::Shaping::default(),
         loop_noise: None,
+        sent_before: Vec::new(),
         moving_start: false,
         measured: vec![channel(Channel::Displacement, NOISE[0]), channel(Channel::Acceleration, NOISE[1])],
         motion: None,

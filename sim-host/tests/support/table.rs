@@ -49,6 +49,7 @@ pub(crate) fn recorded(b0: f64, effects: &[EffectParameters<f64>], seed: u64) ->
         ticks: 1,
         input: &reference,
         added: &[],
+        before: None,
         law: SimulatedLaw::Pi { kp: 3.7, ki: 0.6 },
         shaping: Shaping::default(),
         sensor_noise: 0.0,

@@ -62,6 +62,7 @@ fn run() -> Run {
         law: SimulatedLaw::Pi { kp: 6.0, ki: 1.0 },
         shaping: Shaping::default(),
         loop_noise: None,
+        sent_before: Vec::new(),
         moving_start: false,
         measured,
         motion: None,

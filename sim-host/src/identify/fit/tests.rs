@@ -58,6 +58,7 @@ pub(crate) fn recorded(model: &Model, seed: u64) -> Run {
         law: SimulatedLaw::Pi { kp: 8.0, ki: 1.0 },
         shaping: crate::plant::simulate::Shaping::default(),
         loop_noise: None,
+        sent_before: Vec::new(),
         moving_start: false,
         measured: vec![channel(Channel::Displacement, 2e-5), channel(Channel::Acceleration, 0.1)],
         motion: None,

@@ -50,13 +50,15 @@ const ARRIVAL: f64 = 2000.0;
 pub(crate) struct CommandDelay<S> {
     time: S,
     past: VecDeque<S>,
+    /// What was sent before all of it, unit of u.
+    before: S,
 }
 
 impl<S: Scalar> CommandDelay<S> {
     /// Takes the parameters in the order of [`ENTRY`].
     pub(crate) fn new(parameters: &[S]) -> Option<Self> {
         let &[time] = parameters else { return None };
-        Some(Self { time, past: VecDeque::new() })
+        Some(Self { time, past: VecDeque::new(), before: S::from(0.0) })
     }
 }
 
@@ -67,15 +69,17 @@ impl<S: Scalar> Effect<S> for CommandDelay<S> {
     fn fastest(&self) -> f64 {
         ARRIVAL
     }
+    fn under_way(&mut self, command: S) {
+        self.before = command;
+    }
     fn command(&mut self, u: S, h: f64) -> S {
         let steps = self.time / h;
         let whole = steps.value().floor().max(0.0);
         let fraction = steps - whole;
         self.past.push_front(u);
         self.past.truncate((whole as usize).saturating_add(2));
-        let at_rest = S::from(0.0);
-        let newer = self.past.get(whole as usize).copied().unwrap_or(at_rest);
-        let older = self.past.get((whole as usize).saturating_add(1)).copied().unwrap_or(at_rest);
+        let newer = self.past.get(whole as usize).copied().unwrap_or(self.before);
+        let older = self.past.get((whole as usize).saturating_add(1)).copied().unwrap_or(self.before);
         newer + (older - newer) * fraction
     }
 }
@@ -93,5 +97,12 @@ mod tests {
         assert_eq!(arrived(0.0), [1.0, 2.0, 3.0]);
         assert_eq!(arrived(0.75), [0.0, 0.5, 1.5]);
         assert_eq!(arrived(1e300), [0.0; 3]);
+    }
+
+    #[test]
+    fn what_was_sent_before_a_part_of_a_run_arrives_in_it() {
+        let mut delay = CommandDelay::new(&[0.75]).unwrap();
+        delay.under_way(4.0);
+        assert_eq!([1.0, 2.0, 3.0].map(|u| delay.command(u, 0.5)), [4.0, 2.5, 1.5]);
     }
 }

@@ -234,6 +234,9 @@ impl<S: Scalar> Effect<S> for Regional<S> {
     fn dither(&mut self, dither: Dither) {
         self.inner.dither(dither);
     }
+    fn under_way(&mut self, command: S) {
+        self.inner.under_way(command);
+    }
     fn observe(&mut self, at: &Instant<S>) {
         let s = self.along.of(at);
         self.share = match self.ends {

@@ -88,6 +88,9 @@ impl<S: Scalar> Effect<S> for ValveRateLimit<S> {
     fn hooks(&self) -> Hooks {
         Hooks { command: true, linear: true, ..Hooks::default() }
     }
+    fn under_way(&mut self, command: S) {
+        self.spool = command;
+    }
     /// Exact for a command held over the step: first the ramp, then the exponential.
     fn command(&mut self, u: S, h: f64) -> S {
         let away = self.spool - u;

@@ -170,6 +170,17 @@ impl<S: Scalar> Dynamics<S> {
         self.mounted.iter_mut().for_each(|m| m.effect.dither(dither));
     }
 
+    /// Takes through what has memory the commands that were sent before a run that begins in the middle of a motion, each for this many
+    /// steps of `h` seconds; before these the first was sent always, and `first` where none is known.
+    pub(super) fn under_way(&mut self, sent: &[f64], first: S, steps: usize, h: f64) {
+        let since = sent.first().map_or(first, |&command| S::from(command));
+        self.mounted.iter_mut().for_each(|m| m.effect.under_way(since));
+        for &command in sent.iter().flat_map(|command| std::iter::repeat_n(command, steps)) {
+            let with = self.mounted.iter_mut().filter(|m| m.hooks.command);
+            with.fold(S::from(command), |spool, m| m.effect.command(spool, h));
+        }
+    }
+
     /// Standard deviation of the velocity that noise of the command causes, m/s. What is white from tick to tick drives a
     /// damped mass, whose velocity has the same variance whatever spring holds it; the rate of white noise gives white
     /// noise again.

@@ -1,5 +1,6 @@
 //! The controllers that recordings state: plain laws with no limits and no anti-windup.
 
+use super::Excitation;
 use crate::scalar::Scalar;
 use std::collections::VecDeque;
 
@@ -54,8 +55,9 @@ impl SimulatedLaw {
         if matches!(self, Self::Recorded) { 0.0 } else { 1.0 }
     }
 
-    /// The law at the start of a run that begins with this velocity (m/s), run every `tick` seconds, and what surrounds it.
-    pub(super) fn begin<S: Scalar>(self, tick: f64, shaping: Shaping, velocity: S) -> Running<S> {
+    /// The law at the start of a run that begins with this velocity (m/s), and what surrounds it.
+    pub(super) fn begin<S: Scalar>(self, drive: &Excitation<'_>, velocity: S) -> Running<S> {
+        let (tick, shaping) = (drive.dt / drive.ticks as f64, drive.shaping);
         let waiting = std::iter::repeat_n(S::from(shaping.integral), shaping.late_command).collect();
         let notch = shaping.notch.map(|notch| {
             let filter = NotchFilter::new(notch, tick);
@@ -75,6 +77,7 @@ impl SimulatedLaw {
             waiting,
             seen: VecDeque::new(),
             notch,
+            begins: drive.before.is_some(),
         }
     }
 }
@@ -196,6 +199,8 @@ pub(super) struct Running<S> {
     /// Displacements on their way.
     seen: VecDeque<S>,
     notch: Option<NotchFilter<S>>,
+    /// True until the first command of a run that begins in the middle of a motion.
+    begins: bool,
 }
 
 impl<S: Scalar> Running<S> {
@@ -213,6 +218,10 @@ impl<S: Scalar> Running<S> {
         if self.waiting.is_empty() {
             return command;
         }
+        if self.begins {
+            self.waiting.iter_mut().for_each(|waiting| *waiting = command);
+        }
+        self.begins = false;
         self.waiting.push_back(command);
         self.waiting.pop_front().unwrap_or(command)
     }

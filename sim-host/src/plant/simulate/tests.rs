@@ -21,7 +21,7 @@ fn paper<S: Scalar>() -> Baseline<S> {
 /// A plant that a command drives.
 fn commanded(input: &[f64], wanted: Wanted) -> Excitation<'_> {
     let (law, shaping) = (SimulatedLaw::Recorded, Shaping::default());
-    Excitation { dt: DT, ticks: 1, input, added: &[], law, shaping, sensor_noise: 0.0, wanted }
+    Excitation { dt: DT, ticks: 1, input, added: &[], before: None, law, shaping, sensor_noise: 0.0, wanted }
 }
 
 fn run<S: Scalar>(effects: &[EffectParameters<S>]) -> Trace<S> {
@@ -31,6 +31,7 @@ fn run<S: Scalar>(effects: &[EffectParameters<S>]) -> Trace<S> {
         ticks: 1,
         input: &input,
         added: &[],
+        before: None,
         law: SimulatedLaw::Pi { kp: 6.0, ki: 1.0 },
         shaping: Shaping::default(),
         sensor_noise: 1e-5,
@@ -126,6 +127,7 @@ fn matrices_give_what_the_rule_gives() {
             ticks,
             input: &input,
             added: &[],
+            before: None,
             law,
             shaping: Shaping::default(),
             sensor_noise: 1e-5,
@@ -214,4 +216,28 @@ fn effects_on_a_rigid_mass_have_their_units() {
         let x = moved(id, parameters, command);
         assert!((x - expected).abs() < 1e-9, "{id}: {x} m for {expected} m");
     }
+}
+
+/// A part that begins in the middle of a motion goes on where the whole run was: what was sent before it is on its way, and the spool is
+/// where it was. Where nobody recorded that, the first command stands for it, and is nearer than none.
+#[test]
+fn a_part_of_a_run_goes_on_with_what_was_sent_before() {
+    const CUT: usize = 400;
+    let mass = Baseline::RigidMass { mass: 10.0, viscous: 60.0, gain: 20.0 };
+    let effects = [("command_delay", vec![0.03]), ("valve_rate_limit", vec![9.0, 0.02, 1.0])]
+        .map(|(id, parameters)| EffectParameters { id, parameters });
+    let input: Vec<f64> = (0..800).map(|k| 2.0 * (1.5 * f64::from(k) * DT).sin()).collect();
+    let begun = |input: &[f64], (displacement, velocity), before| {
+        let drive = Excitation { before, ..commanded(input, Wanted { velocity: true, ..Wanted::default() }) };
+        let start = Start { displacement, velocity, states: Vec::new(), time: 0.0 };
+        simulate::<f64>(&mass, &effects, &drive, &start).unwrap()
+    };
+    let whole = begun(&input, (0.0, 0.0), None);
+    let astray = |before| {
+        let part = begun(&input[CUT..], (whole.displacement[CUT], whole.velocity[CUT]), before).displacement;
+        part.iter().zip(&whole.displacement[CUT..]).map(|(part, whole)| (part - whole).abs()).fold(0.0, f64::max)
+    };
+    let (known, first, rest) = (astray(Some(&input[CUT - 250..CUT])), astray(Some(&[])), astray(None));
+    let moved = whole.displacement[CUT..].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    assert!(known < 1e-9 * moved && first < 0.5 * rest, "{known}, {first} and {rest} of {moved}");
 }

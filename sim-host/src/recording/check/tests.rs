@@ -142,6 +142,7 @@ fn run_of([reference, displacement, acceleration, command]: [Vec<f64>; 4], dt: f
         purpose: Use::Fit,
         cut: false,
         error_before: 0.0,
+        sent_before: Vec::new(),
         elapsed: 0.0,
         clock: Clock::default(),
     }

@@ -60,6 +60,7 @@ pub(crate) fn experiment(ran: &RecordedLaw, shaping: Shaping, seed: u64) -> Expe
         purpose: Use::Fit,
         cut: false,
         error_before: 0.0,
+        sent_before: Vec::new(),
         elapsed: 0.0,
         clock: Clock::default(),
     };

@@ -5,7 +5,7 @@ use crate::files::layout::Stated;
 use crate::recording::channel::{Channel, PerChannel};
 use crate::recording::clock::{self, Clock, Grid, NoGrid};
 use crate::recording::error::{Place, Problem, RecordingError};
-use crate::recording::run::{Run, Use};
+use crate::recording::run::{Run, Use, lately};
 use crate::recording::signal::{filled, slope};
 use crate::recording::table::{Heading, Table};
 use crate::recording::{file, unit};
@@ -138,6 +138,7 @@ fn run(
         purpose: entry.stated.unwrap_or(Use::Fit),
         cut: from > 0,
         error_before: error_before(wanted, table, from) * dt,
+        sent_before: lately(recorded_before(wanted, table, from, Channel::Command).unwrap_or_default(), dt),
         elapsed: from as f64 * dt,
         clock: Clock { ..clock },
     })
@@ -145,13 +146,16 @@ fn run(
 
 /// Sum of reference less displacement, m, over the rows before the first that is used.
 fn error_before(wanted: &[Wanted<'_>], table: &Table, from: usize) -> f64 {
-    let of = |channel| {
-        let is = |(wanted, column): &(&Wanted<'_>, &Vec<f64>)| wanted.channel == channel && !column.is_empty();
-        let (wanted, column) = wanted.iter().zip(&table.columns).find(is)?;
-        Some(filled(&column[..from]).into_iter().map(|value| value * wanted.unit.factor))
-    };
+    let of = |channel| recorded_before(wanted, table, from, channel);
     let both = of(Channel::Reference).zip(of(Channel::Displacement));
-    both.map_or(0.0, |(reference, displacement)| reference.zip(displacement).map(|(r, x)| r - x).sum())
+    both.map_or(0.0, |(reference, displacement)| reference.iter().zip(displacement).map(|(r, x)| r - x).sum())
+}
+
+/// A channel over these rows, SI.
+fn recorded_before(wanted: &[Wanted<'_>], table: &Table, from: usize, channel: Channel) -> Option<Vec<f64>> {
+    let is = |(wanted, column): &(&Wanted<'_>, &Vec<f64>)| wanted.channel == channel && !column.is_empty();
+    let (wanted, column) = wanted.iter().zip(&table.columns).find(is)?;
+    Some(filled(&column[..from]).into_iter().map(|value| value * wanted.unit.factor).collect())
 }
 
 fn part_name(entry: &RunEntry, time: &[f64], dt: f64) -> String {

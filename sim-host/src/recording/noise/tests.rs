@@ -44,6 +44,7 @@ fn run(seed: u64, acceleration_noise: &[f64], resting: bool) -> Run {
         purpose: Use::Fit,
         cut: false,
         error_before: 0.0,
+        sent_before: Vec::new(),
         elapsed: 0.0,
         clock: Clock::default(),
     }
