@@ -74,12 +74,13 @@ pub(crate) fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
 }
 
 /// A model fitted with no stated value further than a quarter from what was stated, and held there from now on; none where
-/// `free` went no further. A fit far from what was stated bends the model to hide what is missing.
+/// `free` went no further. A fit far from what was stated bends the model to hide what is missing; masses and dashpots may be stated in
+/// any way.
 pub(crate) fn fit_near(prepared: &Prepared, free: &Fit) -> Result<Option<Fit>, SimulateError> {
     let far = |(stated, fitted): (&super::model::Value, &super::model::Value)| {
         stated.free && (fitted.value - stated.value).abs() > FAR * stated.value.abs()
     };
-    if !prepared.model.own.iter().zip(&free.model.own).any(far) {
+    if prepared.model.kind != Kind::Servo || !prepared.model.own.iter().zip(&free.model.own).any(far) {
         return Ok(None);
     }
     let mut near = free.model.clone();
