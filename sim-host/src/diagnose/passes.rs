@@ -167,3 +167,23 @@ fn judge(split: Split, selected: Selected, options: &Options) -> Result<Conclude
     let conclusion = verdict::verdict(&whole, weighing.fitted(), decision, modelled.as_ref(), test)?;
     Ok(Concluded { whole, conclusion, modelled, held_out_shared: false })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::verdict::tests::{concluded, with_viscous};
+    use super::is_better;
+    use crate::identify::fit::tests::{TRUTH, model};
+
+    /// What the runs held out refused is no mismatch where the stated model, fitted to half of them too, explains the rest; where that is
+    /// not so either, what was said first stands.
+    #[test]
+    fn values_that_the_runs_fitted_do_not_determine_are_no_mismatch() {
+        let (none, friction) = (model(TRUTH), with_viscous(90.0));
+        let refused = concluded(&friction, &none, with_viscous(50.0));
+        let consistent = concluded(&none, &none, model(TRUTH));
+        let missed = concluded(&friction, &friction, model(TRUTH));
+        assert!(refused.unlisted && consistent.consistent());
+        assert!(is_better(&consistent, &refused));
+        assert!(!is_better(&missed, &refused) && !is_better(&refused, &refused));
+    }
+}

@@ -232,4 +232,4 @@ fn last(
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -48,7 +48,8 @@ pub struct Run {
     /// Integral of reference less displacement from the start of the file to where this run begins, m s: what a controller's
     /// integral holds there. Zero for a run that begins with its file.
     pub error_before: f64,
-    /// Commands recorded before this run begins, at most [`BEFORE`] seconds of them, in the command's unit: what is on its way then.
+    /// Commands sent before this run begins, at most [`BEFORE`] seconds of them, in the command's unit: what is on its way then. As they
+    /// were recorded, else as a PI law makes them of what it saw; empty where neither is known.
     pub sent_before: Vec<f64>,
     /// Time from the start of the file to where this run begins, s: how long the table was at work before.
     pub elapsed: f64,
@@ -100,10 +101,27 @@ impl Run {
         Self { time, channels, cut: self.cut || from > 0, error_before, sent_before, elapsed, clock, ..self.clone() }
     }
 
-    /// The commands recorded before this sample, as far back as they matter.
+    /// The commands sent before this sample, as far back as they matter.
     fn sent_until(&self, sample: usize) -> Vec<f64> {
-        let Some(command) = self.channel(Channel::Command) else { return Vec::new() };
-        lately(self.sent_before.iter().copied().chain(filled(&command[..sample])).collect(), self.dt)
+        let recorded = self.channel(Channel::Command).map(|command| filled(&command[..sample]));
+        let Some(sent) = recorded.or_else(|| self.law_until(sample)) else { return Vec::new() };
+        lately(self.sent_before.iter().copied().chain(sent).collect(), self.dt)
+    }
+
+    /// What a PI law alone makes of reference and displacement before this sample. Of a cascade, which differentiates what it sees, noise
+    /// makes most of the command.
+    fn law_until(&self, sample: usize) -> Option<Vec<f64>> {
+        let RecordedLaw::ProportionalIntegral { kp, ki } = self.law else { return None };
+        let Shaping { kvf, notch: None, late_command: 0, late_displacement: 0, .. } = self.shaping else { return None };
+        let of = |channel| self.channel(channel).map(|samples| filled(&samples[..sample]));
+        let (reference, displacement) = (of(Channel::Reference)?, of(Channel::Displacement)?);
+        let (mut sum, mut before) = (self.error_before, 2.0 * reference.first()? - reference.get(1)?);
+        let sent = reference.iter().zip(&displacement).map(|(r, x)| {
+            sum += (r - x) * self.dt;
+            let fed = kvf * (r - std::mem::replace(&mut before, *r)) / self.dt;
+            kp * (r - x) + ki * sum + fed
+        });
+        Some(sent.collect())
     }
 
     /// The run by a clock whose period is `factor` times what the stamps say; the stamps stay as they are.
@@ -127,4 +145,28 @@ impl Run {
 pub(super) fn lately(mut sent: Vec<f64>, dt: f64) -> Vec<f64> {
     let late = sent.split_off(sent.len().saturating_sub((BEFORE / dt) as usize));
     if late.iter().all(|command| command.is_finite()) { late } else { Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::doubt::tests::experiment;
+
+    /// What was on its way when a part begins is known from the command, and where nobody recorded that from the law.
+    #[test]
+    fn a_part_knows_what_was_sent_before_it() {
+        let law = RecordedLaw::ProportionalIntegral { kp: 4.0, ki: 1.0 };
+        let shaping = Shaping { kvf: 0.3, ..Shaping::default() };
+        let run = Run { shaping, ..experiment(&law, shaping, 3).runs[0].clone() };
+        let recorded = run.part(3000, 6000).part(100, 2000).sent_before;
+        assert_eq!(recorded.len(), (BEFORE / run.dt) as usize);
+        assert_eq!(recorded.last(), Some(&run.channel(Channel::Command).unwrap()[3099]));
+        let mut without = run;
+        without.channels.remove(Channel::Command);
+        let told = without.part(3000, 6000).part(100, 2000).sent_before;
+        let most = recorded.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        let apart = recorded.iter().zip(&told).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // The reference before a part is extrapolated.
+        assert!(apart < 0.02 * most && told.len() == recorded.len(), "{apart} of {most}");
+    }
 }

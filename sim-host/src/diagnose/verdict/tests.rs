@@ -16,7 +16,7 @@ fn prepared(fitted_truth: &Model, held_truth: &Model) -> Prepared {
 }
 
 /// What is selected of two runs of `fitted_truth` where `named` is named, judged on a run of `held_truth`.
-fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
+pub(in super::super) fn concluded(fitted_truth: &Model, held_truth: &Model, named: Model) -> Conclusion {
     judged_on(prepared(fitted_truth, held_truth), None, named, |decision| decision)
 }
 
@@ -50,7 +50,7 @@ fn judged_on(
     verdict(&cut.whole, cut.weighing.fitted(), decided(decision), None, cut.test).unwrap()
 }
 
-fn with_viscous(coefficient: f64) -> Model {
+pub(in super::super) fn with_viscous(coefficient: f64) -> Model {
     model(TRUTH).with(viscous(coefficient, 0.0, (-0.2, 2.0)))
 }
 
