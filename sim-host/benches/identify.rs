@@ -39,14 +39,7 @@ fn model(values: [f64; 6]) -> Model {
         free: true,
         prior: None,
     });
-    let model = Model {
-        kind: Kind::Servo,
-        own: own.collect(),
-        scale: None,
-        effects: Vec::new(),
-        library: Vec::new(),
-        clock_told: None,
-    };
+    let model = Model::bare(Kind::Servo, own.collect());
     let placed = |id: &str, value: f64| {
         let mut placed = ModelEffect::start(entry(id).expect("listed"), 0, &SignalScales::TYPICAL).expect("a start");
         placed.values[0].value = value;

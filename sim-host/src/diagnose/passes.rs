@@ -28,7 +28,7 @@ pub(super) struct Concluded {
 /// How passes end.
 pub(super) enum End {
     Concluded(Box<Concluded>),
-    /// A clock of another rate is part of what was selected: everything is to be read anew by it, and nothing was judged.
+    /// A clock of another rate is part of what was selected: everything is to be read anew by it, and what was judged before counts for nothing.
     Clock(SetUpFinding),
 }
 

@@ -114,6 +114,11 @@ impl ModelEffect {
 }
 
 impl Model {
+    /// Its own parameters, in the order of [`Kind::parameters`], and nothing beside them.
+    pub fn bare(kind: Kind, own: Vec<Value>) -> Self {
+        Self { kind, own, scale: None, effects: Vec::new(), library: Vec::new(), clock_told: None }
+    }
+
     /// This model with one more effect, kept in the order of the registry.
     pub fn with(&self, effect: ModelEffect) -> Self {
         let mut model = self.clone();
@@ -251,8 +256,7 @@ mod tests {
     fn what_an_effect_freed_is_known_again_without_it() {
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
         let own = own.map(|v| Value { low: 0.1 * v.value, high: 10.0 * v.value, positive: true, ..v }).to_vec();
-        let stated =
-            Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new(), clock_told: None };
+        let stated = Model::bare(Kind::Servo, own);
         let placed = |id: &str| ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
         let mut soft = stated.with(placed("flow_softening")).with(placed("null_bias"));
         let limit = soft.own_mut("velocity_limit").unwrap();
@@ -271,14 +275,7 @@ mod tests {
         let mut own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed);
         own[1].free = true;
         own[1].prior = Some(Prior { mean: own[1].coordinate(), std: 0.25, lent: false });
-        let stated = Model {
-            kind: Kind::Servo,
-            own: own.to_vec(),
-            scale: None,
-            effects: Vec::new(),
-            library: Vec::new(),
-            clock_told: None,
-        };
+        let stated = Model::bare(Kind::Servo, own.to_vec());
         let mut biased =
             stated.with(ModelEffect::start(entry("null_bias").unwrap(), 0, &SignalScales::TYPICAL).unwrap());
         biased.own_mut("b0").unwrap().value = 150.0;
@@ -288,8 +285,7 @@ mod tests {
     #[test]
     fn a_law_beside_one_that_contains_it_is_redundant() {
         let own = [0.69, 138.0, 57.65, 0.242].map(Value::fixed).to_vec();
-        let stated =
-            Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new(), clock_told: None };
+        let stated = Model::bare(Kind::Servo, own);
         let placed = |id: &str| ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
         let friction = stated.with(placed("stribeck_friction"));
         assert!(!friction.is_redundant() && !friction.with(placed("viscous_friction")).is_redundant());

@@ -142,9 +142,7 @@ mod tests {
         };
         let mut effect = ModelEffect::start(entry("command_delay").unwrap(), 0, &sizes).unwrap();
         effect.values[0] = Value::fixed(delay);
-        let model =
-            Model { kind: Kind::Servo, own, scale: None, effects: Vec::new(), library: Vec::new(), clock_told: None }
-                .with(effect);
+        let model = Model::bare(Kind::Servo, own).with(effect);
         let mut noise = 0.37_f64;
         run.measured[0].values = predict(&model, &run, &Local::start(&model, &run)).unwrap().channels.remove(0);
         for value in &mut run.measured[0].values {

@@ -112,6 +112,24 @@ impl RecordedLaw {
     }
 }
 
+/// What a PI law of these gains and feed-forward makes of reference and displacement (m), sampled every `dt` seconds. Until then the integral
+/// of the error had come to `sum` (m s), and the reference was at `before` (m).
+pub(crate) fn commands_of_pi(
+    [kp, ki, kvf]: [f64; 3],
+    [reference, displacement]: [&[f64]; 2],
+    (mut sum, mut before): (f64, f64),
+    dt: f64,
+) -> Vec<f64> {
+    let command = |(r, x): (&f64, &f64)| {
+        let error = r - x;
+        sum += error * dt;
+        let fed = kvf * (r - before) / dt;
+        before = *r;
+        kp * error + ki * sum + fed
+    };
+    reference.iter().zip(displacement).map(command).collect()
+}
+
 /// What surrounds a law: feed-forward, feedback of pressure, a notch, and delays.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Shaping {

@@ -2,7 +2,7 @@
 
 use super::channel::{Channel, PerChannel};
 use super::clock::Clock;
-use super::law::{RecordedLaw, Shaping};
+use super::law::{RecordedLaw, Shaping, commands_of_pi};
 use super::signal::filled;
 use std::path::PathBuf;
 
@@ -48,7 +48,7 @@ pub struct Run {
     /// Integral of reference less displacement from the start of the file to where this run begins, m s: what a controller's
     /// integral holds there. Zero for a run that begins with its file.
     pub error_before: f64,
-    /// Commands sent before this run begins, at most [`BEFORE`] seconds of them, in the command's unit: what is on its way then. As they
+    /// Commands sent before this run begins, one second of them at most, in the command's unit: what is on its way then. As they
     /// were recorded, else as a PI law makes them of what it saw; empty where neither is known.
     pub sent_before: Vec<f64>,
     /// Time from the start of the file to where this run begins, s: how long the table was at work before.
@@ -115,13 +115,8 @@ impl Run {
         let Shaping { kvf, notch: None, late_command: 0, late_displacement: 0, .. } = self.shaping else { return None };
         let of = |channel| self.channel(channel).map(|samples| filled(&samples[..sample]));
         let (reference, displacement) = (of(Channel::Reference)?, of(Channel::Displacement)?);
-        let (mut sum, mut before) = (self.error_before, 2.0 * reference.first()? - reference.get(1)?);
-        let sent = reference.iter().zip(&displacement).map(|(r, x)| {
-            sum += (r - x) * self.dt;
-            let fed = kvf * (r - std::mem::replace(&mut before, *r)) / self.dt;
-            kp * (r - x) + ki * sum + fed
-        });
-        Some(sent.collect())
+        let until = (self.error_before, 2.0 * reference.first()? - reference.get(1)?);
+        Some(commands_of_pi([kp, ki, kvf], [&reference, &displacement], until, self.dt))
     }
 
     /// The run by a clock whose period is `factor` times what the stamps say; the stamps stay as they are.

@@ -63,15 +63,7 @@ fn truth() -> Model {
     });
     let mut bias = ModelEffect::start(entry("null_bias").expect("listed"), 0, &SignalScales::TYPICAL).expect("a start");
     bias.values[0].value = BIAS;
-    Model {
-        kind: Kind::Servo,
-        own: own.collect(),
-        scale: None,
-        effects: Vec::new(),
-        library: Vec::new(),
-        clock_told: None,
-    }
-    .with(bias)
+    Model::bare(Kind::Servo, own.collect()).with(bias)
 }
 
 /// A run without noise.

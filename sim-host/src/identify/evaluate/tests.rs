@@ -24,14 +24,7 @@ const EFFECTS: [&str; 12] = [
 
 fn model(free: impl Fn(usize) -> bool) -> Model {
     let own = [0.69, 138.0, 57.65, 0.242].map(|value| Value { positive: true, ..Value::fixed(value) });
-    let bare = Model {
-        kind: Kind::Servo,
-        own: own.to_vec(),
-        scale: None,
-        effects: Vec::new(),
-        library: Vec::new(),
-        clock_told: None,
-    };
+    let bare = Model::bare(Kind::Servo, own.to_vec());
     let start =
         |id: &str| Effect::start(entry(id).unwrap(), 0, &SignalScales { displacement: 0.05, ..SignalScales::TYPICAL });
     let mut model = EFFECTS.iter().fold(bare, |model, id| model.with(start(id).unwrap()));

@@ -23,14 +23,7 @@ pub(crate) fn model(values: [f64; 4]) -> Model {
         free,
         prior: None,
     });
-    Model {
-        kind: Kind::Servo,
-        own: own.collect(),
-        scale: None,
-        effects: Vec::new(),
-        library: Vec::new(),
-        clock_told: None,
-    }
+    Model::bare(Kind::Servo, own.collect())
 }
 
 /// Twelve uniforms less six: near enough to a Gaussian of unit variance.

@@ -1,7 +1,7 @@
 //! What drives a run: its input with gaps bridged, what is added to the command, what surrounds the controller.
 
 use crate::plant::simulate::{NotchFilter, Shaping};
-use crate::recording;
+use crate::recording::{self, law::commands_of_pi};
 use nalgebra::{DMatrix, DVector};
 
 /// What is added to the command with the feedback of the recorded pressure, which is taken as it was measured.
@@ -68,17 +68,11 @@ fn sent_since(run: &recording::Run) -> Option<(Vec<f64>, Vec<f64>)> {
     let of = |channel| run.channel(channel).and_then(filled);
     let (reference, displacement, command) = (of(C::Reference)?, of(C::Displacement)?, of(C::Command)?);
     let added = of(C::Disturbance).unwrap_or_default();
-    let (mut sum, mut before) = (0.0, reference.first()? - slope_at_start(run) * run.dt);
-    let law = |k: usize| {
-        let error = reference[k] - displacement[k];
-        sum += error * run.dt;
-        let fed = run.shaping.kvf * (reference[k] - before) / run.dt;
-        before = reference[k];
-        kp * error + ki * sum + fed
-    };
     let n = BEGINNING.min(command.len());
+    let until = (0.0, reference.first()? - slope_at_start(run) * run.dt);
+    let law = commands_of_pi([kp, ki, run.shaping.kvf], [&reference[..n], &displacement[..n]], until, run.dt);
     let sent = (0..n).map(|k| command[k] - added.get(k).unwrap_or(&0.0)).collect();
-    Some(((0..n).map(law).collect(), sent))
+    Some((law, sent))
 }
 
 /// The integral and the notch's two states by least squares: what was sent is what the notch makes of the law, of a constant, and of each

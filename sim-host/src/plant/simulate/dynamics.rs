@@ -173,6 +173,9 @@ impl<S: Scalar> Dynamics<S> {
     /// Takes through what has memory the commands that were sent before a run that begins in the middle of a motion, each for this many
     /// steps of `h` seconds; before these the first was sent always, and `first` where none is known.
     pub(super) fn under_way(&mut self, sent: &[f64], first: S, steps: usize, h: f64) {
+        if !self.any.command {
+            return;
+        }
         let since = sent.first().map_or(first, |&command| S::from(command));
         self.mounted.iter_mut().for_each(|m| m.effect.under_way(since));
         for &command in sent.iter().flat_map(|command| std::iter::repeat_n(command, steps)) {
