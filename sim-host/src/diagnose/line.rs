@@ -96,7 +96,8 @@ fn peaks(power: &[f64], hz: f64, around: usize) -> Vec<usize> {
     apart
 }
 
-fn padded_spectrum(series: &[f64]) -> Vec<f64> {
+/// Power of a whole series from 0 to half its rate, missing samples as none.
+pub(super) fn padded_spectrum(series: &[f64]) -> Vec<f64> {
     let size = series.len().next_power_of_two().max(16);
     let mut padded = series.to_vec();
     padded.resize(size, 0.0);

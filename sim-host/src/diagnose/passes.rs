@@ -16,6 +16,8 @@ use crate::recording::SetUpFinding;
 
 /// Share of what was left below which a second look at the data is the better one.
 pub(super) const FAR_LESS: f64 = 0.3;
+/// Share of the excess on the runs held out beyond which names leave most of it.
+const MOST_LEFT: f64 = 0.5;
 
 /// What came out, and of which cut of the data.
 pub(super) struct Concluded {
@@ -81,8 +83,10 @@ fn is_better(second: &Conclusion, first: &Conclusion) -> bool {
     let names = |conclusion: &Conclusion| !conclusion.unlisted && !conclusion.consistent();
     let left = first.left();
     let far_less = names(second) && (!names(first) || second.left() < FAR_LESS * left);
-    // Names for the little that the runs fitted show say nothing of the much that those held out show and nothing explains.
-    let for_a_little = names(first) && second.unlisted && left > 1.0 - CALIBRATION.explained;
+    // Names for the little that the runs fitted show say nothing of the much that those held out show and nothing explains. Those that
+    // explain most of that stay, but where a curve explains more.
+    let more = left > MOST_LEFT || second.left() < left;
+    let for_a_little = names(first) && second.unlisted && more && left > 1.0 - CALIBRATION.explained;
     // Values that the runs fitted hardly determine predict nothing: fitted to some of what they missed, they predict the rest.
     let of_values = second.consistent() && second.explains_all();
     far_less || for_a_little || of_values

@@ -81,7 +81,7 @@ impl<'a> Vacancy<'a> {
         let mut rest = Fit::resume(self.rest.clone(), self.accepted.locals.clone(), seen)?;
         rest.improve(seen, LOOK)?;
         let Some(base) = Base::of(&rest, seen)? else { return Ok(Vec::new()) };
-        let mut starts = candidate_starts(std::slice::from_ref(&rest), &[], signal_scales);
+        let mut starts = candidate_starts(std::slice::from_ref(&rest), &[], signal_scales, seen)?;
         starts.retain(|start| start.placed.entry.id != self.out.id && !alike(self.out, start.placed.entry));
         let look = |start: CandidateStart| Ok(start.look(&base, seen)?.map(|promised| (promised, start.placed)));
         let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, SimulateError>>()?;

@@ -5,6 +5,7 @@
 mod brief;
 mod candidate_starts;
 mod details;
+mod ringing;
 
 use super::Options;
 use super::calibration::CALIBRATION;
@@ -248,7 +249,7 @@ fn looked_at(
     runs: &[Run],
     signal_scales: &SignalScales,
 ) -> Result<(Vec<Fit>, usize), SimulateError> {
-    let candidate_starts = candidate_starts(parents, singles, signal_scales);
+    let candidate_starts = candidate_starts(parents, singles, signal_scales, runs)?;
     let candidate_starts = screen_by_secant(candidate_starts, parents, runs, singles.is_empty())?;
     let begun = |s: &CandidateStart| Fit::resume(s.model(), s.parent.locals.clone(), runs);
     let fits = candidate_starts.par_iter().map(begun).collect::<Result<Vec<_>, _>>()?;

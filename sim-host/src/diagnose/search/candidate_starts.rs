@@ -1,5 +1,6 @@
 //! Where fits of one more effect start, and which of them deserve the work.
 
+use super::ringing::{loudest, structure_at};
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::fit::secant::Base;
@@ -20,11 +21,13 @@ pub(in crate::diagnose) fn candidate_starts<'a>(
     parents: &'a [Fit],
     singles: &[Fit],
     signal_scales: &SignalScales,
-) -> Vec<CandidateStart<'a>> {
+    runs: &[Run],
+) -> Result<Vec<CandidateStart<'a>>, SimulateError> {
     let mut candidate_starts = Vec::new();
     let mut sets: Vec<(Vec<&'static str>, Vec<&'static str>)> = Vec::new();
     for parent in parents {
         let of = parent.model.ids();
+        let loudest = loudest(parent, runs)?;
         for entry in parent.model.candidates() {
             let mut set = of.clone();
             set.push(entry.id);
@@ -40,11 +43,13 @@ pub(in crate::diagnose) fn candidate_starts<'a>(
             let places = [SignalScale::CommandRate, SignalScale::Displacement];
             let far = entry.parameters.iter().any(|p| p.unit == "Hz" || places.contains(&p.signal_scale));
             let most = if alone.is_some() && !far { 1 } else { usize::MAX };
-            let starts = alone.cloned().into_iter().chain(library.take(most));
+            let first = ModelEffect::start(entry, 0, signal_scales);
+            let rings = loudest.iter().filter_map(|&frequency| structure_at(first.clone()?, frequency));
+            let starts = alone.cloned().into_iter().chain(library.take(most)).chain(rings);
             candidate_starts.extend(starts.map(|placed| CandidateStart { parent, placed }));
         }
     }
-    candidate_starts
+    Ok(candidate_starts)
 }
 
 /// A start: which parent, with which effect where.
