@@ -3,9 +3,8 @@
 //! Samples that are held out are missing from the residual, in stretches, and put side bands beside every line. A line is
 //! therefore distinguished from a resonance by what one sine, fitted to the samples there are, takes away of the power around it.
 
-use super::residual::{residual, spectrum};
+use super::residual::{of_longest, padded_spectrum};
 use crate::identify::data::{Channel, Run};
-use crate::identify::evaluate::predict;
 use crate::identify::fit::Fit;
 use crate::plant::simulate::SimulateError;
 use crate::recording::signal::{Sine, quantile};
@@ -29,10 +28,8 @@ const STEPS: i32 = 10;
 
 /// The strongest line in the accelerometer's residual, Hz.
 pub(super) fn strongest_line(runs: &[Run], baseline: &Fit) -> Result<f64, SimulateError> {
-    let Some((run, local)) = runs.iter().zip(&baseline.locals).max_by_key(|(r, _)| r.len()) else { return Ok(MAINS) };
-    let predicted = predict(&baseline.model, run, local)?;
-    let Some(series) = residual(run, &predicted, Channel::Acceleration) else { return Ok(MAINS) };
-    Ok(of_all_or_a_part(&series, run.dt).unwrap_or(MAINS))
+    let shown = of_longest(baseline, runs, &[Channel::Acceleration])?;
+    Ok(shown.and_then(|(series, dt)| of_all_or_a_part(&series, dt)).unwrap_or(MAINS))
 }
 
 /// The strongest line of a series, or of its loudest part where the whole has none: what hums for a while is no line of the whole.
@@ -94,14 +91,6 @@ fn peaks(power: &[f64], hz: f64, around: usize) -> Vec<usize> {
         }
     }
     apart
-}
-
-/// Power of a whole series from 0 to half its rate, missing samples as none.
-pub(super) fn padded_spectrum(series: &[f64]) -> Vec<f64> {
-    let size = series.len().next_power_of_two().max(16);
-    let mut padded = series.to_vec();
-    padded.resize(size, 0.0);
-    spectrum(&padded, size)
 }
 
 #[cfg(test)]

@@ -85,8 +85,8 @@ fn is_better(second: &Conclusion, first: &Conclusion) -> bool {
     let far_less = names(second) && (!names(first) || second.left() < FAR_LESS * left);
     // Names for the little that the runs fitted show say nothing of the much that those held out show and nothing explains. Those that
     // explain most of that stay, but where a curve explains more.
-    let more = left > MOST_LEFT || second.left() < left;
-    let for_a_little = names(first) && second.unlisted && more && left > 1.0 - CALIBRATION.explained;
+    let outdone = left > MOST_LEFT || second.left() < left;
+    let for_a_little = names(first) && second.unlisted && outdone && left > 1.0 - CALIBRATION.explained;
     // Values that the runs fitted hardly determine predict nothing: fitted to some of what they missed, they predict the rest.
     let of_values = second.consistent() && second.explains_all();
     far_less || for_a_little || of_values
@@ -189,5 +189,20 @@ mod tests {
         assert!(refused.unlisted && consistent.consistent());
         assert!(is_better(&consistent, &refused));
         assert!(!is_better(&missed, &refused) && !is_better(&refused, &refused));
+    }
+    /// Names that explain most of what the runs held out show give way to what explains more of it, not to what leaves more; names for a
+    /// little give way to either.
+    #[test]
+    fn names_that_explain_most_stand_against_what_leaves_more() {
+        let friction = with_viscous(90.0);
+        let leaving = |share: f64, unlisted: bool| {
+            let mut conclusion = concluded(&friction, &friction, with_viscous(50.0));
+            conclusion.accepted.hold.chi2 = 1.0 + share * (conclusion.stated.hold.chi2 - 1.0);
+            conclusion.unlisted = unlisted;
+            conclusion
+        };
+        let names = leaving(0.13, false);
+        assert!(!is_better(&leaving(0.52, true), &names) && is_better(&leaving(0.11, true), &names));
+        assert!(is_better(&leaving(1.0, true), &leaving(0.7, false)));
     }
 }

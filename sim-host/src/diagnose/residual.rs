@@ -1,7 +1,9 @@
 //! What a model leaves of a run, by channel and by frequency.
 
 use crate::identify::data::{Channel, Run};
-use crate::identify::evaluate::Predicted;
+use crate::identify::evaluate::{Predicted, predict};
+use crate::identify::fit::Fit;
+use crate::plant::simulate::SimulateError;
 use realfft::RealFftPlanner;
 
 /// Residual of a channel in units of its noise.
@@ -9,6 +11,18 @@ pub(super) fn residual(run: &Run, predicted: &Predicted, channel: Channel) -> Op
     let place = run.measured.iter().position(|m| m.channel == channel)?;
     let measured = &run.measured[place];
     Some(measured.values.iter().zip(&predicted.channels[place]).map(|(y, m)| (y - m) / measured.noise).collect())
+}
+
+/// Residual of the longest run, in the first of these channels that it has, in units of its noise, and the run's step (s).
+pub(super) fn of_longest(
+    fit: &Fit,
+    runs: &[Run],
+    channels: &[Channel],
+) -> Result<Option<(Vec<f64>, f64)>, SimulateError> {
+    let Some((run, local)) = runs.iter().zip(&fit.locals).max_by_key(|(run, _)| run.len()) else { return Ok(None) };
+    let Some(&channel) = channels.iter().find(|&&channel| run.channel(channel).is_some()) else { return Ok(None) };
+    let predicted = predict(&fit.model, run, local)?;
+    Ok(residual(run, &predicted, channel).map(|series| (series, run.dt)))
 }
 
 /// Sums of the residuals' squares of all judged channels over parts of a run, of which each sample belongs to one.
@@ -52,4 +66,12 @@ pub(super) fn spectrum(series: &[f64], size: usize) -> Vec<f64> {
         *p /= f64::max(segments, 1.0);
     }
     power
+}
+
+/// Power of a whole series from 0 to half its rate, missing samples as none.
+pub(super) fn padded_spectrum(series: &[f64]) -> Vec<f64> {
+    let size = series.len().next_power_of_two().max(16);
+    let mut padded = series.to_vec();
+    padded.resize(size, 0.0);
+    spectrum(&padded, size)
 }

@@ -1,6 +1,6 @@
 //! Where fits of one more effect start, and which of them deserve the work.
 
-use super::ringing::{loudest, structure_at};
+use super::ringing::{dominant_frequencies, structure_at};
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::fit::secant::Base;
@@ -27,7 +27,7 @@ pub(in crate::diagnose) fn candidate_starts<'a>(
     let mut sets: Vec<(Vec<&'static str>, Vec<&'static str>)> = Vec::new();
     for parent in parents {
         let of = parent.model.ids();
-        let loudest = loudest(parent, runs)?;
+        let dominant = dominant_frequencies(parent, runs)?;
         for entry in parent.model.candidates() {
             let mut set = of.clone();
             set.push(entry.id);
@@ -44,7 +44,7 @@ pub(in crate::diagnose) fn candidate_starts<'a>(
             let far = entry.parameters.iter().any(|p| p.unit == "Hz" || places.contains(&p.signal_scale));
             let most = if alone.is_some() && !far { 1 } else { usize::MAX };
             let first = ModelEffect::start(entry, 0, signal_scales);
-            let rings = loudest.iter().filter_map(|&frequency| structure_at(first.clone()?, frequency));
+            let rings = dominant.iter().filter_map(|&frequency| structure_at(first.clone()?, frequency));
             let starts = alone.cloned().into_iter().chain(library.take(most)).chain(rings);
             candidate_starts.extend(starts.map(|placed| CandidateStart { parent, placed }));
         }

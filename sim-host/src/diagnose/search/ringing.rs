@@ -1,10 +1,8 @@
 //! Where what a model leaves rings: a structure that is hardly damped is found from within the width of its peak only, which no
 //! ladder of starts is fine enough for.
 
-use super::super::line::padded_spectrum;
-use super::super::residual::residual;
+use super::super::residual::{of_longest, padded_spectrum};
 use crate::identify::data::{Channel, Run};
-use crate::identify::evaluate::predict;
 use crate::identify::fit::Fit;
 use crate::identify::model::ModelEffect;
 use crate::plant::effects::Family;
@@ -20,18 +18,10 @@ const APART: f64 = 1.1;
 
 /// Frequencies at which the residual of a fit is strongest, in its longest run, Hz, the strongest first: lines of the excitation may be
 /// among them. None where neither force nor acceleration is measured.
-pub(super) fn loudest(fit: &Fit, runs: &[Run]) -> Result<Vec<f64>, SimulateError> {
-    let longest = runs.iter().zip(&fit.locals).max_by_key(|(run, _)| run.len());
-    let Some((run, local)) = longest.filter(|(run, _)| SHOWN.iter().any(|&channel| run.channel(channel).is_some()))
-    else {
-        return Ok(Vec::new());
-    };
-    let predicted = predict(&fit.model, run, local)?;
-    let Some(series) = SHOWN.iter().find_map(|&channel| residual(run, &predicted, channel)) else {
-        return Ok(Vec::new());
-    };
+pub(super) fn dominant_frequencies(fit: &Fit, runs: &[Run]) -> Result<Vec<f64>, SimulateError> {
+    let Some((series, dt)) = of_longest(fit, runs, &SHOWN)? else { return Ok(Vec::new()) };
     let mut power = padded_spectrum(&series);
-    let bin = 0.5 / (run.dt * (power.len() - 1) as f64);
+    let bin = 0.5 / (dt * (power.len() - 1) as f64);
     let mut peaks = Vec::new();
     for _ in 0..PEAKS {
         let strongest = power.iter().enumerate().skip(1).max_by(|a, b| a.1.total_cmp(b.1));
@@ -45,11 +35,11 @@ pub(super) fn loudest(fit: &Fit, runs: &[Run]) -> Result<Vec<f64>, SimulateError
 
 /// A structure that rings at a frequency (Hz), begun as `start` otherwise; none where the effect is no structure or has no such frequency.
 pub(super) fn structure_at(start: ModelEffect, frequency: f64) -> Option<ModelEffect> {
-    let place = |key: &str| start.entry.parameters.iter().position(|p| p.key == key);
-    let (at, damped) = (place("frequency")?, place("damping")?);
     if start.entry.family != Family::Structure {
         return None;
     }
+    let place = |key: &str| start.entry.parameters.iter().position(|p| p.key == key);
+    let (at, damped) = (place("frequency")?, place("damping")?);
     let mut placed = start;
     let within = (placed.values[at].low..placed.values[at].high).contains(&frequency);
     (placed.values[at].value, placed.values[damped].value) = (frequency, LIGHT);
