@@ -3,6 +3,7 @@
 mod engine;
 mod inject;
 mod recordings;
+mod stretches;
 mod studies;
 
 use super::failure::within;
@@ -30,6 +31,7 @@ use std::path::{Path, PathBuf};
   shakedown prove --cases 20 --stratum 'single, gross' --kind leakage
   shakedown prove merge proof --report proof.html     joins the pieces to the result of one run
   shakedown prove recordings CHY027.toml KAU039.toml --report recordings.html
+  shakedown prove recordings KAU039.toml --stretches 10
   shakedown prove seals --seed 7 --cases 1400          the salted hashes, to be published first"
 )]
 pub(crate) struct Args {
@@ -125,6 +127,9 @@ enum Part {
         /// Experiments, each given a model that leaves out what is known to be there.
         #[arg(value_name = "EXPERIMENT.toml", required = true)]
         experiments: Vec<PathBuf>,
+        /// Cuts each recording into stretches of this length (s), too, and counts how often each gives the names of the whole.
+        #[arg(long, value_name = "S")]
+        stretches: Option<f64>,
         #[command(flatten)]
         outputs: Outputs,
     },
@@ -158,7 +163,7 @@ enum Part {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     match &args.part {
         Some(Part::Merge { folder, partial, outputs }) => show(&joined(folder, *partial)?, outputs),
-        Some(Part::Recordings { experiments, outputs }) => recordings::run(experiments, outputs),
+        Some(Part::Recordings { experiments, stretches, outputs }) => recordings::run(experiments, *stretches, outputs),
         Some(Part::Independence { deal, out, outputs }) => studies::forms(deal, out.as_deref(), outputs),
         Some(Part::Inject(args)) => inject::run(args),
         Some(Part::Calibrate { folder, outputs }) => studies::constants(folder, outputs),

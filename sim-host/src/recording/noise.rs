@@ -129,13 +129,17 @@ fn repeats(run: &Run, channel: Channel, samples: &[f64], others: &[Run]) -> Opti
     Some((std, Origin::Repeats(twins.len() + 1)))
 }
 
-/// Noise from fourth differences, by their median size so that jerks do not count; none for too few samples.
+/// Noise from fourth differences; none for too few samples.
 pub(super) fn differences(samples: &[f64]) -> Option<f64> {
+    Some(scatter(samples)).filter(|noise| samples.len() > 68 && noise.is_finite())
+}
+
+/// Noise from fourth differences of however many samples, by their median size so that jerks do not count.
+pub(super) fn scatter(samples: &[f64]) -> f64 {
     let sizes: Vec<f64> =
         samples.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
-    let median = quantile(&sizes, 0.5);
     // 70 is the sum of the squared weights; 0.6745 the median of a unit normal's size.
-    (sizes.len() > 64 && median.is_finite()).then(|| median / (0.6745 * 70f64.sqrt()))
+    quantile(&sizes, 0.5) / (0.6745 * 70f64.sqrt())
 }
 
 #[cfg(test)]

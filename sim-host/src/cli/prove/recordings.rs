@@ -5,6 +5,7 @@ use super::super::diagnose::page::{lead, parameters};
 use super::super::output::{Outputs, print_table};
 use super::super::traces;
 use super::super::{Failure, progress};
+use super::stretches::{self, Stretch};
 use crate::diagnose::{Diagnosis, Options, diagnose};
 use crate::digits;
 use crate::recording::Experiment;
@@ -12,33 +13,47 @@ use crate::report::{Item, Page, Section, Table};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// One experiment and its diagnosis.
+/// One experiment, its diagnosis, and those of its parts.
 struct Examined {
     experiment: Experiment,
     diagnosis: Diagnosis,
+    stretches: Vec<Stretch>,
 }
 
-/// Diagnoses each experiment and shows them side by side.
-pub(super) fn run(files: &[PathBuf], outputs: &Outputs) -> Result<(), Failure> {
+/// Diagnoses each experiment, and stretches of this length of it (s) where one is asked for, and shows them side by side.
+pub(super) fn run(files: &[PathBuf], length: Option<f64>, outputs: &Outputs) -> Result<(), Failure> {
+    if let Some(length) = length {
+        super::within("--stretches", length, 2.0, 1e4, "s")?;
+    }
     let bar = progress::bar(files.len() as u64, "recordings");
     let mut all = Vec::new();
     for file in files {
         let experiment = Experiment::load(file).map_err(|e| Failure::Input(e.to_string()))?;
         let diagnosis = diagnose(&experiment, &Options::default()).map_err(failure)?.diagnosis;
-        all.push(Examined { experiment, diagnosis });
+        let stretches = length.map_or(Ok(Vec::new()), |length| stretches::of(&experiment, &diagnosis, length))?;
+        all.push(Examined { experiment, diagnosis, stretches });
         bar.inc(1);
     }
     bar.finish_and_clear();
     let inputs: Vec<PathBuf> = all.iter().flat_map(|one| one.experiment.inputs.clone()).collect();
-    let of = |one: &Examined| json!({ "experiment": one.experiment.name, "diagnosis": one.diagnosis });
+    let of = |one: &Examined| json!({ "experiment": one.experiment.name, "diagnosis": one.diagnosis, "stretches": one.stretches });
     let value = json!({ "schema": "shakedown.recordings/1", "recordings": all.iter().map(of).collect::<Vec<_>>() });
     outputs.write_json(value, &inputs)?;
     outputs.write_report(&mut page(&all), &inputs)?;
     if !outputs.quiet() {
-        print_table(&found(&all));
-        print_table(&fits(&all));
+        tables(&all).iter().for_each(print_table);
     }
     Ok(())
+}
+
+/// Every table: what was found and how it fits, then the same by stretches where there are any.
+fn tables(all: &[Examined]) -> Vec<Table> {
+    let stretches: Vec<Stretch> = all.iter().flat_map(|one| one.stretches.clone()).collect();
+    let mut tables = vec![found(all), fits(all)];
+    if !stretches.is_empty() {
+        tables.extend([stretches::table(&stretches), stretches::counts(&stretches)]);
+    }
+    tables
 }
 
 fn page(all: &[Examined]) -> Page {
@@ -51,7 +66,7 @@ fn page(all: &[Examined]) -> Page {
         Section { heading: one.experiment.name.clone(), items }
     };
     let mut sections =
-        vec![Section { heading: "Side by side".into(), items: vec![Item::Table(found(all)), Item::Table(fits(all))] }];
+        vec![Section { heading: "Side by side".into(), items: tables(all).into_iter().map(Item::Table).collect() }];
     sections.extend(all.iter().map(said));
     Page {
         title: "Proof on real recordings".into(),

@@ -6,8 +6,9 @@
 
 use super::{Fault, Finding, Severity};
 use crate::recording::channel::Channel;
+use crate::recording::noise::scatter;
 use crate::recording::run::Run;
-use crate::recording::signal::quantile;
+use crate::recording::signal::{quantile, rms};
 use crate::recording::steps::quantisation_step;
 
 /// Sensors that can be cut off.
@@ -28,8 +29,8 @@ const FLAT: usize = 3;
 /// Samples on either side of a flat that say how noisy the signal is; a flat of half as many is long enough to ask them.
 const BESIDE: usize = 32;
 
-/// Share of their steps that change direction above which they are noise: two thirds of white noise's do, next to none of a motion's.
-const NOISY: f64 = 0.4;
+/// Noise, in the steps' root mean square, from which it would have moved the signal: of white noise alone 0.7, of a motion next to none.
+const NOISY: f64 = 0.1;
 
 /// Looks at both extremes of every sensor.
 pub(super) fn check(run: &Run) -> Vec<Finding> {
@@ -66,7 +67,7 @@ pub(crate) fn stretches(samples: &[f64]) -> Vec<(usize, usize)> {
     let step = quantisation_step(samples).unwrap_or(0.0);
     let abrupt = |flat: &(usize, usize)| {
         let least = (0.3 * ordinary).max(1.5 * step).max(3.0 * rounded_fall(flat.1 - flat.0 + 1, step));
-        falls(samples, *flat, least) || noisy_beside(samples, *flat)
+        falls(samples, *flat, least) || noisy_beside(samples, *flat, step)
     };
     let at = |extreme: f64| -> Vec<(usize, usize)> { flats(samples, extreme).into_iter().filter(abrupt).collect() };
     let flats: Vec<(usize, usize)> = [at(high), at(low)].concat();
@@ -74,17 +75,17 @@ pub(crate) fn stretches(samples: &[f64]) -> Vec<(usize, usize)> {
     if flats.len() < 2 && longest < 8 { Vec::new() } else { flats }
 }
 
-/// True where the samples on both sides go up and down: their noise would have moved a sensor within its range.
-fn noisy_beside(samples: &[f64], (from, to): (usize, usize)) -> bool {
+/// True where the noise on both sides, however fast the signal goes there, would have moved a sensor within its range.
+fn noisy_beside(samples: &[f64], (from, to): (usize, usize), step: f64) -> bool {
     // What is cut off between them is no part of the noise.
     let within = |x: &&f64| x.is_finite() && **x != samples[from];
-    let noisy = |side: Vec<&f64>| {
-        let steps: Vec<f64> = side.windows(2).map(|w| w[1] - w[0]).collect();
-        let turns = steps.windows(2).filter(|w| w[0] * w[1] < 0.0).count();
-        side.len() == BESIDE && turns as f64 > NOISY * steps.len() as f64
+    let noisy = |side: Vec<f64>| {
+        let steps = side.windows(2).map(|w| w[1] - w[0]);
+        let noise = scatter(&side);
+        side.len() == BESIDE && noise > step && noise > NOISY * rms(steps)
     };
-    let before = samples[..from].iter().rev().filter(within).take(BESIDE).collect();
-    let after = samples[to + 1..].iter().filter(within).take(BESIDE).collect();
+    let before = samples[..from].iter().rev().filter(within).take(BESIDE).copied().collect();
+    let after = samples[to + 1..].iter().filter(within).take(BESIDE).copied().collect();
     to - from >= BESIDE / 2 && noisy(before) && noisy(after)
 }
 
@@ -143,6 +144,20 @@ mod tests {
         let cut = stretches(&noisy(1.3));
         assert!(cut.iter().any(|(from, to)| to - from > 200), "{cut:?}");
         assert!(stretches(&noisy(9.0)).is_empty());
+    }
+
+    /// A single peak, entered slower than the signal is elsewhere and faster than its noise goes up and down.
+    #[test]
+    fn one_peak_that_the_range_cuts_off_is_seen_beside_faster_motion() {
+        let mut random = ChaCha8Rng::seed_from_u64(11);
+        let mut uniform = || f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5;
+        let swing = |k: u32| match k {
+            0..600 => 0.25 * (f64::from(k) / 3.0).sin(),
+            _ => 0.4 * (f64::from(k - 600) / 30.0).sin().max(-0.5),
+        };
+        let mut peaks = |range: f64| (0..750).map(|k| (swing(k) + 0.02 * uniform()).min(range)).collect::<Vec<f64>>();
+        assert_eq!(stretches(&peaks(0.3)).len(), 1);
+        assert!(stretches(&peaks(9.0)).is_empty());
     }
 
     #[test]
