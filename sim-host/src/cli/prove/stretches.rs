@@ -53,7 +53,11 @@ pub(super) struct Stretch {
 pub(super) fn of(experiment: &Experiment, whole: &Diagnosis, length: f64) -> Result<Vec<Stretch>, Failure> {
     let parts: Vec<(Run, Run, Split)> = experiment.runs.iter().flat_map(|run| splits(run, length)).collect();
     let examined = |(fitted, judge, split): &(Run, Run, Split)| {
-        let of = |run: &Run, purpose| Run { purpose, ..run.clone() };
+        // Every run has a name of its own: what is found of one is corrected in that one.
+        let of = |run: &Run, purpose| {
+            let name = format!("{} from {:.3} s", run.name, run.time[0]);
+            Run { purpose, name, ..run.clone() }
+        };
         let runs = vec![of(fitted, Use::Fit), of(judge, Use::HoldOut)];
         let part = Experiment { runs, ..experiment.clone() };
         let found = diagnose(&part, &Options::default()).map_err(failure)?.diagnosis;

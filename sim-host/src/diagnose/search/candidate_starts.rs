@@ -5,7 +5,7 @@ use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::fit::secant::Base;
 use crate::identify::model::{Model, ModelEffect, SignalScales};
-use crate::plant::effects::SignalScale;
+use crate::plant::effects::{Parameter, SignalScale};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -39,9 +39,10 @@ pub(in crate::diagnose) fn candidate_starts<'a>(
             // Alone the effect was fitted already: its values there are one start, the library's the others.
             let alone = singles.iter().find_map(|fit| fit.model.effects.iter().find(|p| p.entry.id == entry.id));
             let library = (0..).map_while(|i| ModelEffect::start(entry, i, signal_scales));
-            // A resonance is found from near its frequency only, and a limit from where it binds.
+            // A resonance is found from near its frequency only, a gap from near its width, and a limit from where it binds.
             let places = [SignalScale::CommandRate, SignalScale::Displacement];
-            let far = entry.parameters.iter().any(|p| p.unit == "Hz" || places.contains(&p.signal_scale));
+            let near = |p: &Parameter| p.unit == "Hz" || p.key == "gap" || places.contains(&p.signal_scale);
+            let far = entry.parameters.iter().any(near);
             let most = if alone.is_some() && !far { 1 } else { usize::MAX };
             let first = ModelEffect::start(entry, 0, signal_scales);
             let rings = dominant.iter().filter_map(|&frequency| structure_at(first.clone()?, frequency));

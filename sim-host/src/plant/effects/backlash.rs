@@ -44,7 +44,7 @@ pub(crate) const ENTRY: Entry = Entry {
             signal_scale: SignalScale::One,
             low: 1.0,
             high: 200.0,
-            starts: &[30.0],
+            starts: &[6.0],
             positive: true,
             simple: Ends::High,
             role: Role::Shared,

@@ -113,7 +113,8 @@ impl<S: Scalar> Effect<S> for BaseCompliance<S> {
     }
     fn follow(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) {
         if let (&[place, momentum], [place_rate, momentum_rate]) = (y, dy) {
-            let speed = self.base_velocity(momentum, at.velocity);
+            // The table behind a joint with play moves the base, not the actuator before it.
+            let speed = self.base_velocity(momentum, at.sensed_velocity);
             *place_rate = speed;
             let spring = place * bent(self.hardening, place) * self.frequency * self.frequency;
             *momentum_rate = -(spring + speed * self.damping * self.frequency * 2.0) / (self.mass_ratio + 1.0);

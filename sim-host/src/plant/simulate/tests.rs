@@ -184,6 +184,18 @@ fn a_gain_that_drifts_goes_on_where_a_run_is_cut() {
     assert!((ratio - 1.3).abs() < 2e-3, "{ratio}");
 }
 
+/// While the table rests in its play nothing moves the base.
+#[test]
+fn a_base_stands_still_under_a_table_that_does() {
+    let of = |id, parameters: &[f64]| EffectParameters { id, parameters: parameters.to_vec() };
+    let base = of("base_compliance", &[6.0, 0.05, 0.5, 0.0]);
+    let most =
+        |effects: &[EffectParameters<f64>]| run(effects).acceleration.iter().fold(0.0, |m: f64, a| m.max(a.abs()));
+    let moving = most(std::slice::from_ref(&base));
+    let resting = most(&[of("backlash", &[0.4, 30.0, 0.0]), base]);
+    assert!(resting < 1e-9 * moving, "{resting} of {moving}");
+}
+
 #[test]
 fn an_unknown_effect_is_refused_by_name() {
     let effects = [EffectParameters { id: "phlogiston", parameters: vec![1.0] }];
