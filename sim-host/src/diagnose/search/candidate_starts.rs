@@ -5,7 +5,7 @@ use crate::identify::data::Run;
 use crate::identify::fit::Fit;
 use crate::identify::fit::secant::Base;
 use crate::identify::model::{Model, ModelEffect, SignalScales};
-use crate::plant::effects::{Parameter, SignalScale};
+use crate::plant::effects::{Parameter, Role, SignalScale};
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -66,9 +66,11 @@ impl CandidateStart<'_> {
         self.parent.model.with(self.placed.clone())
     }
 
-    /// Squares that the start promises beside its parent, from which `base` is; none where a chord says nothing of it.
+    /// Squares that the start promises beside its parent, from which `base` is; none where a chord says nothing of it, as of a hum, whose
+    /// size each run has for itself and begins from none.
     pub(in crate::diagnose) fn look(&self, base: &Base, runs: &[Run]) -> Result<Option<f64>, SimulateError> {
-        if !self.placed.entry.frees.is_empty() {
+        let each_run_for_itself = self.placed.entry.parameters.iter().any(|p| p.role == Role::PerRun);
+        if each_run_for_itself || !self.placed.entry.frees.is_empty() {
             return Ok(None);
         }
         base.promised(&self.model(), self.signed(), runs)
@@ -128,4 +130,25 @@ pub(super) fn screen_by_fit(fits: Vec<Fit>, candidate_starts: &[CandidateStart],
         best || rank <= PROMISING
     });
     ranked.into_iter().map(|(_, fit)| fit).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::fit::tests::{TRUTH, model, recorded};
+    use crate::plant::effects::entry;
+
+    /// Begun from no size, a hum changes nothing along a chord: ranked by it, it would come last however loud it is.
+    #[test]
+    fn a_hum_is_not_ranked_by_a_chord() {
+        let runs = vec![recorded(&model(TRUTH), 1)];
+        let fit = Fit::begin(model(TRUTH), &runs).unwrap();
+        let base = Base::of(&fit, &runs).unwrap().unwrap();
+        let look = |id| {
+            let placed = ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
+            CandidateStart { parent: &fit, placed }.look(&base, &runs).unwrap()
+        };
+        assert_eq!(look("mains_hum"), None);
+        assert!(look("viscous_friction").is_some());
+    }
 }
