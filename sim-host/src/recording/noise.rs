@@ -7,7 +7,7 @@
 
 use super::channel::{Channel, PerChannel};
 use super::run::Run;
-use super::signal::{detrend, deviation, filled, quantile};
+use super::signal::{detrend, deviation, filled, scatter};
 use super::steps::quantisation_step;
 use rest::rest;
 
@@ -132,14 +132,6 @@ fn repeats(run: &Run, channel: Channel, samples: &[f64], others: &[Run]) -> Opti
 /// Noise from fourth differences; none for too few samples.
 pub(super) fn differences(samples: &[f64]) -> Option<f64> {
     Some(scatter(samples)).filter(|noise| samples.len() > 68 && noise.is_finite())
-}
-
-/// Noise from fourth differences of however many samples, by their median size so that jerks do not count.
-pub(super) fn scatter(samples: &[f64]) -> f64 {
-    let sizes: Vec<f64> =
-        samples.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
-    // 70 is the sum of the squared weights; 0.6745 the median of a unit normal's size.
-    quantile(&sizes, 0.5) / (0.6745 * 70f64.sqrt())
 }
 
 #[cfg(test)]

@@ -47,6 +47,14 @@ pub(crate) fn deviation(samples: &[f64]) -> f64 {
     (sum / count.max(1) as f64).sqrt()
 }
 
+/// Noise from fourth differences of however many samples, by their median size so that jerks do not count.
+pub(crate) fn scatter(samples: &[f64]) -> f64 {
+    let sizes: Vec<f64> =
+        samples.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+    // 70 is the sum of the squared weights; 0.6745 the median of a unit normal's size.
+    quantile(&sizes, 0.5) / (0.6745 * 70f64.sqrt())
+}
+
 /// The value below which a part `q` of the samples lies; NaN for no samples.
 pub(crate) fn quantile(samples: &[f64], q: f64) -> f64 {
     let mut sorted: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();

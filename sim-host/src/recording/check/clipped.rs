@@ -6,9 +6,8 @@
 
 use super::{Fault, Finding, Severity};
 use crate::recording::channel::Channel;
-use crate::recording::noise::scatter;
 use crate::recording::run::Run;
-use crate::recording::signal::{quantile, rms};
+use crate::recording::signal::{quantile, rms, scatter};
 use crate::recording::steps::quantisation_step;
 
 /// Sensors that can be cut off.
