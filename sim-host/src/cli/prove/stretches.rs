@@ -56,7 +56,7 @@ pub(super) fn of(experiment: &Experiment, whole: &Diagnosis, length: f64) -> Res
         // Every run has a name of its own: what is found of one is corrected in that one.
         let of = |run: &Run, purpose| {
             let name = format!("{} from {:.3} s", run.name, run.time[0]);
-            Run { purpose, name, ..run.clone() }
+            Run { name, purpose, ..run.clone() }
         };
         let runs = vec![of(fitted, Use::Fit), of(judge, Use::HoldOut)];
         let part = Experiment { runs, ..experiment.clone() };
