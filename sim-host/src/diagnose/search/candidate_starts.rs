@@ -41,7 +41,8 @@ pub(in crate::diagnose) fn candidate_starts<'a>(
             let library = (0..).map_while(|i| ModelEffect::start(entry, i, signal_scales));
             // A resonance is found from near its frequency only, a gap from near its width, and a limit from where it binds.
             let places = [SignalScale::CommandRate, SignalScale::Displacement];
-            let near = |p: &Parameter| p.unit == "Hz" || p.key == "gap" || places.contains(&p.signal_scale);
+            let ladder = |p: &Parameter| p.starts.len() > 1 && ["Hz", "m"].contains(&p.unit);
+            let near = |p: &Parameter| ladder(p) || places.contains(&p.signal_scale);
             let far = entry.parameters.iter().any(near);
             let most = if alone.is_some() && !far { 1 } else { usize::MAX };
             let first = ModelEffect::start(entry, 0, signal_scales);
