@@ -2,7 +2,7 @@
 //! explained. What falls short is said to be outside the library.
 
 use super::calibration::CALIBRATION;
-use super::finish::{best_of, needed, polished, refined, unbent, without};
+use super::finish::{best_of, needed, polished, refined, simplify, unbent, without};
 use super::judged::{Decision, ScoredModel};
 use super::leftover::{follows, larger_noise, more_is_missing};
 use super::ranking::Ranking;
@@ -33,6 +33,7 @@ pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, S
     for grown in &search.grown {
         let mut size = grown.par_iter().take(JUDGED).map(judged).collect::<Result<Vec<_>, _>>()?;
         size.extend(unbent(&size, weighing)?);
+        simplify(&before, &mut size, weighing)?;
         let rank = Ranking::new(&before, &size);
         rank.sort(&mut size);
         if let Some(best) = size.first_mut() {
@@ -45,7 +46,8 @@ pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, S
     if after.added.is_empty() {
         return weigh(weighing, before, after, sizes);
     }
-    let rivals = rivals(weighing, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
+    let mut rivals = rivals(weighing, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
+    simplify(&before, &mut rivals, weighing)?;
     let (after, rivals) = best_of(&before, after, rivals);
     sizes.push(rivals);
     let less = needed(&before, after.clone(), weighing, &alone)?;

@@ -1,6 +1,7 @@
 //! Brings what was accepted to its end: fitted thoroughly, with the details of its forms, held against what it is mistaken for,
 //! less what it does without.
 
+use super::calibration::CALIBRATION;
 use super::judged::ScoredModel;
 use super::ranking::Ranking;
 use super::search::{self, CHANCE};
@@ -18,7 +19,7 @@ pub(super) fn polished(after: ScoredModel, weighing: &Weighing) -> Result<Scored
     }
     let mut fit = after.fit.on(weighing.fitted())?;
     fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-6 })?;
-    let polished = ScoredModel::of(fit, weighing)?;
+    let polished = ScoredModel { plainer: after.plainer.clone(), ..ScoredModel::of(fit, weighing)? };
     refined(if polished.total() < after.total() { polished } else { after }, weighing)
 }
 
@@ -42,7 +43,37 @@ pub(super) fn refined(after: ScoredModel, weighing: &Weighing) -> Result<ScoredM
     let refined = ScoredModel::of(fit, weighing)?;
     let better =
         after.fit.squares - refined.fit.squares > CHANCE && after.hold.squares() - refined.hold.squares() > SURE;
-    Ok(if better { refined } else { after })
+    Ok(if better { ScoredModel { plainer: Some(Box::new(after)), ..refined } } else { after })
+}
+
+/// Puts models whose details of form cost more than they explain back to the simplest forms: a search that only fits finds every
+/// detail worth its while. Only those are looked at that would lead at no price of their details.
+pub(super) fn simplify(
+    before: &ScoredModel,
+    models: &mut [ScoredModel],
+    weighing: &Weighing,
+) -> Result<(), SimulateError> {
+    let ranking = Ranking::new(before, models.iter());
+    let least = models.iter().map(|judged| ranking.cost(judged)).fold(f64::INFINITY, f64::min) + 2.0 * CALIBRATION.tie;
+    models.par_iter_mut().try_for_each(|judged| {
+        let details = judged.fit.model.plain(&judged.added).1 as f64;
+        if details == 0.0 || ranking.cost(judged) - CALIBRATION.parameter_price * details > least {
+            return Ok(());
+        }
+        let each = judged.added.iter().map(|id| judged.fit.model.plain(&[*id]));
+        let several = each.clone().filter(|(_, details)| *details > 0).count() > 1;
+        let whole = judged.fit.model.plain(&judged.added).0;
+        let parts = each.filter(|(_, details)| several && *details > 0).map(|(model, _)| model);
+        for model in std::iter::once(whole).chain(parts).collect::<Vec<_>>() {
+            let mut fit = Fit::resume(model, judged.fit.locals.clone(), weighing.fitted())?;
+            fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-4 })?;
+            let plain = ScoredModel::of(fit, weighing)?;
+            if ranking.cost(&plain) < ranking.cost(judged) {
+                *judged = plain;
+            }
+        }
+        Ok(())
+    })
 }
 
 /// The accepted model, or a rival that does better with no more parameters' worth; and the rest. One whose values make sense
@@ -88,3 +119,6 @@ pub(super) fn without(judged: &ScoredModel, ids: &[&str], weighing: &Weighing) -
     fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-5 })?;
     ScoredModel::of(fit, weighing)
 }
+
+#[cfg(test)]
+mod tests;

@@ -21,6 +21,8 @@ pub struct ScoredModel {
     pub added: Vec<&'static str>,
     /// Its share of belief among the candidates.
     pub probability: f64,
+    /// The same without the details of its effects' forms, where these were fitted to it last: a name is weighed at the better of both.
+    pub(super) plainer: Option<Box<ScoredModel>>,
     /// How far the stated values had to go, and how firmly the data hold them there.
     pub(super) departure: Departure,
 }
@@ -33,7 +35,7 @@ impl ScoredModel {
     pub(super) fn of(fit: Fit, weighing: &Weighing) -> Result<Self, SimulateError> {
         let added = fit.model.ids_beside(&weighing.model().ids());
         let departure = Departure::of(weighing.model(), &fit);
-        Ok(Self { hold: weighing.score(&fit)?, fit, added, probability: 0.0, departure })
+        Ok(Self { hold: weighing.score(&fit)?, fit, added, probability: 0.0, plainer: None, departure })
     }
 
     /// By how much samples that are not independent overstate what a gain of squares is worth: where little is left its colour is the

@@ -51,7 +51,7 @@ impl Ranking {
 
     /// Twice the logarithm of what speaks against it.
     pub(super) fn cost(&self, judged: &ScoredModel) -> f64 {
-        self.misfit(judged) + CALIBRATION.parameter_price * parameters(judged)
+        self.least(judged, CALIBRATION.parameter_price)
     }
 
     /// Puts models in order, the one that least speaks against first.
@@ -63,7 +63,13 @@ impl Ranking {
 
     /// What speaks against a model with no more of a price than what a parameter gains by chance.
     pub(super) fn bare_cost(&self, judged: &ScoredModel) -> f64 {
-        self.misfit(judged) + 2.0 * parameters(judged)
+        self.least(judged, 2.0)
+    }
+
+    /// The least that speaks against a model at this price of a parameter, its details of form fitted or not.
+    fn least(&self, judged: &ScoredModel, price: f64) -> f64 {
+        let own = self.misfit(judged) + price * parameters(judged);
+        judged.plainer.as_deref().map_or(own, |plainer| own.min(self.least(plainer, price)))
     }
 
     fn misfit(&self, judged: &ScoredModel) -> f64 {

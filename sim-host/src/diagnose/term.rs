@@ -186,7 +186,11 @@ fn fitted(
         fit.improve(weighing.fitted(), FULL)?;
         let hold = score(&fit.model, weighing.weighed())?;
         let departure = Departure::of(weighing.model(), &fit);
-        Ok((ScoredModel { fit, hold, added: parent.added.clone(), probability: 0.0, departure }, pieces, candidate))
+        Ok((
+            ScoredModel { fit, hold, added: parent.added.clone(), probability: 0.0, plainer: None, departure },
+            pieces,
+            candidate,
+        ))
     };
     let mut all = looks.into_par_iter().map(full).collect::<Result<Vec<_>, _>>()?;
     all.sort_by(|a, b| a.0.hold.chi2.total_cmp(&b.0.hold.chi2));

@@ -1,13 +1,13 @@
 //! A model with the effects it has, and which of its parameters a fit may move.
 
+mod details;
+
 pub use super::signal_scales::SignalScales;
-use crate::plant::effects::{ENTRIES, Ends, Entry, Role};
+use crate::plant::effects::{ENTRIES, Entry, Role};
 use crate::plant::model::Kind;
 
 /// By what share of its stated value a positive parameter may well change that means something else beside an effect.
 const REDEFINED: f64 = 0.02;
-/// Share of a range's logarithm that is near its end.
-const NEAR_NONE: f64 = 0.2;
 
 /// One parameter's value and how a fit treats it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -147,44 +147,6 @@ impl Model {
             }
         }
         model
-    }
-
-    /// This model with every detail of its effects' forms free, once for each start. A detail at the end of its range that means that
-    /// there is none has no slope there: it starts from the middle of its range, and from near that end. Any other starts from the first
-    /// and from the last of its starts.
-    pub fn refined(&self) -> Vec<Self> {
-        let [middle, near] = [false, true].map(|near| self.refined_from(near));
-        if middle.same_values(&near) { vec![middle] } else { vec![middle, near] }
-    }
-
-    /// The same from the middle of the ranges' logarithms, or from near none.
-    fn refined_from(&self, near: bool) -> Self {
-        let share = if near { NEAR_NONE } else { 0.5 };
-        let mut model = self.clone();
-        for placed in &mut model.effects {
-            let details =
-                placed.values.iter_mut().zip(placed.entry.parameters).filter(|(_, p)| p.role == Role::Refined);
-            for (value, parameter) in details {
-                value.free = true;
-                let none = match parameter.simple {
-                    Ends::High if value.value >= value.high => Some([value.high, value.low]),
-                    Ends::Low if value.value <= value.low => Some([value.low, value.high]),
-                    _ => None,
-                };
-                if let Some([none, other]) = none.filter(|_| parameter.positive) {
-                    value.value = none * (other / none).powf(share);
-                } else if let [first, .., last] = *parameter.starts
-                    && (near && value.value == first)
-                {
-                    value.value = last;
-                }
-            }
-        }
-        model
-    }
-
-    fn same_values(&self, other: &Self) -> bool {
-        self.values().zip(other.values()).all(|(a, b)| a.value == b.value)
     }
 
     /// One of its own values by its key.

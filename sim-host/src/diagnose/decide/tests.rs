@@ -30,6 +30,7 @@ pub(crate) fn judged(model: Model, runs: &[Run]) -> ScoredModel {
         fit,
         added,
         probability: 0.0,
+        plainer: None,
         departure: Departure::none(),
     }
 }
