@@ -53,8 +53,6 @@ pub(super) struct Calibration {
     pub(super) mimicked: f64,
     /// Probability that nothing of the library is right where what was selected failed on the runs held out.
     pub(super) failed: f64,
-    /// Probability below which one of several names is not given: what is missing in its place is.
-    pub(super) likely: f64,
     /// Probability below which a name is never given.
     pub(super) unlikely: f64,
     /// Share of what the accepted model left that an effect in a region may leave at most.
@@ -91,7 +89,6 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     beside_more: 0.6,
     mimicked: 0.08,
     failed: 0.9,
-    likely: 0.4,
     unlikely: 0.1,
     region: 0.5,
     clock_odds: 4.6,

@@ -128,13 +128,12 @@ pub(super) fn weigh(
     let larger = irregular || (!unlisted && quiet > CALIBRATION.negligible);
     let noise = if larger { larger_noise(weighing, &after, &follows) } else { Vec::new() };
     let mut ties = posterior(&ranking, &after, &mut candidates, unlisted_probability);
-    let mut unnamed = false;
+    let mut in_full = None;
     if !unlisted && let Some(surer) = surer(weighing, &after, &candidates)? {
         candidates.retain(|c| c.added != surer.added);
         candidates.push(surer.clone());
-        after = surer;
+        in_full = Some(std::mem::replace(&mut after, surer));
         ties = posterior(&ranking, &after, &mut candidates, unlisted_probability);
-        unnamed = true;
     }
     if let Some(same) = candidates.iter().find(|c| c.added == after.added) {
         after.probability = same.probability;
@@ -143,7 +142,7 @@ pub(super) fn weigh(
     if unlisted {
         after = before.clone();
     }
-    let more_missing = unnamed || follows.is_certain() && more_is_missing(&before, &after, excess, quiet);
+    let more_missing = in_full.is_some() || follows.is_certain() && more_is_missing(&before, &after, excess, quiet);
     let mut decision = Decision {
         stated: before,
         accepted: after,
@@ -154,6 +153,7 @@ pub(super) fn weigh(
         unlisted_probability,
         more_missing,
         noise,
+        in_full,
         one_of_many: false,
     };
     scatter(&mut decision, if larger { quiet } else { 0.0 });
@@ -207,8 +207,7 @@ fn surer(
     after: &ScoredModel,
     candidates: &[ScoredModel],
 ) -> Result<Option<ScoredModel>, SimulateError> {
-    let doubtful: Vec<&'static str> =
-        after.added.iter().copied().filter(|id| belief(id, candidates) < CALIBRATION.likely).collect();
+    let doubtful: Vec<&'static str> = after.added.iter().copied().filter(|id| belief(id, candidates) < EVEN).collect();
     if doubtful.is_empty() || doubtful.len() == after.added.len() {
         return Ok(None);
     }

@@ -83,6 +83,8 @@ pub struct Decision {
     pub more_missing: bool,
     /// Noise that was found larger than stated: what is left of it follows nothing.
     pub noise: Vec<SetUpFinding>,
+    /// The accepted effects with those that are not named, because others stand as well in their place.
+    pub(super) in_full: Option<ScoredModel>,
     /// True where names were taken back because others stand as well: the runs held out may show that they explain all.
     pub(super) one_of_many: bool,
 }

@@ -26,13 +26,14 @@ pub(super) fn reject_for_curve(
     if !doubtful || decision.left() < SHARE {
         return Ok(None);
     }
+    // What several effects explain alike, none of which is named, the library holds.
+    let library = decision.in_full.as_ref().unwrap_or(&decision.accepted);
     let curve = remainder(weighing, &decision.stated, &decision.stated)?.map(Modelled::from);
     let equation = term::alone(weighing, &decision.stated)?;
     let leaves = |chi2: f64, named: f64| chi2 - 1.0 < OUTDONE * (named - 1.0);
-    let named = &decision.accepted;
     let outdoes = |modelled: &Modelled| {
         let judged = &modelled.judged;
-        leaves(judged.hold.chi2, named.hold.chi2) && leaves(judged.fit.chi2(), named.fit.chi2())
+        leaves(judged.hold.chi2, library.hold.chi2) && leaves(judged.fit.chi2(), library.fit.chi2())
     };
     let best = [curve, equation].into_iter().flatten().filter(outdoes);
     let Some(best) = best.min_by(|a, b| a.judged.hold.chi2.total_cmp(&b.judged.hold.chi2)) else { return Ok(None) };

@@ -27,6 +27,7 @@ mod stiff_oil;
 pub(crate) use coulomb_friction::PRESLIDING;
 pub(crate) use countered::{Counter, Countered};
 pub(crate) use family::Family;
+pub(crate) use oil_compliance::Chambers;
 
 use super::model::Kind;
 use crate::scalar::Scalar;
@@ -250,6 +251,8 @@ pub struct Flow<S> {
 pub struct Compliance<S> {
     /// Square of the oil column's natural frequency, 1/s2, and its damping term, 1/s; none is stiff oil.
     pub oil: Option<(S, S)>,
+    /// How both change along the stroke; none where they do not.
+    pub(crate) chambers: Option<Chambers<S>>,
     /// Velocity lost per load acceleration, s.
     pub leakage: Option<S>,
     /// Power of the load with which it leaks, where that is not the first.
@@ -263,11 +266,11 @@ pub struct Compliance<S> {
 impl<S: Scalar> Compliance<S> {
     /// Stiff oil that leaks nowhere, and a clock that is right.
     pub(super) const STIFF: Self =
-        Self { oil: None, leakage: None, leakage_exponent: None, stall_acceleration: None, pace: None };
+        Self { oil: None, chambers: None, leakage: None, leakage_exponent: None, stall_acceleration: None, pace: None };
 
     /// Whether the actuator yields in proportion to load.
     pub(super) fn is_linear(&self) -> bool {
-        self.stall_acceleration.is_none() && self.leakage_exponent.is_none()
+        self.stall_acceleration.is_none() && self.leakage_exponent.is_none() && self.chambers.is_none()
     }
 
     /// Velocity that leaks per load, under this load (m/s2), s.

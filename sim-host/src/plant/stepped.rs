@@ -115,7 +115,7 @@ mod tests {
     /// With compressible oil the load is the table's acceleration, whatever the command does at this instant.
     #[test]
     fn load_on_a_free_table_is_its_acceleration() {
-        let oil = EffectParameters { id: "oil_compliance", parameters: vec![12.0, 0.05] };
+        let oil = EffectParameters { id: "oil_compliance", parameters: vec![12.0, 0.05, 0.0, 0.0] };
         let mut plant = Stepped::new(&paper(), &[oil], 1e-4, 0.0).unwrap();
         for k in 0..2000 {
             let u = 0.02 * (f64::from(k) * 2e-3).sin();

@@ -76,8 +76,7 @@ fn floor(run: &Run, channel: Channel, samples: &[f64], rest: Option<(usize, usiz
     let step = quantisation_step(samples);
     let least = step.map_or(0.0, |s| s / 12f64.sqrt());
     let at_rest = rest.map(|(from, to)| {
-        let mut part = filled(&samples[from..to]);
-        detrend(&mut part);
+        let part = still(run, channel, samples, (from, to));
         (deviation(&part), part, Origin::Rest(run.time[from], run.time[to - 1]))
     });
     let measured = repeats(run, channel, samples, others)
@@ -93,6 +92,18 @@ fn floor(run: &Run, channel: Channel, samples: &[f64], rest: Option<(usize, usiz
     };
     let colour = at_rest.map_or(Colour::Unknown, |(_, part, _)| colour(&part));
     Some(Floor { std, origin, measured: measured.map(|m| m.0), step, colour })
+}
+
+/// What a channel shows of a stretch at rest, its trend taken off: a displacement that still follows a slow reference, less that.
+fn still(run: &Run, channel: Channel, samples: &[f64], (from, to): (usize, usize)) -> Vec<f64> {
+    let mut own = filled(&samples[from..to]);
+    detrend(&mut own);
+    let Some(reference) = run.channel(Channel::Reference).filter(|_| channel == Channel::Displacement) else {
+        return own;
+    };
+    let mut less: Vec<f64> = filled(&samples[from..to]).iter().zip(&reference[from..to]).map(|(x, r)| x - r).collect();
+    detrend(&mut less);
+    if deviation(&less) < deviation(&own) { less } else { own }
 }
 
 fn colour(rest: &[f64]) -> Colour {

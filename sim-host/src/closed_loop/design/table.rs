@@ -227,7 +227,7 @@ impl Table {
         if let Some((frequency, damping)) = self.oil {
             // The leakage fixes twice damping times frequency, whatever the mass.
             let root = corner.mass.sqrt();
-            let parameters = vec![frequency / root, damping * root];
+            let parameters = vec![frequency / root, damping * root, 0.0, 0.0];
             effects.push(EffectParameters { id: oil_compliance::ENTRY.id, parameters });
         }
         effects
@@ -242,6 +242,7 @@ fn stated(effect: &StatedEffect, entry: &'static Entry) -> Result<EffectParamete
         (None, SignalScale::One) if parameter.low > 0.0 || parameter.role != Role::Shared => {
             Ok(parameter.first_start())
         }
+        (None, _) if parameter.role == Role::Refined && parameter.first_start() == 0.0 => Ok(0.0),
         (None, _) => Err(TableError::Missing { effect: entry.id, key: parameter.key }),
     };
     Ok(EffectParameters { id: entry.id, parameters: entry.parameters.iter().map(value).collect::<Result<_, _>>()? })

@@ -23,6 +23,7 @@ fn said_of(truth: &Model) -> (Option<Modelled>, Decision) {
         unlisted_probability: 1.0,
         more_missing: false,
         noise: Vec::new(),
+        in_full: None,
         one_of_many: false,
     };
     let named = name_beside(&weighing, &mut decision, &modelled).unwrap();

@@ -22,6 +22,7 @@ fn named(truth: &Model) -> (Weighing, Decision) {
         unlisted_probability: 0.2,
         more_missing: false,
         noise: Vec::new(),
+        in_full: None,
         one_of_many: false,
     };
     (weighing(&runs), decision)

@@ -45,6 +45,7 @@ fn judged_on(
         unlisted_probability: 0.02,
         more_missing: false,
         noise: Vec::new(),
+        in_full: None,
         one_of_many: false,
     };
     verdict(&cut.whole, cut.weighing.fitted(), decided(decision), None, cut.test).unwrap()

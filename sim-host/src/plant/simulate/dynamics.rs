@@ -564,7 +564,11 @@ impl<S: Scalar> Dynamics<S> {
     /// Velocity and load of an actuator that yields, driven by `flow`.
     fn yielding(&self, flow: S, force: S, y: &[S], dy: &mut [S]) {
         let (velocity, load) = (y[TABLE], y[LOAD]);
-        if let Some((stiffness, damping)) = self.compliance.oil {
+        if let Some((mut stiffness, mut damping)) = self.compliance.oil {
+            if let Some(chambers) = &self.compliance.chambers {
+                let stiffened = chambers.stiffened(y[DISPLACEMENT]);
+                (stiffness, damping) = (stiffness * stiffened, damping * stiffened);
+            }
             let available = self.compliance.stall_acceleration.map_or(flow, |stall| flow * drop(flow, load, stall));
             // Load goes fast where flow gives way to it: no faster than [`STIFFEST`], which leaves where it goes to.
             let leakage = self.compliance.leaks_under(load);

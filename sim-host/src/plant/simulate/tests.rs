@@ -83,7 +83,7 @@ fn sensitivities_are_those_of_the_simulation() {
 #[test]
 fn oil_is_stable_beside_what_gives_way_to_load() {
     let placed = |id: &'static str, parameters: &[f64]| EffectParameters { id, parameters: parameters.to_vec() };
-    let oil = placed("oil_compliance", &[90.0, 0.1]);
+    let oil = placed("oil_compliance", &[90.0, 0.1, 0.0, 0.0]);
     let apart = |a: &Trace<f64>, b: &Trace<f64>| {
         a.displacement.iter().zip(&b.displacement).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     };

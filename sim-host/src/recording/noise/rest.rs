@@ -3,7 +3,7 @@
 use super::differences;
 use crate::recording::channel::Channel;
 use crate::recording::run::Run;
-use crate::recording::signal::{deviation, filled, quantile};
+use crate::recording::signal::{detrend, deviation, filled, quantile};
 use crate::recording::steps::quantisation_step;
 
 /// Length of the windows that are looked at, s.
@@ -14,6 +14,9 @@ const SHORTEST: f64 = 0.5;
 
 /// Factor by which coloured noise swings wider than its differences say.
 const SLOWER: f64 = 10.0;
+
+/// How many times as wide a stretch swings in its first half while it still settles.
+const SETTLING: f64 = 1.5;
 
 /// The longest stretch at rest, as first sample and the one after the last; none where the table always moves.
 ///
@@ -43,7 +46,26 @@ pub(super) fn rest(run: &Run) -> Option<(usize, usize)> {
     // The first and the last window may hold the end of a motion.
     let (from, to) = (if from == 0 { 0 } else { from * window + window / 2 }, (from + length) * window);
     let to = if to < count * window { to - window / 2 } else { to };
-    (to > from && (to - from) as f64 * run.dt >= SHORTEST).then_some((from, to))
+    (to > from && (to - from) as f64 * run.dt >= SHORTEST).then(|| (settled(run, from, to), to))
+}
+
+/// Where a stretch at rest begins once the motion before it has died away: a tail of it swings wider in the stretch's first half than
+/// in its second.
+fn settled(run: &Run, mut from: usize, to: usize) -> usize {
+    let Some(displacement) = run.channel(Channel::Displacement) else { return from };
+    let size = |part: &[f64]| {
+        let mut part = filled(part);
+        detrend(&mut part);
+        deviation(&part)
+    };
+    loop {
+        let middle = from + (to - from) / 2;
+        let shorter = ((to - middle) as f64) * run.dt < SHORTEST;
+        if shorter || size(&displacement[from..middle]) <= SETTLING * size(&displacement[middle..to]) {
+            return from;
+        }
+        from = middle;
+    }
 }
 
 /// True where the reference stands still from end to end and the displacement with it: its deviation is at most [`SLOWER`] times what its

@@ -144,3 +144,35 @@ fn a_run_that_never_moves_is_at_rest() {
     let floor = floors.get(Channel::Displacement).unwrap();
     assert!((floor.std / size - 1.0).abs() < 0.05, "{floor:?} {size}");
 }
+
+/// A table that creeps to where it rests says nothing of the sensor's noise before it is there.
+#[test]
+fn a_tail_of_motion_is_not_noise() {
+    let mut settling = run(1, &white(1), true);
+    let (dt, n) = (settling.dt, settling.time.len());
+    let tail = |k: usize| 3e-4 * (-(k as f64 * dt - 8.0) / 0.3).exp() * f64::from(u8::from(k as f64 * dt > 8.0));
+    let noise = normal(7, n);
+    let moved =
+        settling.channel(Channel::Reference).unwrap().iter().enumerate().map(|(k, x)| x + tail(k) + 1e-5 * noise[k]);
+    // The motion starts at once, so that the end is the longest rest.
+    let moved = moved.enumerate().map(|(k, x)| if k < 2000 { 0.01 * (k as f64 * 0.01).sin() + x } else { x }).collect();
+    settling.channels.set(Channel::Displacement, moved);
+    let floor = floors(&settling, &[]).get(Channel::Displacement).cloned().unwrap();
+    assert!(matches!(floor.origin, Origin::Rest(from, _) if from > 8.5), "{:?}", floor.origin);
+    assert!((floor.std - 1e-5).abs() < 2e-6, "{}", floor.std);
+}
+
+/// A reference that moves by a thousandth of its range is at rest; that the table follows it is not noise.
+#[test]
+fn a_slow_reference_that_is_followed_is_not_noise() {
+    let mut slow = run(1, &white(1), true);
+    let creep = |k: usize| 5e-5 * (k as f64 * slow.dt * 3.0).sin();
+    let reference: Vec<f64> =
+        slow.channel(Channel::Reference).unwrap().iter().enumerate().map(|(k, x)| x + creep(k)).collect();
+    let followed = reference.iter().zip(normal(7, reference.len())).map(|(x, e)| x + 1e-5 * e).collect();
+    slow.channels.set(Channel::Reference, reference);
+    slow.channels.set(Channel::Displacement, followed);
+    let floor = floors(&slow, &[]).get(Channel::Displacement).cloned().unwrap();
+    assert!(matches!(floor.origin, Origin::Rest(..)), "{:?}", floor.origin);
+    assert!((floor.std - 1e-5).abs() < 2e-6, "{}", floor.std);
+}
