@@ -123,13 +123,13 @@ pub(super) fn table(all: &[Stretch]) -> Table {
             s.recording.clone(),
             format!("{:.1} to {:.1}", s.from_s, s.to_s),
             s.judged_on.to_string(),
+            digits::r2(s.r2),
             format!("{names}{}", if s.more_missing { "; more" } else { "" }),
             s.not_found.join(", "),
-            digits::r2(s.r2),
         ]
     };
     Table {
-        columns: ["Recording", "Stretch [s]", "Judged on", "Found missing", "Not found", "R2 [1]"]
+        columns: ["Recording", "Stretch [s]", "Judged on", "R2 [1]", "Found missing", "Not found"]
             .map(Into::into)
             .to_vec(),
         rows: all.iter().map(row).collect(),
