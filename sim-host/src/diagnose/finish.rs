@@ -8,6 +8,7 @@ use super::search::{self, CHANCE};
 use super::split::Weighing;
 use super::standing::{Alone, SURE, at_bound, is_justified, sound};
 use crate::identify::fit::{Effort, Fit};
+use crate::identify::model::Model;
 use crate::identify::stated::fit_from_near;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
@@ -56,18 +57,15 @@ pub(super) fn simplify(
     let ranking = Ranking::new(before, models.iter());
     let least = models.iter().map(|judged| ranking.cost(judged)).fold(f64::INFINITY, f64::min) + 2.0 * CALIBRATION.tie;
     models.par_iter_mut().try_for_each(|judged| {
-        let details = judged.fit.model.plain(&judged.added).1 as f64;
-        if details == 0.0 || ranking.cost(judged) - CALIBRATION.parameter_price * details > least {
+        let (whole, details) = judged.fit.model.plain(&judged.added);
+        if details == 0 || ranking.cost(judged) - CALIBRATION.parameter_price * details as f64 > least {
             return Ok(());
         }
-        let each = judged.added.iter().map(|id| judged.fit.model.plain(&[*id]));
-        let several = each.clone().filter(|(_, details)| *details > 0).count() > 1;
-        let whole = judged.fit.model.plain(&judged.added).0;
-        let parts = each.filter(|(_, details)| several && *details > 0).map(|(model, _)| model);
-        for model in std::iter::once(whole).chain(parts).collect::<Vec<_>>() {
-            let mut fit = Fit::resume(model, judged.fit.locals.clone(), weighing.fitted())?;
-            fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-4 })?;
-            let plain = ScoredModel::of(fit, weighing)?;
+        let each = judged.added.iter().map(|id| judged.fit.model.plain(&[*id])).filter(|(_, details)| *details > 0);
+        let parts: Vec<Model> = each.map(|(model, _)| model).collect();
+        let several = parts.len() > 1;
+        for model in std::iter::once(whole).chain(parts.into_iter().filter(|_| several)) {
+            let plain = refitted(judged, model, weighing)?;
             if ranking.cost(&plain) < ranking.cost(judged) {
                 *judged = plain;
             }
@@ -115,7 +113,12 @@ pub(super) fn needed(
 
 /// A model fitted again without some of its effects.
 pub(super) fn without(judged: &ScoredModel, ids: &[&str], weighing: &Weighing) -> Result<ScoredModel, SimulateError> {
-    let mut fit = Fit::resume(judged.model_without(ids), judged.fit.locals.clone(), weighing.fitted())?;
+    refitted(judged, judged.model_without(ids), weighing)
+}
+
+/// A simpler model fitted on from where a larger one ended.
+fn refitted(judged: &ScoredModel, model: Model, weighing: &Weighing) -> Result<ScoredModel, SimulateError> {
+    let mut fit = Fit::resume(model, judged.fit.locals.clone(), weighing.fitted())?;
     fit.improve(weighing.fitted(), Effort { steps: 10, tolerance: 1e-5 })?;
     ScoredModel::of(fit, weighing)
 }

@@ -273,6 +273,11 @@ impl<S: Scalar> Compliance<S> {
         self.stall_acceleration.is_none() && self.leakage_exponent.is_none() && self.chambers.is_none()
     }
 
+    /// The most that the stroke makes of the oil's stiffness, 1.
+    pub(super) fn stiffened(&self) -> f64 {
+        self.chambers.as_ref().map_or(1.0, Chambers::stiffest)
+    }
+
     /// Velocity that leaks per load, under this load (m/s2), s.
     pub(super) fn leaks_under(&self, load: S) -> S {
         let leakage = self.leakage.unwrap_or(S::from(0.0));

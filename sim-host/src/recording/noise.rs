@@ -7,7 +7,7 @@
 
 use super::channel::{Channel, PerChannel};
 use super::run::Run;
-use super::signal::{detrend, deviation, filled, scatter};
+use super::signal::{detrended, deviation, scatter};
 use super::steps::quantisation_step;
 use rest::rest;
 
@@ -96,13 +96,12 @@ fn floor(run: &Run, channel: Channel, samples: &[f64], rest: Option<(usize, usiz
 
 /// What a channel shows of a stretch at rest, its trend taken off: a displacement that still follows a slow reference, less that.
 fn still(run: &Run, channel: Channel, samples: &[f64], (from, to): (usize, usize)) -> Vec<f64> {
-    let mut own = filled(&samples[from..to]);
-    detrend(&mut own);
+    let own = detrended(&samples[from..to]);
     let Some(reference) = run.channel(Channel::Reference).filter(|_| channel == Channel::Displacement) else {
         return own;
     };
-    let mut less: Vec<f64> = filled(&samples[from..to]).iter().zip(&reference[from..to]).map(|(x, r)| x - r).collect();
-    detrend(&mut less);
+    let less: Vec<f64> = samples[from..to].iter().zip(&reference[from..to]).map(|(x, r)| x - r).collect();
+    let less = detrended(&less);
     if deviation(&less) < deviation(&own) { less } else { own }
 }
 

@@ -65,6 +65,13 @@ pub(crate) fn quantile(samples: &[f64], q: f64) -> f64 {
     *sorted.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
+/// Samples, gaps filled, less their least-squares line.
+pub(crate) fn detrended(samples: &[f64]) -> Vec<f64> {
+    let mut filled = filled(samples);
+    detrend(&mut filled);
+    filled
+}
+
 /// Takes the least-squares line off.
 pub(crate) fn detrend(samples: &mut [f64]) {
     let n = samples.len() as f64;

@@ -107,6 +107,12 @@ impl<S: Scalar> Chambers<S> {
         let left = S::from(1.0) - (self.slope + self.curvature * displacement) * displacement;
         S::from(1.0) / left.max(S::from(LEFT))
     }
+
+    /// The most that it may be over that at none, wherever the piston goes.
+    pub(crate) fn stiffest(&self) -> f64 {
+        let even = self.slope.value() == 0.0 && self.curvature.value() == 0.0;
+        if even { 1.0 } else { 1.0 / LEFT }
+    }
 }
 
 impl<S: Scalar> OilCompliance<S> {
@@ -126,17 +132,7 @@ impl<S: Scalar> Effect<S> for OilCompliance<S> {
         let Chambers { slope, curvature } = &self.chambers;
         compliance.chambers = (!slope.is_nothing() || !curvature.is_nothing()).then_some(self.chambers);
     }
-    fn fastest(&self) -> f64 {
-        let Chambers { slope, curvature } = &self.chambers;
-        let plain = slope.value() == 0.0 && curvature.value() == 0.0;
-        let fastest = self.frequency.value() * (1.0 + 2.0 * self.damping.value());
-        if plain { 0.0 } else { STIFFER * fastest }
-    }
 }
-
-/// By how much the oil may be faster away from where its frequency is stated: the root of what a curvature of 0.7 over the square of the
-/// largest displacement makes of its stiffness there.
-const STIFFER: f64 = 1.83;
 
 #[cfg(test)]
 mod tests {

@@ -235,7 +235,9 @@ impl<S: Scalar> Dynamics<S> {
 
     /// The fastest rate among the effects' equations, 1/s: what the integration step has to resolve.
     pub(in crate::plant) fn fastest(&self) -> f64 {
-        let oil = self.compliance.oil.map_or(0.0, |(stiffness, damping)| stiffness.value().sqrt() + damping.value());
+        let stiffened = self.compliance.stiffened();
+        let rate = |(stiffness, damping): (S, S)| (stiffness.value() * stiffened).sqrt() + damping.value() * stiffened;
+        let oil = self.compliance.oil.map_or(0.0, rate);
         self.mounted.iter().map(|m| m.effect.fastest()).fold(oil.max(self.stiffest()), f64::max)
     }
 
@@ -247,7 +249,9 @@ impl<S: Scalar> Dynamics<S> {
             // A leakage that comes and goes with the motion leaves stiff oil where it is not.
             _ if stall_acceleration.is_some() || leakage_exponent.is_some() => STIFFEST,
             _ if leakage > 0.0 && self.any.observes => STIFFEST,
-            Some((stiffness, damping)) => (leakage * stiffness.value() + damping.value()).min(STIFFEST),
+            Some((stiffness, damping)) => {
+                ((leakage * stiffness.value() + damping.value()) * self.compliance.stiffened()).min(STIFFEST)
+            }
             None if leakage > 0.0 => (1.0 / leakage).min(STIFFEST),
             None => 0.0,
         }

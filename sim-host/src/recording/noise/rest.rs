@@ -3,7 +3,7 @@
 use super::differences;
 use crate::recording::channel::Channel;
 use crate::recording::run::Run;
-use crate::recording::signal::{detrend, deviation, filled, quantile};
+use crate::recording::signal::{detrended, deviation, filled, quantile};
 use crate::recording::steps::quantisation_step;
 
 /// Length of the windows that are looked at, s.
@@ -53,14 +53,10 @@ pub(super) fn rest(run: &Run) -> Option<(usize, usize)> {
 /// in its second.
 fn settled(run: &Run, mut from: usize, to: usize) -> usize {
     let Some(displacement) = run.channel(Channel::Displacement) else { return from };
-    let size = |part: &[f64]| {
-        let mut part = filled(part);
-        detrend(&mut part);
-        deviation(&part)
-    };
+    let size = |part: &[f64]| deviation(&detrended(part));
     loop {
         let middle = from + (to - from) / 2;
-        let shorter = ((to - middle) as f64) * run.dt < SHORTEST;
+        let shorter = (to - middle) as f64 * run.dt < SHORTEST;
         if shorter || size(&displacement[from..middle]) <= SETTLING * size(&displacement[middle..to]) {
             return from;
         }
