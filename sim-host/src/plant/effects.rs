@@ -371,8 +371,8 @@ pub trait Effect<S: Scalar>: Debug + Send {
     fn dither(&mut self, _dither: Dither) {}
     /// Told once, where a run begins in the middle of a motion, a command that was sent a while before it (unit of u): until then always.
     fn under_way(&mut self, _command: S) {}
-    /// The motion at the start of an integration step.
-    fn observe(&mut self, _at: &Instant<S>) {}
+    /// The motion at the start of an integration step, and the controller's command (unit of u) through it.
+    fn observe(&mut self, _at: &Instant<S>, _command: S) {}
     /// Leakage that it makes in this step, where that changes from step to step, s.
     fn leakage(&self) -> Option<S> {
         None

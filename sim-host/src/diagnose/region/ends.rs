@@ -1,6 +1,6 @@
 //! Where a region begins and ends.
 
-use crate::identify::data::Run;
+use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::Predicted;
 use crate::identify::model::{Model, ModelEffect, Value};
 use crate::plant::effects::regional::{Along, Shape, code, form, regional};
@@ -52,6 +52,7 @@ pub(super) fn parts(along: Along, runs: &[Run], predicted: &[Predicted]) -> Opti
         let x = &predicted.displacement;
         match along {
             Along::Displacement => values.extend(x),
+            Along::Command => values.extend(run.channel(Channel::Command).iter().flat_map(|command| &command.values)),
             _ => values.extend(x.windows(3).map(|w| (w[2] - w[0]) / (2.0 * run.dt))),
         }
     }

@@ -5,6 +5,8 @@
 //! it is `1 + change s / span`, never negative. The share is taken at the start of each integration step.
 //! Such an effect has its plain form's identifier and further parameters, whose keys say along what it acts.
 
+mod along;
+
 use super::{
     Compliance, Dither, Effect, Ends, Entry, Flow, Hooks, Instant, Order, Parameter, Role, SignalScale, build, entry,
 };
@@ -12,18 +14,7 @@ use crate::scalar::Scalar;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-/// What an effect's strength depends on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Along {
-    /// Time from the start of a run, s.
-    Time,
-    /// Displacement, m.
-    Displacement,
-    /// Velocity, m/s.
-    Velocity,
-    /// Its magnitude, m/s.
-    Speed,
-}
+pub(crate) use along::Along;
 
 /// How it depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,38 +23,6 @@ pub(crate) enum Shape {
     Window,
     /// More, or less, in proportion.
     Slope,
-}
-
-impl Along {
-    /// All of them.
-    pub(crate) const ALL: [Self; 4] = [Self::Time, Self::Displacement, Self::Velocity, Self::Speed];
-
-    /// The name used in files and results.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::Displacement => "displacement",
-            Self::Velocity => "velocity",
-            Self::Speed => "speed",
-        }
-    }
-
-    fn unit(self) -> &'static str {
-        match self {
-            Self::Time => "s",
-            Self::Displacement => "m",
-            Self::Velocity | Self::Speed => "m/s",
-        }
-    }
-
-    fn of<S: Scalar>(self, at: &Instant<S>) -> S {
-        match self {
-            Self::Time => S::from(at.time),
-            Self::Displacement => at.displacement,
-            Self::Velocity => at.velocity,
-            Self::Speed => at.velocity.abs(),
-        }
-    }
 }
 
 /// Where the first of the further parameters says which form it is, and the second over what its ends are smooth, or the span.
@@ -85,11 +44,15 @@ fn decoded(code: f64) -> Option<(Along, Shape)> {
 /// Effects that have no part of their strength: what they do is not added to what would be there without them.
 const WHOLE: [&str; 4] = ["flow_softening", "oil_compliance", "load_dependent_flow", "gain_drift"];
 
-/// An effect of the library with a region; none for one that has no share of its strength.
+/// Effects that are there whatever moves: one that came and went with the motion would be a friction.
+const BIASES: [&str; 2] = ["null_bias", "acceleration_bias"];
+
+/// An effect of the library with a region; none for one that has no share of its strength, and none for a bias along the motion.
 pub(crate) fn regional(plain: &'static Entry, along: Along, shape: Shape) -> Option<&'static Entry> {
     type Known = BTreeMap<(&'static str, Along, Shape), &'static Entry>;
     static KNOWN: Mutex<Known> = Mutex::new(BTreeMap::new());
-    if WHOLE.contains(&plain.id) || super::own::found(plain.id).is_some() {
+    let moving = matches!(along, Along::Velocity | Along::Speed | Along::Command);
+    if WHOLE.contains(&plain.id) || super::own::found(plain.id).is_some() || (moving && BIASES.contains(&plain.id)) {
         return None;
     }
     let mut known = KNOWN.lock().ok()?;
@@ -237,8 +200,8 @@ impl<S: Scalar> Effect<S> for Regional<S> {
     fn under_way(&mut self, command: S) {
         self.inner.under_way(command);
     }
-    fn observe(&mut self, at: &Instant<S>) {
-        let s = self.along.of(at);
+    fn observe(&mut self, at: &Instant<S>, command: S) {
+        let s = self.along.of(at, command);
         self.share = match self.ends {
             Share::Window { from, to } => rising((s - from) / self.scale) * rising((to - s) / self.scale),
             Share::Slope { change } => (change * s / self.scale + 1.0).max(S::from(0.0)),
@@ -295,51 +258,4 @@ impl<S: Scalar> Effect<S> for Regional<S> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::entry;
-    use super::*;
-
-    fn at(time: f64, displacement: f64) -> Instant<f64> {
-        Instant { time, displacement, velocity: 0.1, sensed_velocity: 0.1, velocity_limit: 1.0 }
-    }
-
-    #[test]
-    fn a_window_lets_an_effect_act_between_its_ends_alone() {
-        let window_entry = regional(entry("viscous_friction").unwrap(), Along::Displacement, Shape::Window).unwrap();
-        assert_eq!(window_entry.parameters.last().unwrap().key, "to_displacement");
-        let n = entry("viscous_friction").unwrap().parameters.len();
-        let mut parameters = vec![3.0; n];
-        parameters.extend([code(Along::Displacement, Shape::Window), 1e-4, -0.01, 0.02]);
-        let mut effect = build::<f64>("viscous_friction", &parameters).unwrap();
-        let mut force = |x: f64| {
-            effect.observe(&at(0.0, x));
-            effect.force(&at(0.0, x), &[], &mut [])
-        };
-        let inside = force(0.005);
-        assert!(inside > 0.0 && force(-0.015).abs() < 1e-9 && force(0.025).abs() < 1e-9);
-        assert!((force(-0.01) / inside - 0.5).abs() < 1e-6, "half its strength at an end");
-        assert_eq!(window(window_entry, &parameters), Some((Along::Displacement, -0.01, 0.02)));
-    }
-
-    #[test]
-    fn a_slope_changes_the_strength_in_proportion_and_never_turns_it_round() {
-        let n = entry("viscous_friction").unwrap().parameters.len();
-        let mut parameters = vec![3.0; n];
-        parameters.extend([code(Along::Time, Shape::Slope), 10.0, -0.5]);
-        let mut effect = build::<f64>("viscous_friction", &parameters).unwrap();
-        let mut force = |t: f64| {
-            effect.observe(&at(t, 0.0));
-            effect.force(&at(t, 0.0), &[], &mut [])
-        };
-        let whole = force(0.0);
-        assert!((force(10.0) / whole - 0.5).abs() < 1e-12 && force(30.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_stated_effect_s_keys_say_which_form_it_has() {
-        let form = |key: &'static str| stated("leakage", [key].into_iter()).unwrap().parameters.len();
-        let plain = entry("leakage").unwrap().parameters.len();
-        assert_eq!((form("coefficient"), form("from_speed"), form("change_with_time")), (plain, plain + 4, plain + 3));
-        assert!(regional(entry("flow_softening").unwrap(), Along::Time, Shape::Window).is_none());
-    }
-}
+mod tests;

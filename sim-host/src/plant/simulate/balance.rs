@@ -72,7 +72,7 @@ pub(crate) fn balance<S: Scalar>(
     for k in 0..n {
         let now = at(k, 0.0);
         for m in &mut mounted {
-            m.effect.observe(&now);
+            m.effect.observe(&now, S::from(0.0));
         }
         trace.load.push(rates(&mounted, &now, &y).1 + viscous * now.velocity + motion.acceleration[k]);
         for step in 0..STEPS {

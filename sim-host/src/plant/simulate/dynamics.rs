@@ -284,7 +284,7 @@ impl<S: Scalar> Dynamics<S> {
     fn observe(&mut self, state: &State<S>) {
         let at = self.instant(state);
         for m in self.mounted.iter_mut().filter(|m| m.hooks.observes) {
-            m.effect.observe(&at);
+            m.effect.observe(&at, state.command);
         }
         if let Some(leakage) = self.mounted.iter().find_map(|m| m.effect.leakage()) {
             self.compliance.leakage = Some(leakage);
@@ -640,5 +640,7 @@ fn per_mass<S: Scalar>(baseline: &Baseline<S>, placed: &EffectParameters<S>) -> 
         _ => value,
     };
     let own = crate::plant::effects::own::is_force(placed.id).then_some(mass);
-    placed.parameters.iter().zip(entry.parameters).map(convert).chain(own).collect()
+    // Where an effect acts is no force.
+    let region = placed.parameters.iter().skip(entry.parameters.len()).copied();
+    placed.parameters.iter().zip(entry.parameters).map(convert).chain(region).chain(own).collect()
 }

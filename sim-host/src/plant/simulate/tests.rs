@@ -3,6 +3,7 @@ mod halving;
 use super::*;
 use crate::identify::model::{ModelEffect as Start0, SignalScales};
 use crate::plant::effects::ENTRIES;
+use crate::plant::effects::regional::{self, Along, Shape};
 use crate::plant::model::Kind;
 use crate::scalar::{Dual, Scalar};
 
@@ -232,6 +233,25 @@ fn effects_on_a_rigid_mass_have_their_units() {
         let x = moved(id, parameters, command);
         assert!((x - expected).abs() < 1e-9, "{id}: {x} m for {expected} m");
     }
+}
+
+/// Friction that is there for the first half of a second alone, or while the command is above its own, which it never is.
+#[test]
+fn an_effect_on_a_rigid_mass_acts_in_its_region_alone() {
+    let coasted = |along, from: f64, to: f64| {
+        let input = vec![0.0; 251];
+        let coasting = Start { displacement: 0.0, velocity: 1.0, states: Vec::new(), time: 0.0 };
+        let mass = Baseline::RigidMass { mass: 10.0, viscous: 0.0, gain: 20.0 };
+        let region = [regional::code(along, Shape::Window), 1e-4, from, to];
+        let friction =
+            EffectParameters { id: "coulomb_friction", parameters: [3.0, 1e-6].into_iter().chain(region).collect() };
+        simulate::<f64>(&mass, &[friction], &commanded(&input, Wanted::default()), &coasting).unwrap().displacement[250]
+    };
+    // Without friction it coasts a metre; 0.3 m/s2 slow it down by 0.15 m/s in the half second.
+    let half = coasted(Along::Time, -1.0, 0.5);
+    assert!((half - (1.0 - 0.0375 - 0.5 * 0.15)).abs() < 1e-3, "{half} m");
+    let never = coasted(Along::Command, 0.1, 9.0);
+    assert!((never - 1.0).abs() < 1e-9, "{never} m");
 }
 
 /// A part that begins in the middle of a motion goes on where the whole run was: what was sent before it is on its way, and the spool is
