@@ -57,6 +57,8 @@ pub(super) struct Calibration {
     pub(super) unlikely: f64,
     /// Share of what the accepted model left that an effect in a region may leave at most.
     pub(super) region: f64,
+    /// The same where one name was enough without: a simple form leaves something of every effect, of which a region takes away a part.
+    pub(super) region_of_a_name: f64,
     /// What speaks against a clock at another rate, as twice a logarithm: one laboratory in ten; and the rate that one is off by, as a
     /// standard deviation.
     pub(super) clock_odds: f64,
@@ -91,6 +93,7 @@ pub(super) const CALIBRATION: Calibration = Calibration {
     failed: 0.9,
     unlikely: 0.1,
     region: 0.5,
+    region_of_a_name: 0.1,
     clock_odds: 4.6,
     clock_rate: 2e-3,
     tie: 3.0,

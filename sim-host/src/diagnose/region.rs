@@ -15,18 +15,21 @@ use super::calibration::CALIBRATION;
 use super::decide::weigh;
 use super::judged::{Decision, ScoredModel};
 use super::ranking::Ranking;
-use super::search::{Search, best_of_each_set};
+use super::search::Search;
 use super::split::Weighing;
 use super::standing::{is_justified, outside};
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::ModelEffect;
+use crate::plant::effects::regional::{Along, form};
 use crate::plant::simulate::SimulateError;
 use finish::{doubles, finished};
 use promised::promising;
 use rayon::prelude::*;
 
-/// Effects of which the best form is fitted to the end.
+/// Effects of which forms are fitted to the end, and along how many variables each: what fits well along one before its ends are
+/// where they belong may be the double of the same along another.
 const FINISHED: usize = 3;
+const VARIABLES: usize = 2;
 /// How far a form is taken from its start.
 const LOOK: Effort = Effort { steps: 8, tolerance: 1e-4 };
 
@@ -45,8 +48,8 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     let starts = promising(weighing.fitted(), search)?;
     let fits = starts.into_par_iter().map(|placed| fitted(weighing, &search.baseline, placed));
     let mut fits = fits.collect::<Result<Vec<_>, _>>()?;
-    best_of_each_set(&mut fits);
-    let best = fits.into_par_iter().take(FINISHED).map(|fit| finished(weighing, fit));
+    keep_best(&mut fits);
+    let best = fits.into_par_iter().map(|fit| finished(weighing, fit));
     let mut found = best.collect::<Result<Vec<_>, _>>()?;
     let ranking = Ranking::new(&decision.stated, &found);
     if let Some(leader) = found.iter().min_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b))) {
@@ -55,10 +58,33 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     accept(weighing, decision, &mut found)
 }
 
-/// False where one name is enough or several leave nothing: there is then nothing to look for.
+/// Keeps the best form along each variable, of the variables and effects that leave least.
+fn keep_best(fits: &mut Vec<Fit>) {
+    fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    let mut kept: Vec<(Vec<&'static str>, Vec<Along>)> = Vec::new();
+    fits.retain(|fit| {
+        let along = fit.model.effects.iter().find_map(|p| form(p.entry, &p.numbers())).map(|(_, along, _)| along);
+        let (Some(along), set) = (along, fit.model.ids()) else { return false };
+        if let Some((_, variables)) = kept.iter_mut().find(|(known, _)| *known == set) {
+            let new = variables.len() < VARIABLES && !variables.contains(&along);
+            variables.extend(new.then_some(along));
+            return new;
+        }
+        let room = kept.len() < FINISHED;
+        kept.extend(room.then(|| (set, vec![along])));
+        room
+    });
+}
+
+/// False where several names leave nothing, or one so little that nothing else could be seen beneath it.
 fn is_open(decision: &Decision) -> bool {
-    let several = decision.accepted.added.len() > 1 && left(&decision.accepted) > 0.0;
-    decision.unlisted || decision.more_missing || several
+    let nothing = if decision.accepted.added.len() > 1 { 0.0 } else { CALIBRATION.hidden };
+    decision.unlisted || decision.more_missing || left(&decision.accepted) > nothing
+}
+
+/// True where one name, or none, is enough.
+fn stands(decision: &Decision) -> bool {
+    !decision.unlisted && !decision.more_missing && decision.accepted.added.len() < 2
 }
 
 /// Excess of chi2 on the stretches that weigh.
@@ -79,7 +105,8 @@ fn accept(weighing: &Weighing, decision: Decision, found: &mut Vec<ScoredModel>)
         new
     });
     let Some(best) = found.first() else { return Ok(decision) };
-    let better = ranking.cost(best) < ranking.cost(present) && left(best) < CALIBRATION.region * left(present);
+    let most = if stands(&decision) { CALIBRATION.region_of_a_name } else { CALIBRATION.region };
+    let better = ranking.cost(best) < ranking.cost(present) && left(best) < most * left(present);
     if !better || !is_justified(before, before, best, false) || outside(before, best).0 {
         return Ok(decision);
     }

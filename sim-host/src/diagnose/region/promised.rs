@@ -13,7 +13,7 @@ use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
 /// Effects that are looked at, those that alone explain most first: all of short runs, fewer of long ones.
-const LOOKED_AT: usize = 20;
+const LOOKED_AT: usize = 28;
 /// Samples of which all are looked at.
 const SHORT: usize = 40_000;
 /// Parts that are one in a first look, and how many pairs of an effect and a variable get a second look at each part.
@@ -59,12 +59,14 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
     let singles = search.grown.first().map_or(&[][..], Vec::as_slice);
     let known = search.baseline.model.ids();
     let placed = singles.iter().filter_map(|fit| {
-        let own = fit.model.effects.iter().find(|p| !known.contains(&p.entry.id))?;
+        // Details that were fitted everywhere hide that it acts in a part.
+        let (plain, _) = fit.model.plain(&fit.model.ids_beside(&known));
+        let own = plain.effects.into_iter().find(|p| !known.contains(&p.entry.id))?;
         // What explains little everywhere has values there that say little.
         let telling = search.baseline.squares - fit.squares > TELLING * excess(search);
         let typical = if telling { None } else { ModelEffect::start(own.entry, 0, &search.signal_scales) };
-        let possible = !per_run(own) && regional(own.entry, Along::Time, Shape::Window).is_some();
-        possible.then(|| [Some(own.clone()), typical].into_iter().flatten())
+        let possible = !per_run(&own) && regional(own.entry, Along::Time, Shape::Window).is_some();
+        possible.then(|| [Some(own), typical].into_iter().flatten())
     });
     let looked_at: Vec<ModelEffect> = placed.take(looks).flatten().collect();
     let along = |placed| ranges.iter().map(move |(along, ends)| (placed, *along, ends.as_slice()));

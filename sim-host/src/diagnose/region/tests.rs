@@ -44,6 +44,35 @@ fn an_effect_that_acts_in_a_part_of_the_runs_is_named_with_its_window() {
     assert!(along == Along::Time && (from - 4.0).abs() < 0.2 && (to - 10.0).abs() < 0.2, "{from} to {to}");
 }
 
+/// A dashpot that acts one way is found as such, and not as the bias or the unequal gains that it resembles.
+#[test]
+fn an_effect_of_one_direction_is_found_along_the_velocity() {
+    let plain = viscous(60.0, 0.0, (-0.2, 2.0));
+    let whole: Vec<f64> = (0..=PARTS).map(|i| i as f64 / PARTS as f64 - 0.5).collect();
+    let truth = model(TRUTH).with(window(&plain, Along::Velocity, (0.03, 0.6), &whole).unwrap());
+    let decision = decided(prepared(&truth));
+    assert_eq!(decision.accepted.added, ["viscous_friction"]);
+    let placed = &decision.accepted.fit.model.effects[0];
+    let (along, from, _) = regional::window(placed.entry, &placed.numbers()).expect("a window");
+    assert!(along == Along::Velocity && (from - 0.03).abs() < 0.003, "from {from} along {along:?}");
+}
+
+/// Beneath one name a region is looked for where that leaves more than another effect could hide beneath, and takes its place where it
+/// leaves nearly nothing of that.
+#[test]
+fn a_region_is_looked_for_beneath_a_name_that_leaves_more_than_the_noise() {
+    let truth = model(TRUTH).with(viscous(30.0, 0.0, (-0.2, 2.0)));
+    let mut decision = decided(prepared(&truth));
+    let mut leaving = |chi2: f64| {
+        decision.accepted.hold.chi2 = chi2;
+        (stands(&decision), is_open(&decision))
+    };
+    assert_eq!([leaving(1.1), leaving(1.3)], [(true, false), (true, true)]);
+    decision.accepted.added.push("leakage");
+    decision.accepted.hold.chi2 = 1.1;
+    assert!(!stands(&decision) && is_open(&decision), "several names may be a region of one");
+}
+
 /// Turned round, and what is of its unit with it: alone over whole runs an effect is found with the sign that helps there.
 #[test]
 fn a_strength_grows_with_what_is_of_its_unit_and_may_turn_round() {
