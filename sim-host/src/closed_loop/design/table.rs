@@ -1,7 +1,7 @@
 //! The table as a design takes it: an identified model in the core's own terms.
 
 use super::corner::Corner;
-use crate::plant::effects::{Countered, Effect, Entry, Parameter, Role, SignalScale, entry};
+use crate::plant::effects::{Countered, Effect, Entry, Parameter, Role, SignalScale, regional};
 use crate::plant::effects::{
     asymmetric_limit, command_delay, coulomb_friction, flow_softening, load_dependent_flow, null_bias, oil_compliance,
     stribeck_friction, supply_droop, valve_deadband, viscous_friction,
@@ -92,7 +92,8 @@ pub enum TableError {
 }
 
 impl Table {
-    /// Reads what the law can use out of an identified model. Effects it cannot use are given back by name.
+    /// Reads what the law can use out of an identified model. Effects and details of their forms that it cannot use are given back by
+    /// name: an effect that acts in a region among them, which the law would counter where it is not.
     pub fn from_model(model: &Model) -> Result<(Self, Vec<String>), TableError> {
         let model::Baseline::Servo(servo) = &model.baseline else {
             return Err(TableError::Kind(model.baseline.kind()));
@@ -101,8 +102,13 @@ impl Table {
         let mut placed = Vec::new();
         let mut unused = Vec::new();
         for effect in &model.effects {
-            match entry(&effect.id).filter(|entry| entry.counter.is_some()) {
-                Some(entry) => placed.push(stated(effect, entry)?),
+            let keys = effect.parameters.keys().map(String::as_str);
+            match regional::stated(&effect.id, keys).filter(|entry| entry.counter.is_some()) {
+                Some(entry) => {
+                    let known = stated(effect, entry)?;
+                    unused.extend(passed_over(&known, entry));
+                    placed.push(known);
+                }
                 None => unused.push(effect.id.clone()),
             }
         }
@@ -248,6 +254,18 @@ fn stated(effect: &StatedEffect, entry: &'static Entry) -> Result<EffectParamete
     Ok(EffectParameters { id: entry.id, parameters: entry.parameters.iter().map(value).collect::<Result<_, _>>()? })
 }
 
+/// Details of a form that the law counters nothing of, though they are not what the library starts from.
+fn passed_over(placed: &EffectParameters<f64>, entry: &'static Entry) -> Vec<String> {
+    let countered = |parameters: &[f64]| Countered::of([(entry.id, parameters)]);
+    let details = (0..).zip(entry.parameters).filter(|(_, parameter)| parameter.role == Role::Refined);
+    let passed_over = details.filter(|&(i, parameter)| {
+        let mut simple = placed.parameters.clone();
+        let given = std::mem::replace(&mut simple[i], parameter.first_start());
+        given != parameter.first_start() && countered(&simple) == countered(&placed.parameters)
+    });
+    passed_over.map(|(_, parameter)| format!("{}.{}", entry.id, parameter.key)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -264,7 +282,26 @@ mod tests {
         let (table, unused) = Table::from_model(&Model::load(&path).unwrap()).unwrap();
         assert_eq!(table, Table { oil: Some((11.0, 0.07)), ..Table::default() });
         assert_eq!(unused, ["mains_hum"]);
+        std::fs::write(&path, format!("{text}stroke_curvature = 4.0\n")).unwrap();
+        let (same, unused) = Table::from_model(&Model::load(&path).unwrap()).unwrap();
+        assert_eq!((same, unused), (table, vec!["oil_compliance.stroke_curvature".into(), "mains_hum".into()]));
         assert_eq!(table.settings(1000.0).validate(), Ok(()));
+    }
+
+    /// A law that countered it everywhere would push the table where nothing holds it.
+    #[test]
+    fn what_acts_in_a_region_is_not_countered_everywhere() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.toml");
+        let text = "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\nvelocity_limit = 0.242\n\
+                    effects = [\"coulomb_friction\"]\n[effects.coulomb_friction]\nforce = 0.2\n\
+                    from_velocity = 0.02\nto_velocity = 9.0\nscale = 1e-4\nregion = 2\n";
+        std::fs::write(&path, text).unwrap();
+        let (table, unused) = Table::from_model(&Model::load(&path).unwrap()).unwrap();
+        assert_eq!((table, unused), (Table::default(), vec!["coulomb_friction".to_owned()]));
+        let region = [0.2, 1e-5, 2.0, 1e-4, 0.02, 9.0];
+        assert_eq!(Countered::of([("coulomb_friction", &region[..])]), Countered::default());
+        assert_eq!(Countered::of([("coulomb_friction", &region[..2])]).coulomb, 0.2);
     }
 
     #[test]

@@ -57,7 +57,9 @@ impl Countered {
     pub fn of<'a>(effects: impl IntoIterator<Item = (&'a str, &'a [f64])>) -> Self {
         let mut countered = Self::default();
         for (id, parameters) in effects {
-            if let Some(counter) = entry(id).and_then(|entry| entry.counter) {
+            // What acts in a region has parameters more than its entry: a law would counter it where it is not.
+            let plain = entry(id).filter(|entry| parameters.len() <= entry.parameters.len());
+            if let Some(counter) = plain.and_then(|entry| entry.counter) {
                 counter(parameters, &mut countered);
             }
         }
