@@ -11,6 +11,8 @@ pub(super) const PARTS: usize = 10;
 const EDGE: f64 = 0.01;
 /// Ranges beyond what was seen at which a window that has no end there ends: other runs move farther.
 const BEYOND: f64 = 10.0;
+/// Ranges outside what was seen to which an open end may go.
+const OUTSIDE: f64 = 0.2;
 
 fn fixed(value: f64) -> Value {
     Value { free: false, ..open(value, f64::NEG_INFINITY, f64::INFINITY) }
@@ -26,11 +28,18 @@ pub(super) fn window(placed: &ModelEffect, along: Along, (from, to): (f64, f64),
     let entry = regional(placed.entry, along, Shape::Window)?;
     let (low, high) = (*ends.first()?, *ends.last()?);
     let range = high - low;
-    let end = |value| open(value, low - 0.2 * range, high + 0.2 * range);
+    let end = |value| open(value, low - OUTSIDE * range, high + OUTSIDE * range);
     let from = if from <= low { fixed(low - BEYOND * range) } else { end(from) };
     let to = if to >= high { fixed(high + BEYOND * range) } else { end(to) };
     let further = [fixed(code(along, Shape::Window)), fixed(EDGE * range), from, to];
     Some(ModelEffect { entry, values: placed.values.iter().copied().chain(further).collect() })
+}
+
+/// Open ends of a window as they are where the effect goes on beyond what was seen.
+pub(super) fn beyond([from, to]: [Value; 2]) -> [Value; 2] {
+    let range = (from.high - from.low) / (1.0 + 2.0 * OUTSIDE);
+    let far = (BEYOND - OUTSIDE) * range;
+    [fixed(from.low - far), fixed(to.high + far)]
 }
 
 pub(super) fn sloped(placed: &ModelEffect, along: Along, change: f64, scale: f64) -> Option<ModelEffect> {

@@ -4,12 +4,12 @@ use super::super::judged::ScoredModel;
 use super::super::rivals::alike;
 use super::super::search::{CHANCE, Search};
 use super::super::split::{Weighing, stretch_length};
-use super::ends::{Window, in_region_of};
+use super::ends::{Window, beyond, in_region_of};
 use super::fitted;
 use super::promised::{strength, strengthened};
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit, squares};
-use crate::identify::model::{ModelEffect, Value};
+use crate::identify::model::{Model, ModelEffect, Value};
 use crate::plant::effects::Entry;
 use crate::plant::effects::regional::Along;
 use crate::plant::simulate::SimulateError;
@@ -43,7 +43,27 @@ pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<ScoredModel, Sim
         }
         best = sharp;
     }
-    unseen(best, weighing)
+    unseen(endless(best, runs)?, weighing)
+}
+
+/// The form with one open end only, where the other takes away no more than chance does: what was seen ends there, and not the effect.
+fn endless(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
+    let Some(Window { effect, ends, .. }) = Window::of(&fit.model) else { return Ok(fit) };
+    let own = ends.map(|end| fit.model.effects[effect].values[end]);
+    if own.iter().any(|value| !value.free) {
+        return Ok(fit);
+    }
+    let without = |(end, value): (usize, Value)| -> Result<(f64, Model), SimulateError> {
+        let mut model = fit.model.clone();
+        model.effects[effect].values[end] = value;
+        Ok((squares(&model, &fit.locals, runs)?, model))
+    };
+    let each = ends.into_iter().zip(beyond(own)).map(without).collect::<Result<Vec<_>, _>>()?;
+    let best = each.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    match best.filter(|(left, _)| *left < fit.squares + CHANCE) {
+        Some((_, model)) => Fit::resume(model, fit.locals, runs),
+        None => Ok(fit),
+    }
 }
 
 /// The form with each open end where it predicts best among places that the runs fitted do not tell apart: what is held out of them lies

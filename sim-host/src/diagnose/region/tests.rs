@@ -53,8 +53,9 @@ fn an_effect_of_one_direction_is_found_along_the_velocity() {
     let decision = decided(prepared(&truth));
     assert_eq!(decision.accepted.added, ["viscous_friction"]);
     let placed = &decision.accepted.fit.model.effects[0];
-    let (along, from, _) = regional::window(placed.entry, &placed.numbers()).expect("a window");
+    let (along, from, to) = regional::window(placed.entry, &placed.numbers()).expect("a window");
     assert!(along == Along::Velocity && (from - 0.03).abs() < 0.003, "from {from} along {along:?}");
+    assert!(to > 1.0, "what was seen ends at the limit, and the dashpot does not: {to}");
 }
 
 /// Beneath one name a region is looked for where that leaves more than another effect could hide beneath, and takes its place where it
