@@ -281,7 +281,7 @@ fn further(fits: &mut [Fit], count: usize, effort: Effort, runs: &[Run]) -> Resu
 }
 
 /// Sorts by squares and keeps the best start of each set of effects.
-pub(super) fn best_of_each_set(fits: &mut Vec<Fit>) {
+fn best_of_each_set(fits: &mut Vec<Fit>) {
     fits.sort_by(|a, b| a.squares.total_cmp(&b.squares));
     let mut seen: Vec<Vec<&'static str>> = Vec::new();
     fits.retain(|fit| {
