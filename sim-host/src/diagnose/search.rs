@@ -16,7 +16,7 @@ use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
-pub(super) use brief::brief;
+pub(super) use brief::{beginning, brief};
 pub(super) use candidate_starts::{CandidateStart, candidate_starts};
 use candidate_starts::{screen_by_fit, screen_by_secant};
 use details::detail;

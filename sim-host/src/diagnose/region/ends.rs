@@ -56,20 +56,8 @@ pub(super) fn parts(along: Along, runs: &[Run], predicted: &[Predicted]) -> Opti
         let last = runs.iter().map(|run| run.elapsed + run.len() as f64 * run.dt).fold(0.0, f64::max);
         return Some((0..=PARTS).map(|i| first + (last - first) * share(i)).collect());
     }
-    let mut values: Vec<f64> = Vec::new();
-    for (run, predicted) in runs.iter().zip(predicted) {
-        let x = &predicted.displacement;
-        match along {
-            Along::Displacement => values.extend(x),
-            Along::Command => values.extend(run.channel(Channel::Command).iter().flat_map(|command| &command.values)),
-            _ => values.extend(x.windows(3).map(|w| (w[2] - w[0]) / (2.0 * run.dt))),
-        }
-    }
-    if along == Along::Speed {
-        for v in &mut values {
-            *v = v.abs();
-        }
-    }
+    let each = runs.iter().zip(predicted).map(|(run, predicted)| seen(along, run, predicted));
+    let mut values: Vec<f64> = each.collect::<Option<Vec<_>>>()?.concat();
     values.retain(|v| v.is_finite());
     values.sort_by(f64::total_cmp);
     let last = values.len().checked_sub(1)?;
@@ -79,6 +67,27 @@ pub(super) fn parts(along: Along, runs: &[Run], predicted: &[Predicted]) -> Opti
         ends[i] = ends[i].max(ends[i - 1] + least);
     }
     (least > 0.0).then_some(ends)
+}
+
+/// What a run passes through of a variable, sample by sample, no number where it was not recorded; none where a run has no such variable.
+pub(super) fn seen(along: Along, run: &Run, predicted: &Predicted) -> Option<Vec<f64>> {
+    let x = &predicted.displacement;
+    let velocity = |k: usize| {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(x.len() - 1));
+        (x[after] - x[before]) / ((after - before).max(1) as f64 * run.dt)
+    };
+    match along {
+        Along::Time => Some((0..run.len()).map(|k| run.elapsed + k as f64 * run.dt).collect()),
+        Along::Displacement => Some(x.clone()),
+        Along::Velocity => Some((0..x.len()).map(velocity).collect()),
+        Along::Speed => Some((0..x.len()).map(|k| velocity(k).abs()).collect()),
+        // A prescribed motion has no command of its own.
+        Along::Command if run.motion.is_some() => None,
+        Along::Command => {
+            let unknown = || vec![f64::NAN; run.len()];
+            Some(run.channel(Channel::Command).map_or_else(unknown, |command| command.values.clone()))
+        }
+    }
 }
 
 /// The first and the last part of every row of neighbouring parts but the whole.

@@ -4,45 +4,44 @@
 //! regression in each run.
 
 use super::Start;
+use super::cut::Cut;
 use super::ends::{PARTS, spans, window};
 use crate::identify::data::Run;
 use crate::identify::fit::secant::{Base, Chord};
 use crate::identify::model::{Model, ModelEffect};
 use crate::plant::effects::Role;
-use crate::plant::effects::regional::Along;
 use crate::plant::simulate::SimulateError;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
-/// The window that takes most away; none where no run shows any.
-pub(super) fn start(
+/// What a unit of each size changes everywhere.
+pub(super) fn chords(
     base: &Base<'_>,
     (model, runs): (&Model, &[Run]),
     placed: &ModelEffect,
-    (along, ends): (Along, &[f64]),
-) -> Result<Option<Start>, SimulateError> {
+) -> Result<Vec<Chord>, SimulateError> {
     let sizes = (0..).zip(placed.entry.parameters).filter(|(_, p)| p.role == Role::PerRun).map(|(i, _)| i);
-    let sizes: Vec<usize> = sizes.collect();
-    let one = |(part, size): (usize, usize)| -> Result<Option<Chord>, SimulateError> {
+    let one = |size: usize| {
         let mut alone = placed.clone();
         alone.values[size].value = 1.0;
-        let inside = window(&alone, along, (ends[part], ends[part + 1]), ends);
-        inside.map(|inside| base.chord(&model.with(inside), runs)).transpose()
+        base.chord(&model.with(alone), runs)
     };
-    let each: Vec<(usize, usize)> = (0..PARTS).flat_map(|part| sizes.iter().map(move |&size| (part, size))).collect();
-    let chords = each.into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
-    let Some(chords) = chords.into_iter().collect::<Option<Vec<Chord>>>() else { return Ok(None) };
-    let products = base.products_of_runs(&chords);
+    sizes.map(one).collect()
+}
+
+/// The window that takes most away, by what each size changes everywhere; none where no run shows any.
+pub(super) fn start(base: &Base<'_>, placed: &ModelEffect, whole: &[Chord], cut: &Cut) -> Option<Start> {
+    let (along, ends) = cut.ends();
+    let parts = (0..PARTS).flat_map(|part| whole.iter().map(move |chord| cut.within(chord, part)));
+    let products = base.products_of_runs(&parts.collect::<Vec<_>>());
     let gain = |first: usize, last: usize| -> f64 {
-        products.iter().filter_map(|of_run| taken_away(of_run, sizes.len(), (first, last))).sum()
+        products.iter().filter_map(|of_run| taken_away(of_run, whole.len(), (first, last))).sum()
     };
     let windows = spans(PARTS).map(|(first, last)| (gain(first, last), first, last));
     let best = windows.filter(|(gain, ..)| gain.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0));
-    let at = best.and_then(|(gain, first, last)| {
+    best.and_then(|(gain, first, last)| {
         let placed = window(placed, along, (ends[first], ends[last + 1]), ends)?;
         Some(Start { placed, gain })
-    });
-    Ok(at)
+    })
 }
 
 /// Squares that one run's sizes take away in a window, each part of which changes the rows by as many chords as there are sizes.

@@ -2,7 +2,8 @@
 
 use super::super::search::Search;
 use super::Start;
-use super::ends::{parts, sloped, spans, window};
+use super::cut::Cut;
+use super::ends::{sloped, spans, window};
 use crate::identify::data::Run;
 use crate::identify::evaluate::predict;
 use crate::identify::fit::secant::Base;
@@ -54,8 +55,7 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
     let looks = (LOOKED_AT * SHORT / samples.max(1)).clamp(4, LOOKED_AT);
     let stated = |(run, local)| predict(&search.baseline.model, run, local);
     let shown = runs.iter().zip(&search.baseline.locals).map(stated).collect::<Result<Vec<_>, _>>()?;
-    let ranges: Vec<(Along, Vec<f64>)> =
-        Along::ALL.into_iter().filter_map(|along| Some((along, parts(along, runs, &shown)?))).collect();
+    let cuts: Vec<Cut> = Along::ALL.into_iter().filter_map(|along| Cut::of(along, runs, &shown)).collect();
     let singles = search.grown.first().map_or(&[][..], Vec::as_slice);
     let known = search.baseline.model.ids();
     let placed = singles.iter().filter_map(|fit| {
@@ -64,12 +64,17 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
         let own = plain.effects.into_iter().find(|p| !known.contains(&p.entry.id))?;
         // What explains little everywhere has values there that say little.
         let telling = search.baseline.squares - fit.squares > TELLING * excess(search);
-        let typical = if telling { None } else { ModelEffect::start(own.entry, 0, &search.signal_scales) };
         let possible = !per_run(&own) && regional(own.entry, Along::Time, Shape::Window).is_some();
-        possible.then(|| [Some(own), typical].into_iter().flatten())
+        let typical = || ModelEffect::start(own.entry, 0, &search.signal_scales);
+        possible.then(|| if telling { Some(own.clone()) } else { typical() })?
     });
-    let looked_at: Vec<ModelEffect> = placed.take(looks).flatten().collect();
-    let along = |placed| ranges.iter().map(move |(along, ends)| (placed, *along, ends.as_slice()));
+    let looked_at: Vec<ModelEffect> = placed.take(looks).collect();
+    let along = |placed| {
+        cuts.iter().map(move |cut| {
+            let (along, ends) = cut.ends();
+            (placed, along, ends)
+        })
+    };
     let tasks = looked_at.iter().flat_map(along).collect();
     let look = |task: &Task, step| looked(&base, (&search.baseline.model, runs), task, step);
     let fine = most_promising(tasks, |task| look(task, COARSE))?;
@@ -77,8 +82,9 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
     let mut starts: Vec<Start> = each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     let sized = search.baseline.model.candidates().into_iter();
     for placed in sized.filter_map(|entry| ModelEffect::start(entry, 0, &search.signal_scales)).filter(per_run) {
-        for (along, ends) in &ranges {
-            starts.extend(super::per_run::start(&base, (&search.baseline.model, runs), &placed, (*along, ends))?);
+        let whole = super::per_run::chords(&base, (&search.baseline.model, runs), &placed)?;
+        for cut in &cuts {
+            starts.extend(super::per_run::start(&base, &placed, &whole, cut));
         }
     }
     Ok(starts)

@@ -7,8 +7,9 @@
 use super::super::residual::squares_in;
 use super::CHANCE;
 use crate::identify::data::Run;
-use crate::identify::evaluate::predict;
+use crate::identify::evaluate::{Local, predict};
 use crate::identify::fit::Fit;
+use crate::identify::model::Model;
 use crate::plant::simulate::SimulateError;
 use rayon::prelude::*;
 
@@ -31,11 +32,7 @@ pub(in crate::diagnose) fn brief(fit: &Fit, runs: &[Run]) -> Result<Option<Vec<R
     if share > WORTH || fit.squares - (fit.rows as f64) < AMPLE * CHANCE {
         return Ok(None);
     }
-    let ends = runs.par_iter().zip(&fit.locals).map(|(run, local)| {
-        let predicted = predict(&fit.model, run, local)?;
-        let parts = squares_in(run, &predicted, PARTS, |k| k * PARTS / run.len());
-        Ok(typical(&parts, share))
-    });
+    let ends = runs.par_iter().zip(&fit.locals).map(|(run, local)| beginning(&fit.model, run, local, share));
     let ends = ends.collect::<Result<Vec<f64>, SimulateError>>()?;
     let kept = runs.iter().zip(&ends).map(|(run, end)| end * run.len() as f64).sum::<f64>();
     if kept > WORTH * samples {
@@ -43,6 +40,17 @@ pub(in crate::diagnose) fn brief(fit: &Fit, runs: &[Run]) -> Result<Option<Vec<R
     }
     let beginnings = runs.iter().zip(ends).map(|(run, end)| run.beginning((end * run.len() as f64) as usize));
     Ok(Some(beginnings.collect()))
+}
+
+/// The share of a run, `least` at least, that shows what a model leaves of the whole.
+pub(in crate::diagnose) fn beginning(
+    model: &Model,
+    run: &Run,
+    local: &Local,
+    least: f64,
+) -> Result<f64, SimulateError> {
+    let predicted = predict(model, run, local)?;
+    Ok(typical(&squares_in(run, &predicted, PARTS, |k| k * PARTS / run.len()), least))
 }
 
 /// The shortest beginning, as a share of all, that is typical of what is left.

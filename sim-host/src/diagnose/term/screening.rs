@@ -1,5 +1,6 @@
 //! What each term of the grammar would explain, from tangents of the whole loop.
 
+use super::super::search::beginning;
 use super::super::split::Weighing;
 use super::grammar::{Follows, Form, Reach, Term};
 use super::placing::{Piece, idle, reach};
@@ -14,8 +15,10 @@ use rayon::prelude::*;
 
 /// Coefficients in one simulation: as many as a dual number of the largest size holds.
 const BATCH: usize = 24;
-/// Samples that a screening looks at, about: the runs that leave most, until they have so many.
+/// Samples that a screening looks at, about: the runs that leave most, until they have so many; and of a longer run its beginning, as
+/// many seconds of it at least as halves can be drawn from.
 const LOOKED: usize = 6_000;
+const LASTING: f64 = 20.0;
 /// Places with a state, of which forms with memory and waves are tried too.
 const RICHER: usize = 4;
 /// Candidates of one place and state that are handed on.
@@ -47,7 +50,7 @@ struct Column {
 /// The terms that would explain most beside a fitted model, best first; all of one `sense` where it is given.
 pub(super) fn screen(fit: &Fit, weighing: &Weighing, sense: Option<Sense>) -> Result<Vec<Candidate>, SimulateError> {
     let reach = reach(weighing);
-    let (runs, locals) = telling(fit, weighing.fitted());
+    let (runs, locals) = telling(fit, weighing.fitted())?;
     let fit = Fit::resume(fit.model.clone(), locals, &runs)?;
     let tangents = Tangents::of(&fit, &runs)?;
     let here = |term: &Term| sense.is_none_or(|sense| term.sense == sense);
@@ -95,7 +98,7 @@ fn sort(columns: &mut Vec<Column>) {
 }
 
 /// The runs that leave most, with where they start.
-fn telling(fit: &Fit, runs: &[Run]) -> (Vec<Run>, Vec<Local>) {
+fn telling(fit: &Fit, runs: &[Run]) -> Result<(Vec<Run>, Vec<Local>), SimulateError> {
     let excess = |run: &Run, local: &Local| {
         crate::identify::evaluate::predict(&fit.model, run, local).map_or(0.0, |predicted| {
             let channels = run.measured.iter().zip(&predicted.channels).filter(|(m, _)| m.judged);
@@ -116,7 +119,13 @@ fn telling(fit: &Fit, runs: &[Run]) -> (Vec<Run>, Vec<Local>) {
         }
     }
     kept.sort_unstable();
-    kept.into_iter().map(|i| (runs[i].clone(), fit.locals[i].clone())).unzip()
+    let shown = |i: usize| {
+        let (run, local) = (&runs[i], &fit.locals[i]);
+        let least = (LOOKED as f64).max(LASTING / run.dt) / run.len() as f64;
+        let share = if least < 1.0 { beginning(&fit.model, run, local, least)? } else { 1.0 };
+        Ok((run.beginning((share * run.len() as f64).ceil() as usize), local.clone()))
+    };
+    kept.into_iter().map(shown).collect()
 }
 
 /// Every term at every shape, regressed on all stretches.

@@ -65,13 +65,13 @@ impl<'a> Base<'a> {
         Some((chords.iter().map(with).collect(), chords.iter().map(left).collect()))
     }
 
-    /// The same products for each run by itself, the fit's own parameters held.
-    pub(crate) fn products_of_runs(&self, chords: &[Chord]) -> Vec<(Vec<Vec<f64>>, Vec<f64>)> {
+    /// The same products of changes of every row for each run by itself, the fit's own parameters held.
+    pub(crate) fn products_of_runs(&self, changes: &[Vec<Vec<f64>>]) -> Vec<(Vec<Vec<f64>>, Vec<f64>)> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let of = |(i, rows): (usize, &Rows)| {
-            let with = |a: &Chord| chords.iter().map(|b| dot(&a.rows[i], &b.rows[i])).collect();
-            let left = chords.iter().map(|a| dot(&a.rows[i], &rows.residuals));
-            (chords.iter().map(with).collect(), left.collect())
+            let with = |a: &Vec<Vec<f64>>| changes.iter().map(|b| dot(&a[i], &b[i])).collect();
+            let left = changes.iter().map(|a| dot(&a[i], &rows.residuals));
+            (changes.iter().map(with).collect(), left.collect())
         };
         self.rows.iter().enumerate().map(of).collect()
     }
@@ -141,6 +141,17 @@ impl<'a> Base<'a> {
 pub(crate) struct Chord {
     rows: Vec<Vec<f64>>,
     change: Change,
+}
+
+impl Chord {
+    /// What it changes of those rows alone that `there` lets through by run and row, run by run.
+    pub(crate) fn only(&self, there: impl Fn(usize, usize) -> bool) -> Vec<Vec<f64>> {
+        let of = |(run, rows): (usize, &Vec<f64>)| {
+            let kept = |(row, change): (usize, &f64)| if there(run, row) { *change } else { 0.0 };
+            rows.iter().enumerate().map(kept).collect()
+        };
+        self.rows.iter().enumerate().map(of).collect()
+    }
 }
 
 /// A change of every row, against the residuals and against the fit's own parameters.

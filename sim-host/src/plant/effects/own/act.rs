@@ -71,10 +71,11 @@ impl Idle {
 }
 
 impl<S: Scalar> Acting<S> {
-    fn value(&self, seen: &OwnInputs<S>) -> S {
-        let elapsed = seen.time - self.seen.time;
+    /// The value of what is seen of each state, `elapsed` seconds after what was seen last.
+    fn value(&self, seen: impl Fn(State) -> S, elapsed: f64) -> S {
         if let Some(idle) = &self.idle {
-            let scaled = self.program.value(&seen.plain(), &idle.parameters, &idle.memory, elapsed);
+            let plain = |state| seen(state).value();
+            let scaled = self.program.value(plain, &idle.parameters, &idle.memory, elapsed);
             return self.parameters[0] * (scaled / self.divisor.value());
         }
         self.program.value(seen, &self.parameters, &self.memory, elapsed) / self.divisor
@@ -82,26 +83,32 @@ impl<S: Scalar> Acting<S> {
 
     /// Takes what was seen last into the memory.
     fn remember(&mut self, elapsed: f64) {
+        let seen = &self.seen;
         match &mut self.idle {
-            Some(idle) => self.program.settle(&self.seen.plain(), &idle.parameters, &mut idle.memory, elapsed),
-            None => self.program.settle(&self.seen, &self.parameters, &mut self.memory, elapsed),
+            Some(idle) => {
+                self.program.settle(|state| seen.of(state).value(), &idle.parameters, &mut idle.memory, elapsed);
+            }
+            None => self.program.settle(|state| seen.of(state), &self.parameters, &mut self.memory, elapsed),
         }
     }
 
-    fn at(&self, at: &Instant<S>) -> OwnInputs<S> {
-        let velocity_sign = match &self.bristles {
-            Some(bristles) => bristles.share(at.displacement, at.time),
-            None => S::from(0.0),
-        };
-        let path = self.seen.path + (at.displacement - self.place.unwrap_or(at.displacement)).abs();
-        OwnInputs {
-            displacement: at.displacement,
-            velocity: at.velocity,
-            velocity_sign,
-            path,
-            time: at.time,
-            ..self.seen
+    /// What is seen of a state at an instant; what an instant does not hold is as it was seen last.
+    fn at(&self, at: &Instant<S>, state: State) -> S {
+        match state {
+            State::Displacement => at.displacement,
+            State::Velocity => at.velocity,
+            State::VelocitySign => {
+                self.bristles.as_ref().map_or(S::from(0.0), |bristles| bristles.share(at.displacement, at.time))
+            }
+            State::Path => self.seen.path + (at.displacement - self.place.unwrap_or(at.displacement)).abs(),
+            State::Time => S::from(at.time),
+            State::Acceleration | State::Command => self.seen.of(state),
         }
+    }
+
+    /// The value at an instant.
+    fn value_at(&self, at: &Instant<S>) -> S {
+        self.value(|state| self.at(at, state), at.time - self.seen.time)
     }
 }
 
@@ -136,15 +143,15 @@ impl<S: Scalar> Effect<S> for Acting<S> {
         if self.program.remembers() {
             self.remember(h);
         }
-        u + self.value(&self.seen)
+        u + self.value(|state| self.seen.of(state), 0.0)
     }
 
     fn flow(&self, at: &Instant<S>, _y: &[S], flow: &mut Flow<S>) {
-        flow.gain = flow.gain * (self.value(&self.at(at)) + 1.0);
+        flow.gain = flow.gain * (self.value_at(at) + 1.0);
     }
 
     fn force(&self, at: &Instant<S>, _y: &[S], _dy: &mut [S]) -> S {
-        self.value(&self.at(at))
+        self.value_at(at)
     }
 
     fn after(&mut self, displacement: S, time: f64) {
@@ -165,11 +172,13 @@ impl<S: Scalar> Effect<S> for Acting<S> {
     }
 
     fn sense_displacement(&self, displacement: S, _y: &[S]) -> S {
-        displacement + self.value(&OwnInputs { displacement, ..self.seen })
+        let seen = |state| if state == State::Displacement { displacement } else { self.seen.of(state) };
+        displacement + self.value(seen, 0.0)
     }
 
     fn sense_acceleration(&self, acceleration: S, at: &Instant<S>) -> S {
-        acceleration + self.value(&OwnInputs { acceleration, ..self.at(at) })
+        let seen = |state| if state == State::Acceleration { acceleration } else { self.at(at, state) };
+        acceleration + self.value(seen, at.time - self.seen.time)
     }
 }
 
@@ -183,7 +192,7 @@ fn fastest<S: Scalar>(program: &Program, parameters: &[S], divisor: S, sense: Se
     let memory = Memory::at_zero(program.memories());
     let force = |x: f64, v: f64, s: f64| {
         let seen = OwnInputs { displacement: x, velocity: v, velocity_sign: s, ..OwnInputs::none() };
-        program.value(&seen, &parameters, &memory, 0.0) / divisor.value()
+        program.value(|state| seen.of(state), &parameters, &memory, 0.0) / divisor.value()
     };
     let (dx, dv) = (1e-6, 1e-5);
     let mut fastest = 0.0_f64;

@@ -71,5 +71,5 @@ fn value_at(own: &Own, tried: &[(State, f64)], values: &[f64], by: usize) -> Dua
     }
     let variable = |(i, v): (usize, &f64)| if i == by { Dual::variable(*v, 0) } else { Dual::from(*v) };
     let parameters: Vec<Dual<1>> = values.iter().enumerate().map(variable).collect();
-    own.program.value(&seen, &parameters, &Memory::new(own.program.memories()), 0.0)
+    own.program.value(|state| seen.of(state), &parameters, &Memory::new(own.program.memories()), 0.0)
 }

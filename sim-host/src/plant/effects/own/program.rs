@@ -2,7 +2,7 @@
 
 use super::expression::{Function, Operation, Tree};
 use super::memory::Memory;
-use super::state::{OwnInputs, State};
+use super::state::State;
 use crate::scalar::Scalar;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,14 +18,18 @@ enum Step {
     Recall(Operation, usize),
 }
 
-/// Values kept at once.
+/// Values kept at once, at most.
 const DEPTH: usize = 12;
+/// Values kept at once by most expressions: room for more would be cleared at every step, for nothing.
+const SHALLOW: usize = 3;
 
 /// The steps.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Program {
     steps: Vec<Step>,
     states: Vec<State>,
+    /// Values it keeps at once.
+    depth: usize,
     /// Memories that its lags and plays need.
     memories: usize,
     /// It is its first parameter times what does not use it.
@@ -41,7 +45,7 @@ impl Program {
             return Err(format!("is nested {depth} deep, more than {DEPTH}; split it into two effects"));
         }
         let states = State::ALL.into_iter().filter(|s| tree.uses_state(*s)).collect();
-        Ok(Self { steps, states, memories, scaled: is_scaled(tree) })
+        Ok(Self { steps, states, depth, memories, scaled: is_scaled(tree) })
     }
 
     /// The states it uses.
@@ -68,10 +72,10 @@ impl Program {
         self.memories > 0
     }
 
-    /// The value, `elapsed` seconds after its memory was settled.
+    /// The value of what is seen of each state it uses, `elapsed` seconds after its memory was settled.
     pub(super) fn value<S: Scalar>(
         &self,
-        seen: &OwnInputs<S>,
+        seen: impl Fn(State) -> S,
         parameters: &[S],
         memory: &Memory<S>,
         elapsed: f64,
@@ -82,7 +86,7 @@ impl Program {
     /// Takes what is seen into its memory, `elapsed` seconds after the last time.
     pub(super) fn settle<S: Scalar>(
         &self,
-        seen: &OwnInputs<S>,
+        seen: impl Fn(State) -> S,
         parameters: &[S],
         memory: &mut Memory<S>,
         elapsed: f64,
@@ -98,17 +102,31 @@ impl Program {
 
     fn evaluate<S: Scalar>(
         &self,
-        seen: &OwnInputs<S>,
+        seen: impl Fn(State) -> S,
+        parameters: &[S],
+        recall: impl FnMut((Operation, usize), S, S) -> S,
+    ) -> S {
+        if self.depth <= SHALLOW {
+            self.evaluate_in::<S, SHALLOW>(seen, parameters, recall)
+        } else {
+            self.evaluate_in::<S, DEPTH>(seen, parameters, recall)
+        }
+    }
+
+    /// The same, with room for so many values at once.
+    fn evaluate_in<S: Scalar, const ROOM: usize>(
+        &self,
+        seen: impl Fn(State) -> S,
         parameters: &[S],
         mut recall: impl FnMut((Operation, usize), S, S) -> S,
     ) -> S {
-        let mut kept = [S::from(0.0); DEPTH];
+        let mut kept = [S::from(0.0); ROOM];
         let mut top = 0;
         for step in &self.steps {
             match *step {
                 Step::Number(_) | Step::State(_) | Step::Parameter(_) => {
-                    kept[top.min(DEPTH - 1)] = match *step {
-                        Step::State(state) => seen.of(state),
+                    kept[top.min(ROOM - 1)] = match *step {
+                        Step::State(state) => seen(state),
                         Step::Parameter(i) => parameters.get(i).copied().unwrap_or(S::from(0.0)),
                         Step::Number(n) => S::from(n),
                         _ => S::from(0.0),

@@ -98,19 +98,6 @@ impl<S: Scalar> OwnInputs<S> {
         }
     }
 
-    /// The values alone.
-    pub(super) fn plain(&self) -> OwnInputs<f64> {
-        OwnInputs {
-            displacement: self.displacement.value(),
-            velocity: self.velocity.value(),
-            acceleration: self.acceleration.value(),
-            command: self.command.value(),
-            velocity_sign: self.velocity_sign.value(),
-            path: self.path.value(),
-            time: self.time,
-        }
-    }
-
     /// The value of one state.
     pub(super) fn of(&self, state: State) -> S {
         match state {

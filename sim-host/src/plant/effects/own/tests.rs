@@ -13,7 +13,7 @@ fn program(text: &str) -> Program {
 fn value(text: &str, x: f64, v: f64) -> f64 {
     let seen = OwnInputs { displacement: x, velocity: v, velocity_sign: v.signum(), ..OwnInputs::none() };
     let program = program(text);
-    program.value(&seen, &[2.0, 3.0], &Memory::new(program.memories()), 0.0)
+    program.value(|state| seen.of(state), &[2.0, 3.0], &Memory::new(program.memories()), 0.0)
 }
 
 #[test]
@@ -58,11 +58,11 @@ fn derivatives_agree_with_central_differences() {
         let program = program(text);
         let at = |p: f64| {
             let seen = OwnInputs { displacement: 0.7, ..OwnInputs::none() };
-            program.value(&seen, &[p, 3.0], &Memory::new(program.memories()), 0.0)
+            program.value(|state| seen.of(state), &[p, 3.0], &Memory::new(program.memories()), 0.0)
         };
         let seen = OwnInputs { displacement: Dual::<1>::from(0.7), ..OwnInputs::none() };
         let parameters = [Dual::variable(2.0, 0), Dual::from(3.0)];
-        let dual = program.value(&seen, &parameters, &Memory::new(program.memories()), 0.0);
+        let dual = program.value(|state| seen.of(state), &parameters, &Memory::new(program.memories()), 0.0);
         let slope = (at(2.0 + 1e-6) - at(2.0 - 1e-6)) / 2e-6;
         assert!((f64::from(dual.tangent[0]) - slope).abs() < 1e-5 * (1.0 + slope.abs()), "{text}");
     }
@@ -119,20 +119,23 @@ fn one_name_stands_for_one_equation() {
 /// A lag of half a second follows a step as the exponential does, whatever the steps; a play follows 0.1 behind.
 #[test]
 fn lag_and_play_remember() {
-    let place = |displacement: f64| OwnInputs { displacement, ..OwnInputs::none() };
+    let place = |displacement: f64| {
+        let seen = OwnInputs { displacement, ..OwnInputs::none() };
+        move |state| seen.of(state)
+    };
     for steps in [1, 7] {
         let lag = program("lag(x, p)");
         let mut memory = Memory::new(lag.memories());
-        lag.settle(&place(0.0), &[0.5, 0.0], &mut memory, 0.0);
-        (0..steps).for_each(|_| lag.settle(&place(1.0), &[0.5, 0.0], &mut memory, 0.25 / f64::from(steps)));
-        let now = lag.value(&place(1.0), &[0.5, 0.0], &memory, 0.1);
+        lag.settle(place(0.0), &[0.5, 0.0], &mut memory, 0.0);
+        (0..steps).for_each(|_| lag.settle(place(1.0), &[0.5, 0.0], &mut memory, 0.25 / f64::from(steps)));
+        let now = lag.value(place(1.0), &[0.5, 0.0], &memory, 0.1);
         assert!((now - (1.0 - (-0.7_f64).exp())).abs() < 1e-12, "{now}");
     }
     let play = program("play(x, p)");
     let mut memory = Memory::new(play.memories());
     for (x, expected) in [(0.0, 0.0), (0.05, 0.0), (1.0, 0.9), (0.9, 0.9), (0.5, 0.6), (0.65, 0.6)] {
-        play.settle(&place(x), &[0.1, 0.0], &mut memory, 1e-3);
-        let now = play.value(&place(x), &[0.1, 0.0], &memory, 0.0);
+        play.settle(place(x), &[0.1, 0.0], &mut memory, 1e-3);
+        let now = play.value(place(x), &[0.1, 0.0], &memory, 0.0);
         assert!((now - expected).abs() < 1e-12, "{x}: {now} for {expected}");
     }
 }
