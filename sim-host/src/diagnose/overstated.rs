@@ -1,9 +1,9 @@
 //! The noise of a channel by what the best of all models leaves of it: a figure that was stated too large hides whatever leaves less.
 
 use super::judged::{Decision, ScoredModel};
-use super::search::Search;
 use super::split::Weighing;
 use crate::identify::data::{Channel, Run};
+use crate::identify::fit::Fit;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 
@@ -12,8 +12,8 @@ use crate::plant::simulate::SimulateError;
 const LESS: f64 = 0.87;
 /// Share of the power of a noise as it was stated beyond which more than that noise is left.
 const MORE: f64 = 1.02;
-/// Models of each size that are asked.
-const ASKED: usize = 2;
+/// Models that are asked.
+const ASKED: usize = 4;
 
 /// Power that a model leaves of the channels that judge, in that of their noise.
 type Powers = Vec<(Channel, f64)>;
@@ -35,10 +35,10 @@ fn as_stated(powers: &Powers, runs: &[Run]) -> bool {
     })
 }
 
-/// The least that any of the best models of a search leaves, where that is less than noise of a channel.
-pub(super) fn by_any(weighing: &Weighing, search: &Search) -> Result<Option<Powers>, SimulateError> {
+/// The least that any of the best models leaves, where that is less than noise of a channel.
+pub(super) fn by_any(weighing: &Weighing, fits: &[Fit]) -> Result<Option<Powers>, SimulateError> {
     let mut least: Powers = Vec::new();
-    for fit in search.grown.iter().flat_map(|size| size.iter().take(ASKED)) {
+    for fit in fits.iter().take(ASKED) {
         for (channel, power) in powers(&ScoredModel::of(fit.clone(), weighing)?) {
             match least.iter_mut().find(|(of, _)| *of == channel) {
                 Some((_, known)) => *known = known.min(power),

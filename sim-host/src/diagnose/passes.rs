@@ -4,12 +4,12 @@
 use super::calibration::CALIBRATION;
 use super::judged::Decision;
 use super::options::Options;
-use super::search::Depth;
 use super::split::{Split, Weighing, reopened, split};
 use super::term::Modelled;
 use super::verdict::Conclusion;
 use super::{SEARCHED, beside, clock, decide, overstated, region, reject_for_curve, search, term, verdict};
 use crate::identify::data::Run;
+use crate::identify::fit::{Effort, Fit};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
@@ -119,8 +119,11 @@ pub(super) fn with_noise_as_left(
         overstated::lower(prepared, &left);
     }
     let beneath = cut(&lowered[1], &lowered[0]).weighing;
-    let search = search::search(&beneath, Depth::OneMore, options)?;
-    let Some(least) = overstated::by_any(&beneath, &search)? else {
+    let named = &selected.decision.accepted.fit;
+    let mut named = Fit::resume(named.model.clone(), named.locals.clone(), beneath.fitted())?;
+    named.improve(beneath.fitted(), Effort::FULL)?;
+    let one_more = search::grow_beside(&named, beneath.fitted(), &beneath.signal_scales())?;
+    let Some(least) = overstated::by_any(&beneath, &one_more)? else {
         return Ok((first, selected));
     };
     for prepared in &mut lowered {
@@ -140,7 +143,7 @@ pub(super) struct Selected {
 
 /// Fits hypotheses to the training and weighs them on the validation.
 pub(super) fn select(weighing: &Weighing, options: &Options) -> Result<Selected, SimulateError> {
-    let search = search::search(weighing, Depth::Explained, options)?;
+    let search = search::search(weighing, options)?;
     options.say("weighing what was found", 0.9);
     let decision = decide::decide(weighing, &search)?;
     options.say("looking for effects that act in a part of time or state", 0.92);

@@ -50,7 +50,8 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     let fits = starts.into_par_iter().map(|placed| fitted(weighing, &search.baseline, placed));
     let mut fits = fits.collect::<Result<Vec<_>, _>>()?;
     keep_best(&mut fits);
-    let mut found = finished(weighing, fits)?;
+    let best = fits.into_par_iter().map(|fit| finished(weighing, fit));
+    let mut found = best.collect::<Result<Vec<_>, _>>()?;
     let ranking = Ranking::new(&decision.stated, &found);
     if let Some(leader) = found.iter().min_by(|a, b| ranking.cost(a).total_cmp(&ranking.cost(b))) {
         found.extend(doubles(weighing, search, (leader, &found))?);

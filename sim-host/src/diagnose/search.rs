@@ -34,15 +34,6 @@ pub(crate) struct Search {
     pub signal_scales: SignalScales,
 }
 
-/// When a search stops.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Depth {
-    /// Where no more is left than noise.
-    Explained,
-    /// One effect beyond that.
-    OneMore,
-}
-
 /// Most effects added to the stated model.
 const MOST: usize = 3;
 /// Models of each size that are grown further.
@@ -64,7 +55,7 @@ const FORESEEN: f64 = 0.03;
 const FUTILE: f64 = 0.7;
 
 /// Searches for what the stated model lacks.
-pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Result<Search, SimulateError> {
+pub(crate) fn search(weighing: &Weighing, options: &Options) -> Result<Search, SimulateError> {
     let (prepared, runs) = (weighing.training.prepared(), weighing.fitted());
     options.say("fitting the stated model", 0.02);
     let baseline = fit_stated(prepared)?;
@@ -81,7 +72,6 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
     } else {
         parents.extend(fit_from_near(prepared, &search.baseline)?);
     }
-    let mut beyond = usize::from(depth == Depth::OneMore);
     for size in 0..MOST {
         options.say(["trying single effects", "trying pairs", "trying triples"][size], [0.1, 0.4, 0.7][size]);
         let singles = search.grown.first().cloned().unwrap_or_default();
@@ -101,17 +91,18 @@ pub(crate) fn search(weighing: &Weighing, depth: Depth, options: &Options) -> Re
         let done = !bent(best) && (explains(best) || settled) && held_back.reaches(best)?;
         let smaller = size.checked_sub(1).and_then(|size| search.grown[size].first());
         let futile = smaller.is_some_and(|fit| best.chi2() - 1.0 > FUTILE * (fit.chi2() - 1.0)) && !explains(best);
-        if gain < CHANCE || (done && beyond == 0) || (futile && !bent(best)) {
+        if gain < CHANCE || done || (futile && !bent(best)) {
             break;
         }
-        beyond -= usize::from(done);
         parents = grown.iter().take(BEAM).cloned().collect();
         if explains(best) {
             // The runs fitted are explained, by values far from what was stated or unlike the hold-out runs: the values may have
             // taken in what is missing. Held near, they cannot. Where none is far, a noise that was stated too large hides it.
             let near = parents.iter().map(|fit| fit_near(prepared, fit)).collect::<Result<Vec<_>, _>>()?;
             let near: Vec<Fit> = near.into_iter().flatten().collect();
-            parents = if done || near.is_empty() { [parents, near].concat() } else { near };
+            if !near.is_empty() {
+                parents = near;
+            }
         }
     }
     Ok(search)

@@ -18,8 +18,6 @@ use rayon::prelude::*;
 /// Width of sharper ends over that of softer ones, and how often they are sharpened.
 const SHARPER: f64 = 0.2;
 const SHARPENED: usize = 3;
-/// What a form with soft ends leaves beyond the noise, over the least that one leaves, beyond which sharper ends bring it no nearer.
-const HOPELESS: f64 = 3.0;
 /// Widths of a window's end by which it is shifted, and how often all are tried.
 const SHIFTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 const ROUNDS: usize = 4;
@@ -28,31 +26,16 @@ const UNSEEN: i32 = 8;
 /// How far the best are taken.
 const FULL: Effort = Effort { steps: 14, tolerance: 1e-5 };
 
-/// Forms fitted to the end, windows once their ends are near where they belong: first with soft ends, along which a fit finds its way;
-/// those that may be the best with sharper ones.
-pub(super) fn finished(weighing: &Weighing, fits: Vec<Fit>) -> Result<Vec<ScoredModel>, SimulateError> {
+/// A form fitted to the end, a window once its ends are near where they belong: first with soft ends, along which a fit finds its
+/// way, then with sharper ones as long as these leave less.
+pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<ScoredModel, SimulateError> {
     let runs = weighing.fitted();
-    let soft = |fit| -> Result<Fit, SimulateError> {
-        let mut fit = shifted(fit, runs)?;
-        fit.improve(runs, FULL)?;
-        Ok(fit)
-    };
-    let fits = fits.into_par_iter().map(soft).collect::<Result<Vec<_>, _>>()?;
-    let left = |fit: &Fit| (fit.squares - fit.rows as f64).max(CHANCE);
-    let least = fits.iter().map(left).fold(f64::INFINITY, f64::min);
-    let ended = |fit: Fit| match Window::of(&fit.model) {
-        Some(window) if left(&fit) < HOPELESS * least => sharpened(weighing, fit, window),
-        _ => ScoredModel::of(fit, weighing),
-    };
-    fits.into_par_iter().map(ended).collect()
-}
-
-/// A window with ends as sharp as leaves less.
-fn sharpened(weighing: &Weighing, mut best: Fit, window: Window) -> Result<ScoredModel, SimulateError> {
-    let runs = weighing.fitted();
+    let mut best = shifted(fit, runs)?;
+    best.improve(runs, FULL)?;
+    let Some(Window { effect, width, .. }) = Window::of(&best.model) else { return ScoredModel::of(best, weighing) };
     for _ in 0..SHARPENED {
         let mut model = best.model.clone();
-        model.effects[window.effect].values[window.width].value *= SHARPER;
+        model.effects[effect].values[width].value *= SHARPER;
         let mut sharp = shifted(Fit::resume(model, best.locals.clone(), runs)?, runs)?;
         sharp.improve(runs, FULL)?;
         if sharp.squares >= best.squares {
@@ -153,7 +136,7 @@ pub(super) fn doubles(
     let stated = search.baseline.model.ids();
     let own = leader.fit.model.effects.iter().find(|p| !stated.contains(&p.entry.id));
     let Some(own) = own else { return Ok(Vec::new()) };
-    let double = |entry: &'static Entry| -> Result<Option<Fit>, SimulateError> {
+    let double = |entry: &'static Entry| -> Result<Option<ScoredModel>, SimulateError> {
         let starts = (0..).map_while(|i| ModelEffect::start(entry, i, &search.signal_scales));
         let starts = starts.chain(after(own, entry, search));
         let starts: Vec<ModelEffect> = starts.filter_map(|plain| in_region_of(own, plain)).collect();
@@ -161,13 +144,13 @@ pub(super) fn doubles(
         let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
         let best = looks.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares));
         let half = search.baseline.squares - 0.5 * (search.baseline.squares - search.baseline.rows as f64);
-        Ok(best.filter(|fit| fit.squares < half))
+        best.filter(|fit| fit.squares < half).map(|fit| finished(weighing, fit)).transpose()
     };
     let known = search.baseline.model.candidates();
     let new = |other: &&Entry| alike(own.entry, other) && found.iter().all(|judged| !judged.added.contains(&other.id));
     let doubles: Vec<&'static Entry> = known.into_iter().filter(new).collect();
     let fits = doubles.into_par_iter().map(double).collect::<Result<Vec<_>, _>>()?;
-    finished(weighing, fits.into_iter().flatten().collect())
+    Ok(fits.into_iter().flatten().collect())
 }
 
 /// A double with the values of what another has too, and what is of its strength's unit in the proportion of a start: one law goes on

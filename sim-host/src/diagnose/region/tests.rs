@@ -25,7 +25,7 @@ fn prepared(truth: &Model) -> Prepared {
 
 fn decided(prepared: Prepared) -> Decision {
     let Split { weighing, .. } = split(prepared, None);
-    let search = search::search(&weighing, search::Depth::Explained, &Options::default()).unwrap();
+    let search = search::search(&weighing, &Options::default()).unwrap();
     let decision = decide::decide(&weighing, &search).unwrap();
     region(&weighing, &search, decision).unwrap()
 }
