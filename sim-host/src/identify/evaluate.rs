@@ -15,6 +15,7 @@ use crate::plant::simulate::{
 use crate::scalar::{Dual, Scalar, earlier};
 pub(super) use sums::Rows;
 use sums::Sums;
+pub(crate) use sums::compared_samples;
 
 /// Length of the blocks over which residuals count as alike, s.
 pub(crate) const BLOCK: f64 = 1.0;
@@ -229,16 +230,6 @@ fn compared<S: Scalar>(run: &Run, trace: &Trace<S>, scale: S, offset: S, mut sam
             }
         }
     }
-}
-
-/// The sample behind each residual of a run, in the order of [`residuals`].
-pub(crate) fn compared_samples(run: &Run) -> Vec<usize> {
-    let from = usize::from(run.moving_start);
-    let samples = |m: &Measured| {
-        let values = m.values.iter().enumerate().take(run.len()).skip(from);
-        values.filter(|(_, value)| !value.is_nan()).map(|(k, _)| k).collect::<Vec<_>>()
-    };
-    run.measured.iter().filter(|m| m.judged).flat_map(samples).collect()
 }
 
 /// The normal equations of one run, its free shared parameters first, then its free local ones; the rows themselves where

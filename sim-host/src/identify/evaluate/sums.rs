@@ -1,8 +1,19 @@
 //! Rows of a run summed into its normal equations.
 
+use crate::identify::data::{Measured, Run};
 use crate::identify::normal::{Block, Normal};
 use crate::scalar::Dual;
 use nalgebra::{DMatrix, DVector};
+
+/// The sample behind each residual of a run, in the order of [`super::residuals`].
+pub(crate) fn compared_samples(run: &Run) -> Vec<usize> {
+    let from = usize::from(run.moving_start);
+    let samples = |m: &Measured| {
+        let values = m.values.iter().enumerate().take(run.len()).skip(from);
+        values.filter(|(_, value)| !value.is_nan()).map(|(k, _)| k).collect::<Vec<_>>()
+    };
+    run.measured.iter().filter(|m| m.judged).flat_map(samples).collect()
+}
 
 /// The rows behind the normal equations of a run, in the order of [`super::residuals`].
 #[derive(Debug, Clone, Default)]
