@@ -66,8 +66,8 @@ impl Conclusion {
     pub(super) fn unforeseen(&self) -> bool {
         let (fit, held) = (self.accepted.fit.chi2() - 1.0, self.accepted.hold.chi2 - 1.0);
         let hidden = outside(&self.stated, &self.accepted).0 && fit < NOTHING * held;
-        let refused =
-            matches!(self.refusal, Some(Refusal::Worse { .. } | Refusal::NoSkill { .. } | Refusal::NoGain { .. }));
+        let refused = self.unlisted
+            && matches!(self.refusal, Some(Refusal::Worse { .. } | Refusal::NoSkill { .. } | Refusal::NoGain { .. }));
         self.held_out && (hidden || refused || self.leaves_more_held_out())
     }
 
@@ -133,8 +133,8 @@ pub(super) fn verdict(
     let mut accepted = stated.clone();
     match named {
         Some(named) if refusal.is_none() => accepted = named,
-        // Nothing is missing there, and nothing there speaks for the names.
-        Some(named) if matches!(refusal, Some(Refusal::NotTold { .. })) && !rest_beyond_noise(&stated) => {
+        // Nothing is missing, and nothing there speaks for the names.
+        Some(named) if refusal.as_ref().is_some_and(|refusal| leaves_nothing(&stated, refusal)) => {
             (unlisted, more_missing) = (false, false);
             decision.fall_back(CALIBRATION.failed);
             partial = Some(named);
@@ -176,6 +176,12 @@ pub(super) fn verdict(
         accepted = better;
     }
     Ok(Conclusion { stated, accepted, partial, unlisted, more_missing, refusal, judging, held_out, decision })
+}
+
+/// Whether the stated model leaves no more than noise of the runs that judge, and of those fitted where names that these showed are refused.
+fn leaves_nothing(stated: &ScoredModel, refusal: &Refusal) -> bool {
+    let fitted = stated.fit.chi2() - 1.0;
+    !rest_beyond_noise(stated) && (matches!(refusal, Refusal::NotTold { .. }) || fitted < CALIBRATION.negligible)
 }
 
 /// Names less those that nothing shows on the runs that judge, as long as others are left, and why they cannot stand.
