@@ -1,5 +1,6 @@
 //! Bounded Levenberg-Marquardt on whole-loop simulation error.
 
+mod added;
 mod foresight;
 mod idle;
 pub(crate) mod secant;

@@ -3,6 +3,7 @@
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::Predicted;
 use crate::identify::model::{Model, ModelEffect, Value};
+use crate::plant::effects::parts;
 use crate::plant::effects::regional::{Along, Shape, code, form, regional};
 
 /// Parts that the range of a variable is cut into.
@@ -40,6 +41,16 @@ pub(super) fn beyond([from, to]: [Value; 2]) -> [Value; 2] {
     let range = (from.high - from.low) / (1.0 + 2.0 * OUTSIDE);
     let far = (BEYOND - OUTSIDE) * range;
     [fixed(from.low - far), fixed(to.high + far)]
+}
+
+/// An effect with a share of nothing in each part of those seen; none for one whose shares one simulation cannot tell of.
+pub(super) fn parted(placed: &ModelEffect, along: Along, ends: &[f64]) -> Option<ModelEffect> {
+    let (low, high, inner) = (*ends.first()?, *ends.last()?, ends.get(1..ends.len() - 1)?);
+    let (given, count) = parts::parameters(along, EDGE * (high - low), inner);
+    let entry = parts::in_parts(placed.entry, along, count)?;
+    let own = placed.values.iter().map(|value| fixed(value.value)).chain(given.into_iter().map(fixed));
+    let shares = (0..count).map(|_| open(0.0, f64::NEG_INFINITY, f64::INFINITY));
+    Some(ModelEffect { entry, values: own.chain(shares).collect() })
 }
 
 pub(super) fn sloped(placed: &ModelEffect, along: Along, change: f64, scale: f64) -> Option<ModelEffect> {

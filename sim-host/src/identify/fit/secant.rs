@@ -5,16 +5,20 @@
 //! parameters, whose sensitivities are kept, ranks the starts; those that rank high deserve the full look. An effect that
 //! starts from none changes nothing: there the tangent of its own parameter alone stands for the chord.
 
+use super::added::{held, only_new};
 use super::{Fit, PROMISED, matching};
 use crate::identify::data::Run;
 use crate::identify::evaluate::{Rows, normal, residuals};
 use crate::identify::model::Model;
 use crate::plant::simulate::SimulateError;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Squares of a change, and share of one, below which nothing of it is left beside the fit's own parameters.
 const NOTHING: f64 = 1e-6;
+
+/// Products of several changes, each with each, and each with what a fit leaves.
+pub(crate) type Products = (Vec<Vec<f64>>, Vec<f64>);
 
 /// A fit with the rows behind its normal equations.
 #[derive(Debug)]
@@ -52,7 +56,7 @@ impl<'a> Base<'a> {
 
     /// Products of several changes, each with each and with what the fit leaves, the fit's own parameters moving with them; none
     /// where that cannot be told.
-    pub(crate) fn products(&self, chords: &[Chord]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
+    pub(crate) fn products(&self, chords: &[Chord]) -> Option<Products> {
         let dot = |a: &Chord, b: &Chord| -> f64 {
             a.rows.iter().flatten().zip(b.rows.iter().flatten()).map(|(a, b)| a * b).sum()
         };
@@ -65,8 +69,39 @@ impl<'a> Base<'a> {
         Some((chords.iter().map(with).collect(), chords.iter().map(left).collect()))
     }
 
+    /// The same products of what a little of each free value changes that the effects of `model` have beyond the fit, by their tangents.
+    pub(crate) fn products_of_new(&self, model: &Model, runs: &[Run]) -> Result<Option<Products>, SimulateError> {
+        let narrow = only_new(model, &self.fit.model);
+        let (own, new, shared) = (self.step.len(), narrow.free_values(), self.fit.model.free_values());
+        let (mut gram, mut towards) = (DMatrix::zeros(new, new), DVector::zeros(new));
+        let mut along = DMatrix::zeros(own, new);
+        let mut first = shared;
+        for ((run, local), known) in runs.iter().zip(&self.fit.locals).zip(&self.rows) {
+            let (normal, rows) = held(&narrow, run, local)?;
+            gram += normal.matrix;
+            towards += normal.gradient;
+            let width = known.jacobian.len() / known.residuals.len().max(1);
+            let mut sums = vec![0.0; width * new];
+            for (own, new_ones) in known.jacobian.chunks_exact(width.max(1)).zip(rows.jacobian.chunks_exact(new)) {
+                for (sums, &own) in sums.chunks_exact_mut(new).zip(own) {
+                    sums.iter_mut().zip(new_ones).for_each(|(sum, &slope)| *sum += f64::from(own) * f64::from(slope));
+                }
+            }
+            for (i, sums) in sums.chunks_exact(new).enumerate() {
+                let place = if i < shared { i } else { first + i - shared };
+                sums.iter().enumerate().for_each(|(j, sum)| along[(place, j)] += sum);
+            }
+            first += width.saturating_sub(shared);
+        }
+        let taken = |column: usize| self.fit.normal.solve(along.column(column).into_owned(), PROMISED, &self.fit.held());
+        let Some(taken) = (0..new).map(taken).collect::<Option<Vec<_>>>() else { return Ok(None) };
+        let with = |i: usize| (0..new).map(|j| gram[(i, j)] - along.column(i).dot(&taken[j])).collect();
+        let left = (0..new).map(|i| towards[i] - along.column(i).dot(&self.step)).collect();
+        Ok(Some(((0..new).map(with).collect(), left)))
+    }
+
     /// The same products of changes of every row for each run by itself, the fit's own parameters held.
-    pub(crate) fn products_of_runs(&self, changes: &[Vec<Vec<f64>>]) -> Vec<(Vec<Vec<f64>>, Vec<f64>)> {
+    pub(crate) fn products_of_runs(&self, changes: &[Vec<Vec<f64>>]) -> Vec<Products> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let of = |(i, rows): (usize, &Rows)| {
             let with = |a: &Vec<Vec<f64>>| changes.iter().map(|b| dot(&a[i], &b[i])).collect();

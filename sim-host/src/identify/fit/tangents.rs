@@ -6,6 +6,7 @@
 //!
 //! Source: N. Meinshausen, P. Buehlmann, "Stability selection", Journal of the Royal Statistical Society B 72 (2010) 417-473.
 
+use super::added::{held, only_new};
 use super::{Fit, PROMISED};
 use crate::identify::data::Run;
 use crate::identify::evaluate::{Local, Rows, normal};
@@ -136,19 +137,8 @@ impl<'a> Tangents<'a> {
     /// The tangent of what `model` has beyond the fit: of every free value of its effects that the fit has not. None where it
     /// has none.
     pub(crate) fn addition(&self, model: &Model) -> Result<Option<Addition>, SimulateError> {
-        let known = self.fit.model.ids();
-        let mut narrow = model.clone();
-        let is_new = |id: &str| !known.contains(&id);
-        let frees: Vec<bool> = narrow
-            .effects
-            .iter()
-            .flat_map(|placed| placed.values.iter().map(move |v| (placed.entry.id, v.free)))
-            .map(|(id, free)| free && is_new(id))
-            .collect();
-        narrow.values_mut().for_each(|value| value.free = false);
-        let effects = narrow.effects.iter_mut().flat_map(|placed| &mut placed.values);
-        effects.zip(&frees).for_each(|(value, free)| value.free = *free);
-        let width = frees.iter().filter(|free| **free).count();
+        let narrow = only_new(model, &self.fit.model);
+        let width = narrow.free_values();
         if width == 0 {
             return Ok(None);
         }
@@ -184,13 +174,7 @@ impl<'a> Tangents<'a> {
 
     /// Each run's sensitivities to the free values of a model, row by row.
     fn columns(&self, narrow: &Model) -> Result<Vec<Vec<f32>>, SimulateError> {
-        let of = |(run, local): (&Run, &Local)| -> Result<Vec<f32>, SimulateError> {
-            let mut rows = Rows::default();
-            let mut local = super::matching(vec![local.clone()], narrow, std::slice::from_ref(run)).swap_remove(0);
-            local.values_mut().for_each(|value| value.free = false);
-            normal(narrow, run, &local, Some(&mut rows))?;
-            Ok(rows.jacobian)
-        };
+        let of = |(run, local): (&Run, &Local)| Ok(held(narrow, run, local)?.1.jacobian);
         self.runs.iter().zip(&self.fit.locals).map(of).collect()
     }
 

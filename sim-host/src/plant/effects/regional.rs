@@ -88,7 +88,7 @@ fn of(plain: &'static Entry, along: Along, shape: Shape) -> Entry {
     Entry { equation: keep(equation), parameters, order: Order::Second, counter: None, ..*plain }
 }
 
-const fn further(key: &'static str, unit: &'static str, meaning: &'static str, role: Role) -> Parameter {
+pub(super) const fn further(key: &'static str, unit: &'static str, meaning: &'static str, role: Role) -> Parameter {
     Parameter {
         key,
         unit,

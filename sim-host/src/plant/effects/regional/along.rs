@@ -44,7 +44,7 @@ impl Along {
     }
 
     /// Its value, with the controller's command beside the motion.
-    pub(super) fn of<S: Scalar>(self, at: &Instant<S>, command: S) -> S {
+    pub(in crate::plant::effects) fn of<S: Scalar>(self, at: &Instant<S>, command: S) -> S {
         match self {
             Self::Time => S::from(at.time),
             Self::Displacement => at.displacement,
