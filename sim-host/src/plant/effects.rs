@@ -19,11 +19,11 @@ pub(crate) mod clock_rate;
 mod countered;
 mod family;
 pub(crate) mod own;
-pub(crate) mod parts;
 pub(crate) mod regional;
 pub(crate) mod remainder;
 mod shaken;
 mod stiff_oil;
+pub(crate) mod tangent;
 
 pub(crate) use coulomb_friction::PRESLIDING;
 pub(crate) use countered::{Counter, Countered};
@@ -445,7 +445,7 @@ macro_rules! registry {
         /// An effect with its parameters, in the order of its entry, of which details of its form may be left out; none where the
         /// identifier is unknown.
         pub fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
-            if let Some(effect) = regional::placed(id, parameters).or_else(|| parts::placed(id, parameters)) {
+            if let Some(effect) = regional::placed(id, parameters).or_else(|| tangent::placed(id, parameters)) {
                 return Some(effect);
             }
             match id {

@@ -17,6 +17,9 @@ use rayon::prelude::*;
 const LOOKED_AT: usize = 28;
 /// Samples of which all are looked at.
 const SHORT: usize = 40_000;
+/// Parts that are one in a first look, and how many pairs of an effect and a variable get a second look at each part.
+const COARSE: usize = 2;
+const FINE: usize = 16;
 /// Effects that are fitted, each in the forms that promise about as much as its best.
 const FITTED: usize = 6;
 const AS_GOOD: f64 = 0.9;
@@ -25,8 +28,16 @@ const TELLING: f64 = 0.1;
 /// Share of the squares beyond the noise that a form must promise to take away to be fitted.
 const PROMISING: f64 = 0.3;
 
+/// An effect that may act in a region.
+struct Candidate {
+    placed: ModelEffect,
+    /// Whether it explains enough everywhere for its values there to be worth starting from. What so much of it does is simulated part by
+    /// part; of what explains little, what a little of it does is enough.
+    telling: bool,
+}
+
 /// An effect, along what it may act in a region, and where the parts of that end.
-type Task<'a> = (&'a ModelEffect, Along, &'a [f64]);
+type Task<'a> = (&'a Candidate, Along, &'a [f64]);
 
 /// The forms that are worth a fit: of the effects that promise most, those that promise about as much as an effect's best.
 pub(super) fn promising(runs: &[Run], search: &Search) -> Result<Vec<ModelEffect>, SimulateError> {
@@ -63,17 +74,20 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
         let telling = search.baseline.squares - fit.squares > TELLING * excess(search);
         let possible = !per_run(&own) && regional(own.entry, Along::Time, Shape::Window).is_some();
         let typical = || ModelEffect::start(own.entry, 0, &search.signal_scales);
-        possible.then(|| if telling { Some(own.clone()) } else { typical() })?
+        let placed = possible.then(|| if telling { Some(own.clone()) } else { typical() })??;
+        Some(Candidate { placed, telling })
     });
-    let looked_at: Vec<ModelEffect> = placed.take(looks).collect();
-    let along = |placed| {
+    let looked_at: Vec<Candidate> = placed.take(looks).collect();
+    let along = |candidate| {
         cuts.iter().map(move |cut| {
             let (along, ends) = cut.ends();
-            (placed, along, ends)
+            (candidate, along, ends)
         })
     };
-    let tasks: Vec<Task> = looked_at.iter().flat_map(along).collect();
-    let each = tasks.par_iter().map(|task: &Task| looked(&base, (&search.baseline.model, runs), task));
+    let tasks = looked_at.iter().flat_map(along).collect();
+    let look = |task: &Task, step| looked(&base, (&search.baseline.model, runs), task, step);
+    let fine = most_promising(tasks, |task| look(task, COARSE))?;
+    let each = fine.par_iter().map(|task| look(task, 1));
     let mut starts: Vec<Start> = each.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     let sized = search.baseline.model.candidates().into_iter();
     for placed in sized.filter_map(|entry| ModelEffect::start(entry, 0, &search.signal_scales)).filter(per_run) {
@@ -85,21 +99,36 @@ fn starts(runs: &[Run], search: &Search) -> Result<Vec<Start>, SimulateError> {
     Ok(starts)
 }
 
-/// What one linear step promises of an effect in a region whose ends are among those given.
+/// What one linear step promises of an effect in a region whose ends are among every so many of those given.
 fn looked(
     base: &Base,
     (model, runs): (&Model, &[Run]),
-    (placed, along, ends): &Task,
+    (Candidate { placed, telling }, along, ends): &Task,
+    step: usize,
 ) -> Result<Vec<Start>, SimulateError> {
-    let products = match parted(placed, *along, ends) {
-        Some(parted) => base.products_of_new(&model.with(parted), runs)?,
-        None => {
-            let part = |i: usize| window(placed, *along, (ends[i], ends[i + 1]), ends);
-            let parts = (0..ends.len() - 1).filter_map(part).map(|part| base.chord(&model.with(part), runs));
-            base.products(&parts.collect::<Result<Vec<_>, _>>()?)
-        }
-    };
-    Ok(products.map_or_else(Vec::new, |products| promised(placed, *along, ends, &products)))
+    if let Some(parted) = parted(placed, *along, ends).filter(|_| !telling) {
+        let products = base.products_of_new(&model.with(parted), runs)?;
+        return Ok(products.map_or_else(Vec::new, |products| promised(placed, *along, ends, &products)));
+    }
+    let ends: Vec<f64> = ends.iter().copied().step_by(step).collect();
+    let part = |i: usize| window(placed, *along, (ends[i], ends[i + 1]), &ends);
+    let Some(parts) = (0..ends.len() - 1).map(part).collect::<Option<Vec<_>>>() else { return Ok(Vec::new()) };
+    let chord = |part| base.chord(&model.with(part), runs);
+    let chords = parts.into_iter().map(chord).collect::<Result<Vec<_>, _>>()?;
+    Ok(base.products(&chords).map_or_else(Vec::new, |products| promised(placed, *along, &ends, &products)))
+}
+
+/// The tasks that promise most at a coarse look.
+fn most_promising<'a>(
+    tasks: Vec<Task<'a>>,
+    look: impl Fn(&Task<'a>) -> Result<Vec<Start>, SimulateError> + Sync,
+) -> Result<Vec<Task<'a>>, SimulateError> {
+    let most = |task: &Task<'a>| Ok(look(task)?.iter().map(|start| start.gain).fold(0.0, f64::max));
+    let gains = tasks.par_iter().map(most).collect::<Result<Vec<f64>, SimulateError>>()?;
+    let mut ranked: Vec<(f64, Task<'a>)> = gains.into_iter().zip(tasks).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.truncate(FINE);
+    Ok(ranked.into_iter().map(|(_, task)| task).collect())
 }
 
 /// Squares that the stated model, refitted, leaves beyond the noise.

@@ -93,7 +93,8 @@ impl<'a> Base<'a> {
             }
             first += width.saturating_sub(shared);
         }
-        let taken = |column: usize| self.fit.normal.solve(along.column(column).into_owned(), PROMISED, &self.fit.held());
+        let taken =
+            |column: usize| self.fit.normal.solve(along.column(column).into_owned(), PROMISED, &self.fit.held());
         let Some(taken) = (0..new).map(taken).collect::<Option<Vec<_>>>() else { return Ok(None) };
         let with = |i: usize| (0..new).map(|j| gram[(i, j)] - along.column(i).dot(&taken[j])).collect();
         let left = (0..new).map(|i| towards[i] - along.column(i).dot(&self.step)).collect();

@@ -1,6 +1,7 @@
 //! An effect of a user's own at work in the plant.
 
 use super::super::bristle::Bristles;
+use super::super::tangent::everywhere;
 use super::super::{Dither, Effect, Flow, Hooks, Instant};
 use super::memory::Memory;
 use super::program::Program;
@@ -12,7 +13,8 @@ use crate::scalar::Scalar;
 /// Travel over which the contact bends behind `sign(velocity)`, m: as the library's dry friction has it.
 const PRESLIDING: f64 = 2e-5;
 
-/// The effect with this identifier; behind its parameters may stand what its expression is divided by.
+/// The effect with this identifier; behind its parameters may stand what its expression is divided by. One whose first parameter scales it
+/// and is zero runs on plain numbers.
 pub(in crate::plant::effects) fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
     let known = registered(id)?;
     let count = known.own.stated.parameters.len();
@@ -21,13 +23,17 @@ pub(in crate::plant::effects) fn build<S: Scalar>(id: &str, parameters: &[S]) ->
         1 => *parameters.last()?,
         _ => return None,
     };
+    if known.own.program.is_scaled() && parameters[0].value() == 0.0 {
+        let mut plain: Vec<f64> = parameters.iter().map(|p| p.value()).collect();
+        plain[0] = 1.0;
+        return Some(everywhere(build(id, &plain)?, parameters[0]));
+    }
     let parameters = parameters[..count].to_vec();
     let bristles = known.own.program.uses(State::VelocitySign).then(|| Bristles::new(S::from(PRESLIDING)));
     let (program, sense) = (&known.own.program, known.own.sense);
     let fastest = fastest(program, &parameters, divisor, sense);
     let (seen, memory, place) = (OwnInputs::none(), Memory::new(program.memories()), None);
-    let idle = (program.is_scaled() && parameters[0].value() == 0.0).then(|| Idle::of(program, &parameters));
-    Some(Box::new(Acting { program, sense, parameters, divisor, bristles, memory, idle, seen, place, fastest }))
+    Some(Box::new(Acting { program, sense, parameters, divisor, bristles, memory, seen, place, fastest }))
 }
 
 /// True where an effect's expression is in newtons, which a rigid mass divides by its mass.
@@ -46,50 +52,22 @@ struct Acting<S> {
     bristles: Option<Bristles<S>>,
     /// Behind `lag`, `play` and `relay`.
     memory: Memory<S>,
-    /// Where it is nothing times something.
-    idle: Option<Idle>,
     /// What was seen last: way and time, and for a command the motion.
     seen: OwnInputs<S>,
     place: Option<S>,
     fastest: f64,
 }
 
-/// An effect whose first parameter scales it and is zero: its one derivative that is not nothing is by that parameter, and is a
-/// plain number.
-#[derive(Debug)]
-struct Idle {
-    parameters: Vec<f64>,
-    memory: Memory<f64>,
-}
-
-impl Idle {
-    fn of<S: Scalar>(program: &Program, parameters: &[S]) -> Self {
-        let mut parameters: Vec<f64> = parameters.iter().map(|p| p.value()).collect();
-        parameters[0] = 1.0;
-        Self { parameters, memory: Memory::new(program.memories()) }
-    }
-}
-
 impl<S: Scalar> Acting<S> {
     /// The value of what is seen of each state, `elapsed` seconds after what was seen last.
     fn value(&self, seen: impl Fn(State) -> S, elapsed: f64) -> S {
-        if let Some(idle) = &self.idle {
-            let plain = |state| seen(state).value();
-            let scaled = self.program.value(plain, &idle.parameters, &idle.memory, elapsed);
-            return self.parameters[0] * (scaled / self.divisor.value());
-        }
         self.program.value(seen, &self.parameters, &self.memory, elapsed) / self.divisor
     }
 
     /// Takes what was seen last into the memory.
     fn remember(&mut self, elapsed: f64) {
         let seen = &self.seen;
-        match &mut self.idle {
-            Some(idle) => {
-                self.program.settle(|state| seen.of(state).value(), &idle.parameters, &mut idle.memory, elapsed);
-            }
-            None => self.program.settle(|state| seen.of(state), &self.parameters, &mut self.memory, elapsed),
-        }
+        self.program.settle(|state| seen.of(state), &self.parameters, &mut self.memory, elapsed);
     }
 
     /// What is seen of a state at an instant; what an instant does not hold is as it was seen last.

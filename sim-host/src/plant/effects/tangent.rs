@@ -1,8 +1,7 @@
-//! An effect of the library with a share of its strength in each part of a range, all of them still nothing: one simulation says what
-//! a little of it would do in every part.
+//! What a little of an effect would do: an effect with a share of its strength that is still nothing, everywhere or in each part of a range.
 //!
-//! What a share of nothing makes has one derivative that is not nothing, by the share, and that is a plain number: the effect itself
-//! runs on plain numbers along the motion that is there without it.
+//! What such a share makes has one derivative that is not nothing, by the share, and that is a plain number: the effect itself runs on
+//! plain numbers along the motion that is there without it. One simulation says what a little of it would do in every part.
 
 use super::regional::Along;
 use super::{Dither, Effect, Entry, Flow, Hooks, Instant, Order, Parameter, Role, build, entry, regional};
@@ -41,16 +40,46 @@ const fn further(key: &'static str, role: Role) -> Parameter {
     regional::further(key, "1", "for a look at parts", role)
 }
 
-/// An effect in parts.
+/// An effect of which there is nothing yet.
+#[derive(Debug)]
+struct Tangent<S> {
+    inner: Box<dyn Effect<f64>>,
+    /// Share of its strength, in this step where it is in parts: nothing with derivatives.
+    share: S,
+    parts: Option<Parts<S>>,
+}
+
+/// Parts of a range with a share in each.
 #[derive(Debug)]
 struct Parts<S> {
-    inner: Box<dyn Effect<f64>>,
     along: Along,
     width: f64,
     ends: Vec<f64>,
     shares: Vec<S>,
-    /// Share of its strength in this step, nothing with derivatives.
-    share: S,
+}
+
+impl<S: Scalar> Parts<S> {
+    /// The share at a value of what they are along.
+    fn share(&self, s: f64) -> S {
+        let rising = |end: f64| -> f64 {
+            let x: f64 = (s - end) / self.width;
+            if x.abs() < OVER { 1.0 / (1.0 + (-x).exp()) } else { f64::from(u8::from(x > 0.0)) }
+        };
+        let (mut share, mut begun) = (S::from(0.0), 1.0);
+        for (i, &of_part) in self.shares.iter().enumerate() {
+            let past = self.ends.get(i).map_or(0.0, |&end| rising(end));
+            if begun > past {
+                share = share.plus_scaled(of_part, begun - past);
+            }
+            begun = past;
+        }
+        share
+    }
+}
+
+/// An effect that is everywhere, as many times as `share` says.
+pub(super) fn everywhere<S: Scalar>(inner: Box<dyn Effect<f64>>, share: S) -> Box<dyn Effect<S>> {
+    Box::new(Tangent { inner, share, parts: None })
 }
 
 /// The effect where its further parameters say that it is in parts.
@@ -60,14 +89,9 @@ pub(super) fn placed<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Ef
     let along = Along::ALL.into_iter().find(|along| CODE + f64::from(*along as u8) == code.value())?;
     let (ends, shares) = rest.split_at_checked(rest.len() / 2)?;
     let plain = |values: &[S]| -> Vec<f64> { values.iter().map(|value| value.value()).collect() };
-    Some(Box::new(Parts {
-        inner: build(id, &plain(own))?,
-        along,
-        width: width.value().abs().max(f64::MIN_POSITIVE),
-        ends: plain(ends),
-        shares: shares.to_vec(),
-        share: S::from(1.0),
-    }))
+    let parts =
+        Parts { along, width: width.value().abs().max(f64::MIN_POSITIVE), ends: plain(ends), shares: shares.to_vec() };
+    Some(Box::new(Tangent { inner: build(id, &plain(own))?, share: S::from(1.0), parts: Some(parts) }))
 }
 
 /// States as plain numbers.
@@ -91,7 +115,7 @@ fn plain<S: Scalar>(at: &Instant<S>) -> Instant<f64> {
     }
 }
 
-impl<S: Scalar> Parts<S> {
+impl<S: Scalar> Tangent<S> {
     /// What a share of the effect makes of something.
     fn part(&self, without: S, with: f64) -> S {
         without + self.share * (with - without.value())
@@ -106,15 +130,17 @@ impl<S: Scalar> Parts<S> {
     }
 }
 
-impl<S: Scalar> Effect<S> for Parts<S> {
+impl<S: Scalar> Effect<S> for Tangent<S> {
     fn hooks(&self) -> Hooks {
-        Hooks { linear: false, observes: true, ..self.inner.hooks() }
+        let own = self.inner.hooks();
+        Hooks { linear: own.linear && self.parts.is_none(), observes: own.observes || self.parts.is_some(), ..own }
     }
     fn states(&self) -> usize {
         self.inner.states()
     }
     fn fastest(&self) -> f64 {
-        self.inner.fastest()
+        // Nothing of a term has no rate of its own; an effect's states have.
+        if self.parts.is_some() { self.inner.fastest() } else { 0.0 }
     }
     fn rest(&self, displacement: S, y: &mut [S]) {
         let mut states = Plain::of(y);
@@ -130,20 +156,9 @@ impl<S: Scalar> Effect<S> for Parts<S> {
     fn observe(&mut self, at: &Instant<S>, command: S) {
         let (at, command) = (plain(at), command.value());
         self.inner.observe(&at, command);
-        let s = self.along.of(&at, command);
-        let rising = |end: f64| -> f64 {
-            let x: f64 = (s - end) / self.width;
-            if x.abs() < OVER { 1.0 / (1.0 + (-x).exp()) } else { f64::from(u8::from(x > 0.0)) }
-        };
-        let (mut share, mut begun) = (S::from(0.0), 1.0);
-        for (i, &of_part) in self.shares.iter().enumerate() {
-            let past = self.ends.get(i).map_or(0.0, |&end| rising(end));
-            if begun > past {
-                share = share.plus_scaled(of_part, begun - past);
-            }
-            begun = past;
+        if let Some(parts) = &self.parts {
+            self.share = parts.share(parts.along.of(&at, command));
         }
-        self.share = share;
     }
     fn command(&mut self, u: S, h: f64) -> S {
         let with = self.inner.command(u.value(), h);
