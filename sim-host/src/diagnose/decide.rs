@@ -165,18 +165,30 @@ pub(super) fn weigh(
 }
 
 /// Takes names back for which several others stand as well: what is missing is then not among what these data can name, unless it is
-/// explained whole. Then it is one of them.
+/// explained whole. Then it is one of them. Of what is no more than noise nothing is missing.
 fn scatter(decision: &mut Decision, quiet: f64) {
     let beliefs = decision.accepted.added.iter().map(|id| belief(id, &decision.candidates));
     let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
     let many = least < EVEN && stories(&decision.ties, &decision.accepted.added) > FEW;
     let one_of_many = many && !explains_all(&decision.stated, &decision.accepted, quiet);
-    if !decision.unlisted && (least < CALIBRATION.unlikely || one_of_many) {
-        decision.take_back(1.0 - least);
-        (decision.unlisted, decision.more_missing) = (true, false);
-        decision.partial = Some(std::mem::replace(&mut decision.accepted, decision.stated.clone()));
-        decision.one_of_many = one_of_many;
+    if decision.unlisted || !(least < CALIBRATION.unlikely || one_of_many) {
+        return;
     }
+    if is_negligible(&decision.stated) {
+        decision.fall_back(1.0 - least);
+        (decision.accepted, decision.more_missing, decision.in_full) = (decision.stated.clone(), false, None);
+        decision.ties.clear();
+        return;
+    }
+    decision.take_back(1.0 - least);
+    (decision.unlisted, decision.more_missing) = (true, false);
+    decision.partial = Some(std::mem::replace(&mut decision.accepted, decision.stated.clone()));
+    decision.one_of_many = one_of_many;
+}
+
+/// True where a model leaves no more than noise that is not known better, on both kinds of runs: nothing is missing there.
+fn is_negligible(judged: &ScoredModel) -> bool {
+    judged.hold.chi2.max(judged.fit.chi2()) - 1.0 < CALIBRATION.negligible
 }
 
 /// Alternatives among ties that tell another story than the accepted effects: another law of the same thing does not.

@@ -5,7 +5,7 @@ use super::search::{CandidateStart, Search, brief, candidate_starts, detailed};
 use super::split::Weighing;
 use crate::identify::data::Run;
 use crate::identify::fit::secant::Base;
-use crate::identify::fit::{Effort, Fit};
+use crate::identify::fit::{Effort, Fit, squares};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::Entry;
 use crate::plant::simulate::SimulateError;
@@ -52,15 +52,25 @@ struct Vacancy<'a> {
     rest: Model,
     /// The beginnings of the runs on which others are looked at, where these are long.
     beginnings: Option<Vec<Run>>,
-    /// Squares near which another must come to matter.
+    /// Squares near which another must come to matter, on all runs and on what others are looked at on.
     goal: f64,
+    goal_seen: f64,
 }
 
 impl<'a> Vacancy<'a> {
     fn of(accepted: &'a Fit, out: &'static Entry, runs: &'a [Run]) -> Result<Self, SimulateError> {
         let without = Fit::resume(accepted.model.without(out.id), accepted.locals.clone(), runs)?;
-        let goal = accepted.squares + MATTERS * (without.squares - accepted.squares);
-        Ok(Self { beginnings: brief(&without, runs)?, rest: without.model, accepted, out, runs, goal })
+        let near = |with: f64, without: f64| with + MATTERS * (without - with);
+        let goal = near(accepted.squares, without.squares);
+        let beginnings = brief(&without, runs)?;
+        let goal_seen = match &beginnings {
+            Some(seen) => {
+                let on_seen = |fit: &Fit| squares(&fit.model, &fit.locals, seen);
+                near(on_seen(accepted)?, on_seen(&without)?)
+            }
+            None => goal,
+        };
+        Ok(Self { beginnings, rest: without.model, accepted, out, runs, goal, goal_seen })
     }
 
     /// What others are looked at on.
@@ -116,7 +126,7 @@ impl<'a> Vacancy<'a> {
             return Ok(None);
         };
         let set = fresh.model.ids();
-        fresh.improve(seen, FULL)?;
+        fresh.improve_towards(seen, FULL, self.goal_seen)?;
         let fresh = detailed(&fresh, seen, FULL)?.unwrap_or(fresh);
         // What was fitted to all runs is at its end.
         let mut best = if self.beginnings.is_some() { self.on_all(fresh)? } else { fresh };

@@ -185,3 +185,38 @@ fn a_hollow_far_from_what_was_stated_is_not_the_last_word() {
     assert!((time - 0.04).abs() < 0.002 && near.departure.disbelief() < CHANCE, "{time}");
     assert!(near.fit.squares < bent.fit.squares, "{} {}", near.fit.chi2(), bent.fit.chi2());
 }
+
+/// Of several names that stand as well none is given. Where they stand for more than noise something is missing that these data do not
+/// name; where they stand for no more, nothing is.
+#[test]
+fn one_of_many_names_for_next_to_nothing_is_no_mismatch() {
+    let runs: Vec<Run> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let of = |added: &[&'static str], chi2: f64| ScoredModel {
+        added: added.to_vec(),
+        probability: 0.25,
+        ..leaving(chi2, &template)
+    };
+    let scattered = |chi2: f64| {
+        let names = ["gain_drift", "spring", "tilt_coupling", "mains_hum"];
+        let with = |name: &&'static str| of(&[*name], 0.9 + 0.1 * chi2);
+        let mut decision = Decision {
+            stated: of(&[], chi2),
+            accepted: of(&names[..1], 0.9 + 0.1 * chi2),
+            candidates: names.iter().map(with).chain([of(&[], chi2)]).collect(),
+            ties: names[1..].iter().map(|other| vec![names[0], *other]).collect(),
+            unlisted: false,
+            partial: None,
+            unlisted_probability: 0.0,
+            more_missing: false,
+            noise: Vec::new(),
+            in_full: None,
+            one_of_many: false,
+        };
+        scatter(&mut decision, 0.0);
+        decision
+    };
+    let (little, more) = (scattered(1.05), scattered(1.12));
+    assert!(!little.unlisted && little.accepted.added.is_empty() && little.partial.is_none());
+    assert!(more.unlisted && more.partial.is_some_and(|partial| partial.added == ["gain_drift"]));
+}

@@ -85,6 +85,17 @@ fn a_name_that_the_test_contradicts_is_taken_back() {
     );
 }
 
+/// A name that the run held out refuses is no mismatch where the stated model leaves nothing, there and of the runs fitted.
+#[test]
+fn a_name_that_is_refused_where_nothing_is_missing_is_no_mismatch() {
+    let Conclusion { stated, .. } = concluded(&model(TRUTH), &model(TRUTH), model(TRUTH));
+    let worse = Refusal::Worse { channel: "displacement", ratio: 1.2 };
+    assert!(leaves_nothing(&stated, &worse));
+    let mut missed = stated.clone();
+    missed.fit.squares = 1.2 * missed.fit.rows as f64;
+    assert!(!leaves_nothing(&missed, &worse), "the runs fitted show something");
+}
+
 /// This and dry friction, so many times the library's start.
 fn beside_friction(model: &Model, times: f64) -> Model {
     let mut friction = ModelEffect::start(entry("coulomb_friction").unwrap(), 0, &SignalScales::TYPICAL).unwrap();
