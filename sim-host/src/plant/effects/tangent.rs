@@ -22,7 +22,7 @@ pub(crate) fn in_parts(plain: &'static Entry, along: Along, parts: usize) -> Opt
     regional::regional(plain, along, regional::Shape::Window).filter(|_| plain.id != super::leakage::ENTRY.id)?;
     let of = || -> &'static Entry {
         let mut parameters = plain.parameters.to_vec();
-        let given = (0..parts + 1).map(|_| further("given", Role::Given));
+        let given = (0..=parts).map(|_| further("given", Role::Given));
         parameters.extend(given.chain((0..parts).map(|_| further("share", Role::Shared))));
         Box::leak(Box::new(Entry { parameters: parameters.leak(), order: Order::Second, counter: None, ..*plain }))
     };
@@ -115,18 +115,18 @@ fn plain<S: Scalar>(at: &Instant<S>) -> Instant<f64> {
     }
 }
 
+/// What `inner` gives with these states, and their rates.
+fn with_states<S: Scalar, T>(y: &[S], dy: &mut [S], inner: impl Fn(&[f64], &mut [f64]) -> T) -> T {
+    let (states, mut rates) = (Plain::of(y), Plain::of(dy));
+    let given = inner(&states.0[..y.len()], &mut rates.0[..dy.len()]);
+    dy.iter_mut().zip(rates.0).for_each(|(dy, rate)| *dy = S::from(rate));
+    given
+}
+
 impl<S: Scalar> Tangent<S> {
     /// What a share of the effect makes of something.
     fn part(&self, without: S, with: f64) -> S {
         without + self.share * (with - without.value())
-    }
-
-    /// What `inner` gives with these states, and their rates.
-    fn with_states<T>(&self, y: &[S], dy: &mut [S], inner: impl Fn(&[f64], &mut [f64]) -> T) -> T {
-        let (states, mut rates) = (Plain::of(y), Plain::of(dy));
-        let given = inner(&states.0[..y.len()], &mut rates.0[..dy.len()]);
-        dy.iter_mut().zip(rates.0).for_each(|(dy, rate)| *dy = S::from(rate));
-        given
     }
 }
 
@@ -165,7 +165,7 @@ impl<S: Scalar> Effect<S> for Tangent<S> {
         self.part(u, with)
     }
     fn valve(&self, u: S, y: &[S], dy: &mut [S]) -> S {
-        let with = self.with_states(y, dy, |y, dy| self.inner.valve(u.value(), y, dy));
+        let with = with_states(y, dy, |y, dy| self.inner.valve(u.value(), y, dy));
         self.part(u, with)
     }
     fn flow(&self, at: &Instant<S>, y: &[S], flow: &mut Flow<S>) {
@@ -185,11 +185,11 @@ impl<S: Scalar> Effect<S> for Tangent<S> {
     }
     fn force(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) -> S {
         let at = plain(at);
-        self.share * self.with_states(y, dy, |y, dy| self.inner.force(&at, y, dy))
+        self.share * with_states(y, dy, |y, dy| self.inner.force(&at, y, dy))
     }
     fn follow(&self, at: &Instant<S>, y: &[S], dy: &mut [S]) {
         let at = plain(at);
-        self.with_states(y, dy, |y, dy| self.inner.follow(&at, y, dy));
+        with_states(y, dy, |y, dy| self.inner.follow(&at, y, dy));
     }
     fn after(&mut self, displacement: S, time: f64) {
         self.inner.after(displacement.value(), time);
