@@ -19,11 +19,12 @@ pub(crate) mod clock_rate;
 mod countered;
 mod family;
 pub(crate) mod own;
+pub(crate) mod parts;
 pub(crate) mod regional;
 pub(crate) mod remainder;
 mod shaken;
 mod stiff_oil;
-pub(crate) mod tangent;
+mod tangent;
 
 pub(crate) use coulomb_friction::PRESLIDING;
 pub(crate) use countered::{Counter, Countered};
@@ -33,6 +34,9 @@ pub(crate) use oil_compliance::Chambers;
 use super::model::Kind;
 use crate::scalar::Scalar;
 use std::fmt::Debug;
+
+/// Continuous states provided for: four of the plant, the rest of its effects.
+pub(super) const STATES: usize = 16;
 
 /// Where in the signal path an effect sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -445,7 +449,7 @@ macro_rules! registry {
         /// An effect with its parameters, in the order of its entry, of which details of its form may be left out; none where the
         /// identifier is unknown.
         pub fn build<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
-            if let Some(effect) = regional::placed(id, parameters).or_else(|| tangent::placed(id, parameters)) {
+            if let Some(effect) = regional::placed(id, parameters).or_else(|| parts::placed(id, parameters)) {
                 return Some(effect);
             }
             match id {

@@ -11,11 +11,11 @@ mod law;
 mod linear;
 mod sample;
 
-use super::effects::{Instant, build, entry};
+use super::effects::{Instant, STATES, build, entry};
 use super::model::Baseline;
 use crate::scalar::Scalar;
 pub(crate) use balance::{MeasuredMotion, balance};
-use dynamics::{Dynamics, STATES};
+use dynamics::Dynamics;
 pub(crate) use law::NotchFilter;
 pub use law::{Notch, Shaping, SimulatedLaw};
 use sample::Sample;

@@ -3,8 +3,8 @@
 use crate::identify::data::{Channel, Run};
 use crate::identify::evaluate::Predicted;
 use crate::identify::model::{Model, ModelEffect, Value};
+use crate::plant::effects::parts as shares;
 use crate::plant::effects::regional::{Along, Shape, code, form, regional};
-use crate::plant::effects::tangent;
 
 /// Parts that the range of a variable is cut into.
 pub(super) const PARTS: usize = 10;
@@ -46,8 +46,8 @@ pub(super) fn beyond([from, to]: [Value; 2]) -> [Value; 2] {
 /// An effect with a share of nothing in each part of those seen; none for one whose shares one simulation cannot tell of.
 pub(super) fn parted(placed: &ModelEffect, along: Along, ends: &[f64]) -> Option<ModelEffect> {
     let (low, high, inner) = (*ends.first()?, *ends.last()?, ends.get(1..ends.len() - 1)?);
-    let (given, count) = tangent::parameters(along, EDGE * (high - low), inner);
-    let entry = tangent::in_parts(placed.entry, along, count)?;
+    let (given, count) = shares::parameters(along, EDGE * (high - low), inner);
+    let entry = shares::in_parts(placed.entry, along, count)?;
     let own = placed.values.iter().map(|value| fixed(value.value)).chain(given.into_iter().map(fixed));
     let shares = (0..count).map(|_| open(0.0, f64::NEG_INFINITY, f64::INFINITY));
     Some(ModelEffect { entry, values: own.chain(shares).collect() })

@@ -1,44 +1,10 @@
-//! What a little of an effect would do: an effect with a share of its strength that is still nothing, everywhere or in each part of a range.
+//! What a little of an effect would do: an effect with a share of its strength that is still nothing.
 //!
 //! What such a share makes has one derivative that is not nothing, by the share, and that is a plain number: the effect itself runs on
-//! plain numbers along the motion that is there without it. One simulation says what a little of it would do in every part.
+//! plain numbers along the motion that is there without it.
 
-use super::regional::Along;
-use super::{Dither, Effect, Entry, Flow, Hooks, Instant, Order, Parameter, Role, build, entry, regional};
-use crate::plant::simulate::dynamics::STATES;
+use super::{Dither, Effect, Flow, Hooks, Instant, STATES};
 use crate::scalar::Scalar;
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-
-/// Added to the code of a variable, where the first of the further parameters says along what an effect acts.
-const CODE: f64 = 20.0;
-/// Widths from an inner end at which nothing is left of coming and going.
-const OVER: f64 = 30.0;
-
-/// The entry of an effect in this many parts along a variable; none for one that has no share of its strength, and none for a leakage:
-/// a little of it does nothing.
-pub(crate) fn in_parts(plain: &'static Entry, along: Along, parts: usize) -> Option<&'static Entry> {
-    static KNOWN: Mutex<BTreeMap<(&'static str, Along, usize), &'static Entry>> = Mutex::new(BTreeMap::new());
-    regional::regional(plain, along, regional::Shape::Window).filter(|_| plain.id != super::leakage::ENTRY.id)?;
-    let of = || -> &'static Entry {
-        let mut parameters = plain.parameters.to_vec();
-        let given = (0..=parts).map(|_| further("given", Role::Given));
-        parameters.extend(given.chain((0..parts).map(|_| further("share", Role::Shared))));
-        Box::leak(Box::new(Entry { parameters: parameters.leak(), order: Order::Second, counter: None, ..*plain }))
-    };
-    Some(KNOWN.lock().ok()?.entry((plain.id, along, parts)).or_insert_with(of))
-}
-
-/// What stands behind the parameters of an effect in parts: along what, over what the parts' inner `ends` are smooth, these, and a share
-/// of nothing in each.
-pub(crate) fn parameters(along: Along, width: f64, ends: &[f64]) -> (Vec<f64>, usize) {
-    let code = CODE + f64::from(along as u8);
-    ([code, width].into_iter().chain(ends.iter().copied()).collect(), ends.len() + 1)
-}
-
-const fn further(key: &'static str, role: Role) -> Parameter {
-    regional::further(key, "1", "for a look at parts", role)
-}
 
 /// An effect of which there is nothing yet.
 #[derive(Debug)]
@@ -46,35 +12,13 @@ struct Tangent<S> {
     inner: Box<dyn Effect<f64>>,
     /// Share of its strength, in this step where it is in parts: nothing with derivatives.
     share: S,
-    parts: Option<Parts<S>>,
+    parts: Option<Box<dyn Shares<S>>>,
 }
 
-/// Parts of a range with a share in each.
-#[derive(Debug)]
-struct Parts<S> {
-    along: Along,
-    width: f64,
-    ends: Vec<f64>,
-    shares: Vec<S>,
-}
-
-impl<S: Scalar> Parts<S> {
-    /// The share at a value of what they are along.
-    fn share(&self, s: f64) -> S {
-        let rising = |end: f64| -> f64 {
-            let x: f64 = (s - end) / self.width;
-            if x.abs() < OVER { 1.0 / (1.0 + (-x).exp()) } else { f64::from(u8::from(x > 0.0)) }
-        };
-        let (mut share, mut begun) = (S::from(0.0), 1.0);
-        for (i, &of_part) in self.shares.iter().enumerate() {
-            let past = self.ends.get(i).map_or(0.0, |&end| rising(end));
-            if begun > past {
-                share = share.plus_scaled(of_part, begun - past);
-            }
-            begun = past;
-        }
-        share
-    }
+/// A share that changes with the motion or the command, nothing with derivatives.
+pub(super) trait Shares<S>: std::fmt::Debug + Send {
+    /// The share in a step that begins like this.
+    fn share(&self, at: &Instant<f64>, command: f64) -> S;
 }
 
 /// An effect that is everywhere, as many times as `share` says.
@@ -82,16 +26,9 @@ pub(super) fn everywhere<S: Scalar>(inner: Box<dyn Effect<f64>>, share: S) -> Bo
     Box::new(Tangent { inner, share, parts: None })
 }
 
-/// The effect where its further parameters say that it is in parts.
-pub(super) fn placed<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Effect<S>>> {
-    let (own, further) = parameters.split_at_checked(entry(id)?.parameters.len())?;
-    let &[code, width, ref rest @ ..] = further else { return None };
-    let along = Along::ALL.into_iter().find(|along| CODE + f64::from(*along as u8) == code.value())?;
-    let (ends, shares) = rest.split_at_checked(rest.len() / 2)?;
-    let plain = |values: &[S]| -> Vec<f64> { values.iter().map(|value| value.value()).collect() };
-    let parts =
-        Parts { along, width: width.value().abs().max(f64::MIN_POSITIVE), ends: plain(ends), shares: shares.to_vec() };
-    Some(Box::new(Tangent { inner: build(id, &plain(own))?, share: S::from(1.0), parts: Some(parts) }))
+/// An effect of which the share is another in each step.
+pub(super) fn in_shares<S: Scalar>(inner: Box<dyn Effect<f64>>, shares: Box<dyn Shares<S>>) -> Box<dyn Effect<S>> {
+    Box::new(Tangent { inner, share: S::from(1.0), parts: Some(shares) })
 }
 
 /// States as plain numbers.
@@ -157,7 +94,7 @@ impl<S: Scalar> Effect<S> for Tangent<S> {
         let (at, command) = (plain(at), command.value());
         self.inner.observe(&at, command);
         if let Some(parts) = &self.parts {
-            self.share = parts.share(parts.along.of(&at, command));
+            self.share = parts.share(&at, command);
         }
     }
     fn command(&mut self, u: S, h: f64) -> S {
@@ -207,6 +144,3 @@ impl<S: Scalar> Effect<S> for Tangent<S> {
         self.inner.supply_pressure(&Plain::of(y).0[..y.len()]).map(S::from)
     }
 }
-
-#[cfg(test)]
-mod tests;

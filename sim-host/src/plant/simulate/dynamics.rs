@@ -4,12 +4,9 @@ mod outside;
 
 use super::law::CommandNoise;
 use super::{EffectParameters, Instant, SimulateError, Start, build, entry};
-use crate::plant::effects::{Compliance, Dither, Effect, Flow, Hooks, SignalScale};
+use crate::plant::effects::{Compliance, Dither, Effect, Flow, Hooks, STATES, SignalScale};
 use crate::plant::model::Baseline;
 use crate::scalar::Scalar;
-
-/// Continuous states provided for: four of the plant, the rest of its effects.
-pub(in crate::plant) const STATES: usize = 16;
 
 /// The fastest rate at which a load is taken to give way, 1/s: faster, and without end, it does so in the equations of leakage
 /// and orifice. Half a millisecond is a tenth of what recordings resolve; it is the model's, whatever the steps.
