@@ -2,7 +2,8 @@
 //! strength that changes along it.
 //!
 //! Of every effect that explains something alone, what it would do in each fifth of a run's time, stroke or speed is simulated, and
-//! in each tenth where that promises most. The sums over neighbouring parts say in one linear step which window, and which slope,
+//! in each tenth where that promises most; of one that explains little alone, what a little of it would do in every tenth is told by one
+//! simulation with derivatives. The sums over neighbouring parts say in one linear step which window, and which slope,
 //! takes most away; the best few are fitted to the end and weighed as every other hypothesis is, their ends and slopes being
 //! parameters with a price.
 

@@ -50,13 +50,13 @@ struct Parts<S> {
 impl<S: Scalar> Shares<S> for Parts<S> {
     fn share(&self, at: &Instant<f64>, command: f64) -> S {
         let s = self.along.of(at, command);
-        let rising = |end: f64| -> f64 {
-            let x: f64 = (s - end) / self.width;
-            if x.abs() < OVER { 1.0 / (1.0 + (-x).exp()) } else { f64::from(u8::from(x > 0.0)) }
+        let begins = |end: f64| {
+            let x = (s - end) / self.width;
+            if x.abs() < OVER { regional::rising(x) } else { f64::from(u8::from(x > 0.0)) }
         };
         let (mut share, mut begun) = (S::from(0.0), 1.0);
         for (i, &of_part) in self.shares.iter().enumerate() {
-            let past = self.ends.get(i).map_or(0.0, |&end| rising(end));
+            let past = self.ends.get(i).map_or(0.0, |&end| begins(end));
             if begun > past {
                 share = share.plus_scaled(of_part, begun - past);
             }

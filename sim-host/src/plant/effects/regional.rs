@@ -169,7 +169,7 @@ pub(super) fn placed<S: Scalar>(id: &str, parameters: &[S]) -> Option<Box<dyn Ef
 }
 
 /// Rises from nothing to one about zero, over about four of its argument.
-fn rising<S: Scalar>(x: S) -> S {
+pub(super) fn rising<S: Scalar>(x: S) -> S {
     let e = (-x.clamp(S::from(-40.0), S::from(40.0))).exp();
     S::from(1.0) / (e + 1.0)
 }
