@@ -149,12 +149,43 @@ fn begun_in(folder: &Path, words: &[&str]) -> Child {
         .unwrap()
 }
 
+/// Times that a host is begun anew which gave up: its patience is by the clock on the wall, and a machine that is busy keeps
+/// the emulated board from running for longer than that.
+const TRIES: usize = 5;
+
+fn gave_up(output: &Output) -> bool {
+    String::from_utf8_lossy(&output.stderr).contains("does not answer")
+}
+
+/// Begins that host until it has armed the device.
+fn once_armed(begin: impl Fn() -> Child, armed: &AtomicBool) -> Child {
+    for _ in 0..TRIES {
+        let mut child = begin();
+        while child.try_wait().unwrap().is_none() {
+            if armed.load(Ordering::Relaxed) {
+                return child;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        let output = child.wait_with_output().unwrap();
+        assert!(gave_up(&output), "not armed: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    panic!("the device never answered");
+}
+
 fn shakedown(words: &[&str], typed: &str) -> Output {
-    let mut child = begun(words);
-    child.stdin.take().unwrap().write_all(typed.as_bytes()).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
-    output
+    let mut last = None;
+    for _ in 0..TRIES {
+        let mut child = begun(words);
+        child.stdin.take().unwrap().write_all(typed.as_bytes()).unwrap();
+        let output = child.wait_with_output().unwrap();
+        if output.status.success() || !gave_up(&output) {
+            assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+            return output;
+        }
+        last = Some(output);
+    }
+    panic!("{words:?}: {last:?}");
 }
 
 #[test]
@@ -278,11 +309,8 @@ fn an_interrupt_stops_a_test_and_keeps_its_telemetry() {
     let ((guarding, file), out) = (guarding(folder.path()), folder.path().join("run"));
     let world = with_bench(Bench::new(guarding, near_field(12).split_off(6000)), |port, armed| {
         let (port, file, out) = (port.to_str().unwrap(), file.to_str().unwrap(), out.to_str().unwrap());
-        let mut child =
-            begun(&["device", "--port", port, "run", "--seconds", "3600", "--setup", file, "--out", out, NO_PROOF]);
-        while !armed.load(Ordering::Relaxed) && child.try_wait().unwrap().is_none() {
-            std::thread::sleep(Duration::from_millis(10));
-        }
+        let words = ["device", "--port", port, "run", "--seconds", "3600", "--setup", file, "--out", out, NO_PROOF];
+        let child = once_armed(|| begun(&words), armed);
         std::thread::sleep(Duration::from_secs(1));
         let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
         let output = child.wait_with_output().unwrap();
@@ -313,10 +341,7 @@ fn a_killed_host_leaves_the_guard_and_what_it_had_heard() {
             assert!(String::from_utf8_lossy(&output.stderr).contains("cannot write"));
         }
         assert!(!armed.load(Ordering::Relaxed), "armed without a place for the recording");
-        let mut child = run(&out);
-        while !armed.load(Ordering::Relaxed) && child.try_wait().unwrap().is_none() {
-            std::thread::sleep(Duration::from_millis(10));
-        }
+        let mut child = once_armed(|| run(&out), armed);
         std::thread::sleep(Duration::from_secs(1));
         child.kill().unwrap();
         child.wait().unwrap();

@@ -1,5 +1,7 @@
 //! The steps of a run.
 
+use shakedown_core::State;
+
 /// What is asked next; what is behind it has been answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Step {
@@ -37,6 +39,17 @@ impl Step {
             Self::Stop => "the stop",
             Self::Disarm => "disarming",
             Self::Done => "nothing",
+        }
+    }
+
+    /// Whether a refusal because the device is in `state` answers an order of an earlier step that was given once more: an
+    /// answer that took longer than the patience with it, and the order before it led to that state.
+    pub(super) const fn comes_after(self, state: State) -> bool {
+        match state {
+            State::Off => matches!(self, Self::Vitals | Self::Challenge | Self::Arm(_)),
+            State::Ready => matches!(self, Self::Fill | Self::Start | Self::Stand | Self::Held | Self::Disarm),
+            State::Running => matches!(self, Self::Stream | Self::Attend(_) | Self::Stop | Self::Stand | Self::Held),
+            _ => false,
         }
     }
 }
