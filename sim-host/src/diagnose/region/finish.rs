@@ -6,10 +6,10 @@ use super::super::search::{CHANCE, Search};
 use super::super::split::{Weighing, stretch_length};
 use super::ends::{Window, beyond, in_region_of};
 use super::fitted;
-use super::promised::{strength, strengthened};
+use super::promised::strength;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit, squares};
-use crate::identify::model::{Model, ModelEffect, Value};
+use crate::identify::model::{Model, ModelEffect, SignalScales, Value};
 use crate::plant::effects::Entry;
 use crate::plant::effects::regional::Along;
 use crate::plant::simulate::SimulateError;
@@ -23,6 +23,10 @@ const SHIFTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 const ROUNDS: usize = 4;
 /// Places on either side of an end, within the length of a stretch, at which it may lie unseen.
 const UNSEEN: i32 = 8;
+/// Shares of its start from which what a double has, and the other does not, is begun.
+const FRESH: [f64; 3] = [0.3, 1.0, 3.0];
+/// Share of the way from another law to a start of one that holds it.
+const NEAR: f64 = 0.1;
 /// How far the best are taken.
 const FULL: Effort = Effort { steps: 14, tolerance: 1e-5 };
 
@@ -43,6 +47,14 @@ pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<ScoredModel, Sim
         }
         best = sharp;
     }
+    unseen(endless(best, runs)?, weighing)
+}
+
+/// A form with the window of one that was finished: its ends are as sharp as they are.
+fn finished_as_sharp(weighing: &Weighing, fit: Fit) -> Result<ScoredModel, SimulateError> {
+    let runs = weighing.fitted();
+    let mut best = shifted(fit, runs)?;
+    best.improve(runs, FULL)?;
     unseen(endless(best, runs)?, weighing)
 }
 
@@ -127,7 +139,8 @@ fn shifted(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
 }
 
 /// What the best of what was found in a region is mistaken for, in the same region, but for what was found itself: what explains little of
-/// whole runs, and was not looked at for that, may be the law of a part.
+/// whole runs, and was not looked at for that, may be the law of a part. What holds the best as a case of its own is looked at again:
+/// begun far from it, it may have ended where it is no more than that.
 pub(super) fn doubles(
     weighing: &Weighing,
     search: &Search,
@@ -136,33 +149,55 @@ pub(super) fn doubles(
     let stated = search.baseline.model.ids();
     let own = leader.fit.model.effects.iter().find(|p| !stated.contains(&p.entry.id));
     let Some(own) = own else { return Ok(Vec::new()) };
+    let holds = |other: &Entry| other.contains.contains(&own.entry.id);
+    // The rest of the model is where the best has brought it.
+    let rest = Fit::resume(leader.fit.model.without(own.entry.id), leader.fit.locals.clone(), weighing.fitted())?;
     let double = |entry: &'static Entry| -> Result<Option<ScoredModel>, SimulateError> {
-        let starts = (0..).map_while(|i| ModelEffect::start(entry, i, &search.signal_scales));
-        let starts = starts.chain(after(own, entry, search));
+        let from_afar = (0..).map_while(|i| ModelEffect::start(entry, i, &search.signal_scales));
+        let starts = from_afar.filter(|_| !holds(entry)).chain(after(own, entry, &search.signal_scales));
         let starts: Vec<ModelEffect> = starts.filter_map(|plain| in_region_of(own, plain)).collect();
-        let look = |placed| fitted(weighing, &search.baseline, placed);
+        let look = |placed| fitted(weighing, &rest, placed);
         let looks = starts.into_par_iter().map(look).collect::<Result<Vec<_>, _>>()?;
         let best = looks.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares));
         let half = search.baseline.squares - 0.5 * (search.baseline.squares - search.baseline.rows as f64);
-        best.filter(|fit| fit.squares < half).map(|fit| finished(weighing, fit)).transpose()
+        best.filter(|fit| fit.squares < half).map(|fit| finished_as_sharp(weighing, fit)).transpose()
     };
     let known = search.baseline.model.candidates();
-    let new = |other: &&Entry| alike(own.entry, other) && found.iter().all(|judged| !judged.added.contains(&other.id));
+    let unknown = |other: &Entry| found.iter().all(|judged| !judged.added.contains(&other.id));
+    let new = |other: &&Entry| alike(own.entry, other) && (holds(other) || unknown(other));
     let doubles: Vec<&'static Entry> = known.into_iter().filter(new).collect();
     let fits = doubles.into_par_iter().map(double).collect::<Result<Vec<_>, _>>()?;
     Ok(fits.into_iter().flatten().collect())
 }
 
 /// A double with the values of what another has too, and what is of its strength's unit in the proportion of a start: one law goes on
-/// from where the other has come to.
-fn after(other: &ModelEffect, entry: &'static Entry, search: &Search) -> Option<ModelEffect> {
-    let placed = ModelEffect::start(entry, 0, &search.signal_scales)?;
-    let first = strength(&placed)?;
-    let known = |key| other.entry.parameters.iter().position(|p| p.key == key).map(|i| other.values[i].value);
-    let factor = known(entry.parameters[first].key)? / placed.values[first].value;
-    let mut placed = strengthened(&placed, factor);
-    for (value, parameter) in placed.values.iter_mut().zip(entry.parameters) {
-        value.value = known(parameter.key).unwrap_or(value.value).clamp(value.low, value.high);
-    }
-    Some(placed)
+/// from where the other has come to. What the other does not have is begun from smaller values and from larger ones too; a law that
+/// holds the other as a case of its own begins near that case, for from further away it may not find the way to the other's fit.
+pub(super) fn after(other: &ModelEffect, entry: &'static Entry, scales: &SignalScales) -> Vec<ModelEffect> {
+    let near = if entry.contains.contains(&other.entry.id) { NEAR } else { 1.0 };
+    let Some(plain) = ModelEffect::start(entry, 0, scales) else { return Vec::new() };
+    let strongest = || {
+        let first = strength(&plain)?;
+        Some((first, known(other, entry.parameters[first].key)?))
+    };
+    let Some((first, size)) = strongest() else { return Vec::new() };
+    let (unit, of_start) = (entry.parameters[first].unit, plain.values[first].value);
+    let begun = |share: f64| {
+        let mut placed = plain.clone();
+        for (value, parameter) in placed.values.iter_mut().zip(entry.parameters).filter(|(value, _)| value.free) {
+            let like_strength = unit != "1" && parameter.unit == unit;
+            let fresh =
+                if like_strength { size * (1.0 + near * (value.value / of_start - 1.0)) } else { share * value.value };
+            value.value = known(other, parameter.key).unwrap_or(fresh).clamp(value.low, value.high);
+        }
+        placed
+    };
+    let mut starts: Vec<ModelEffect> = FRESH.into_iter().map(begun).collect();
+    starts.dedup_by(|a, b| a.numbers() == b.numbers());
+    starts
+}
+
+/// The value of that parameter.
+fn known(effect: &ModelEffect, key: &str) -> Option<f64> {
+    effect.entry.parameters.iter().position(|p| p.key == key).map(|i| effect.values[i].value)
 }

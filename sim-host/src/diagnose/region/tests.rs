@@ -3,6 +3,7 @@ use super::super::decide::tests::viscous;
 use super::super::split::{Split, split};
 use super::super::{decide, search};
 use super::ends::{PARTS, in_region_of, window};
+use super::finish::after;
 use super::promised::{either_sign, strengthened};
 use super::*;
 use crate::diagnose::Options;
@@ -146,4 +147,23 @@ fn a_double_is_put_into_the_same_region() {
     assert_eq!(regional::window(double.entry, &double.numbers()), Some((Along::Time, 2.5, 6.5)));
     assert_eq!(double.numbers()[..plain.values.len()], plain.numbers());
     assert!(in_region_of(&start("coulomb_friction", 0), plain).is_none(), "no region to be put into");
+}
+
+/// A law that holds another begins near it: with its peak far above the other's force it may not find back, and without a peak nothing
+/// says how large that is to be.
+#[test]
+fn a_law_that_holds_another_begins_near_it() {
+    let start = |id| ModelEffect::start(entry(id).unwrap(), 0, &SignalScales::TYPICAL).unwrap();
+    let mut coulomb = start("coulomb_friction");
+    coulomb.values[0].value = 3.0;
+    let starts = after(&coulomb, entry("stribeck_friction").unwrap(), &SignalScales::TYPICAL);
+    assert_eq!(starts.len(), 3);
+    for stribeck in &starts {
+        assert_eq!((stribeck.values[0].value, stribeck.values[3].value), (3.0, coulomb.values[1].value));
+        assert!((stribeck.values[1].value - 3.3).abs() < 1e-9, "a tenth of the way to twice as much");
+    }
+    assert!((starts[2].values[2].value / starts[0].values[2].value - 10.0).abs() < 1e-9, "speeds over a decade");
+    let back = after(&starts[0], entry("coulomb_friction").unwrap(), &SignalScales::TYPICAL);
+    assert_eq!(back.len(), 1, "what is all known is begun once");
+    assert_eq!(back[0].numbers(), coulomb.numbers());
 }
