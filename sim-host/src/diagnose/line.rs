@@ -47,6 +47,15 @@ fn of_all_or_a_part(series: &[f64], dt: f64) -> Option<f64> {
     part.or(whole).map(|(frequency, _)| frequency)
 }
 
+/// A series without its strongest line, where it has one.
+pub(super) fn without_line(series: Vec<f64>, dt: f64) -> Vec<f64> {
+    let Some((frequency, true)) = strongest(&series, dt) else { return series };
+    match Sine::best(&series, dt, std::iter::once(frequency)) {
+        Some(line) => line.taken_off(&series, dt),
+        None => series,
+    }
+}
+
 /// The strongest line of a series, Hz, and true; where none is one, the peak that is nearest to it. Samples that are not finite are
 /// missing.
 fn strongest(series: &[f64], dt: f64) -> Option<(f64, bool)> {
@@ -123,6 +132,14 @@ mod tests {
             let found = of_all_or_a_part(&series(frequency, 20.0), 1e-3).unwrap();
             assert!((found - frequency).abs() < 0.006, "{found} for {frequency}");
         }
+    }
+
+    #[test]
+    fn a_line_is_taken_off_and_noise_is_left() {
+        let power = |series: &[f64]| series.iter().filter(|x| x.is_finite()).map(|x| x * x).sum::<f64>();
+        let (quiet, loud) = (series(50.02, 0.0), series(50.02, 20.0));
+        assert!((power(&without_line(loud, 1e-3)) / power(&quiet) - 1.0).abs() < 0.2);
+        assert!(power(&without_line(quiet.clone(), 1e-3)) > 0.9 * power(&quiet));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The noise of each channel by what a model that explains the recordings leaves: what was stated of it, and whether it grows with
 //! the motion.
 
+use super::line::without_line;
 use super::residual::{judged_channels, residual};
 use super::verdict::Conclusion;
 use crate::identify::data::{Channel, Run};
@@ -12,13 +13,15 @@ use crate::recording::signal::curvature;
 use crate::recording::{Doubt, Experiment, SetUpFinding};
 
 /// Factor between stated and found that is worth a word.
-const WORTH: f64 = 1.035;
+const WORTH: f64 = 1.02;
 /// Standard errors beyond which it is no chance.
 const CERTAIN: f64 = 5.0;
 /// Factor by which the noise of the fastest quarter exceeds that of the slowest, that is worth a word.
 const GROWTH: f64 = 1.12;
 /// By how much second differences of white noise, which are alike, overstate their number: 1 + 2 (16 + 1) / 36.
 const ALIKE: f64 = 1.94;
+/// Blocks whose mean squares scatter as the noise of a channel lets them.
+const BLOCKS: usize = 64;
 /// Largest residuals left out, as a share: spikes are reported by themselves.
 const TRIMMED: f64 = 0.002;
 
@@ -40,7 +43,6 @@ pub(super) fn report(
     let mut channels: Vec<Channel> = whole.fit.iter().flat_map(judged_channels).collect();
     channels.sort_unstable();
     channels.dedup();
-    let colour = fitted.colour.max(conclusion.accepted.hold.colour).max(1.0);
     for channel in channels.into_iter().filter(|c| *c != Channel::SupplyPressure) {
         let rows = rows(&looks, channel);
         let (Some(found), Some(noise)) = (power(rows.iter().map(|r| r.left)), noise_of(whole, channel)) else {
@@ -48,7 +50,7 @@ pub(super) fn report(
         };
         if let Some(stated) = stated(experiment, channel) {
             let value = noise * found.sqrt();
-            let std = (colour / (2.0 * rows.len() as f64)).sqrt();
+            let std = uncertainty(&rows);
             findings.retain(|f| f.what != Doubt::Noise || f.channel != Some(channel.name()));
             if (value / stated).ln().abs() > WORTH.ln().max(CERTAIN * std) {
                 findings.push(SetUpFinding::noise(channel.name(), stated, value, value * std, channel.unit()));
@@ -85,6 +87,8 @@ fn rows(looks: &[(&Run, &Predicted)], channel: Channel) -> Vec<Row> {
     let mut rows = Vec::new();
     for (run, predicted) in looks {
         let Some(left) = residual(run, predicted, channel) else { continue };
+        // A hum is no noise, however large it is.
+        let left = if channel == Channel::Acceleration { without_line(left, run.dt) } else { left };
         let Some(place) = run.measured.iter().position(|m| m.channel == channel) else { continue };
         let shown = &predicted.channels[place];
         let last = shown.len() - 1;
@@ -113,6 +117,22 @@ fn power(residuals: impl Iterator<Item = f64>) -> Option<f64> {
     (kept > 200).then(|| squares[..kept].iter().sum::<f64>() / kept as f64 / 0.977)
 }
 
+/// Standard error of a channel's noise over it, by the scatter of its mean square over blocks: what makes neighbours alike, or some stretches
+/// louder, is in it, and nothing of other channels. Of a spike no more counts than of the largest residual that is kept.
+fn uncertainty(rows: &[Row]) -> f64 {
+    let mut sizes: Vec<f64> = rows.iter().map(|r| r.left.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let kept = (sizes.len() as f64 * (1.0 - TRIMMED)) as usize;
+    let largest = sizes.get(kept).copied().unwrap_or(f64::INFINITY);
+    let block =
+        |block: &[Row]| block.iter().map(|r| r.left.abs().min(largest).powi(2)).sum::<f64>() / block.len() as f64;
+    let powers: Vec<f64> = rows.chunks(rows.len().div_ceil(BLOCKS).max(1)).map(block).collect();
+    let count = powers.len() as f64;
+    let mean = powers.iter().sum::<f64>() / count;
+    let variance = powers.iter().map(|power| (power - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+    0.5 * (variance / count).sqrt() / mean
+}
+
 /// Standard deviation of the noise in the fastest quarter over that in the slowest, with its standard error, where it is worth a word. It is
 /// taken from second differences: what a model lacks grows with the motion too, but varies slowly.
 fn growth(mut rows: Vec<Row>) -> Option<(f64, f64)> {
@@ -139,6 +159,24 @@ mod tests {
         let left: Vec<f64> = motion.iter().map(|m| left(gauss(&mut noise), *m)).collect();
         let all = left.iter().zip(differences(&left)).zip(&motion);
         all.map(|((&left, difference), motion)| Row { left, difference, motion: motion.abs() }).collect()
+    }
+
+    /// White noise is known as its number of samples says, coloured noise worse, and a spike takes nothing from either.
+    #[test]
+    fn noise_is_as_certain_as_its_blocks_scatter() {
+        let white = of(|noise, _| noise);
+        let expected = (0.5 / white.len() as f64).sqrt();
+        assert!((0.7..1.4).contains(&(uncertainty(&white) / expected)), "{}", uncertainty(&white) / expected);
+        let mut spiked = of(|noise, _| noise);
+        spiked[5000].left = 300.0;
+        assert!((uncertainty(&spiked) / uncertainty(&white) - 1.0).abs() < 0.05);
+        let mut last = 0.0;
+        let mut coloured = of(|noise, _| noise);
+        for row in &mut coloured {
+            last = 0.95 * last + row.left;
+            row.left = last;
+        }
+        assert!(uncertainty(&coloured) > 2.5 * expected, "{}", uncertainty(&coloured) / expected);
     }
 
     /// Noise whose size follows the motion is told by its growth; noise that does not, and what a model lacks, are not.
