@@ -36,7 +36,7 @@ pub(super) fn strongest_line(runs: &[Run], baseline: &Fit) -> Result<f64, Simula
 fn of_all_or_a_part(series: &[f64], dt: f64) -> Option<f64> {
     let whole = strongest(series, dt);
     if whole.is_some_and(|(_, is_line)| is_line) {
-        return whole.map(|(frequency, _)| frequency);
+        return whole.map(|(line, _)| line.frequency);
     }
     let length = (series.len() / PARTS).max(SHORTEST);
     let power = |part: &[f64]| part.iter().filter(|x| x.is_finite()).map(|x| x * x).sum::<f64>();
@@ -44,21 +44,20 @@ fn of_all_or_a_part(series: &[f64], dt: f64) -> Option<f64> {
         (0..series.len()).step_by((length / 2).max(1)).map(|from| &series[from..(from + length).min(series.len())]);
     let loudest = parts.max_by(|a, b| power(a).total_cmp(&power(b)));
     let part = loudest.and_then(|part| strongest(part, dt)).filter(|(_, is_line)| *is_line);
-    part.or(whole).map(|(frequency, _)| frequency)
+    part.or(whole).map(|(line, _)| line.frequency)
 }
 
 /// A series without its strongest line, where it has one.
 pub(super) fn without_line(series: Vec<f64>, dt: f64) -> Vec<f64> {
-    let Some((frequency, true)) = strongest(&series, dt) else { return series };
-    match Sine::best(&series, dt, std::iter::once(frequency)) {
-        Some(line) => line.taken_off(&series, dt),
-        None => series,
+    match strongest(&series, dt) {
+        Some((line, true)) => line.taken_off(&series, dt),
+        _ => series,
     }
 }
 
-/// The strongest line of a series, Hz, and true; where none is one, the peak that is nearest to it. Samples that are not finite are
+/// The strongest line of a series, and true; where none is one, the peak that is nearest to it. Samples that are not finite are
 /// missing.
-fn strongest(series: &[f64], dt: f64) -> Option<(f64, bool)> {
+fn strongest(series: &[f64], dt: f64) -> Option<(Sine, bool)> {
     let power = padded_spectrum(series);
     let hz = 0.5 / (dt * (power.len() - 1) as f64);
     let around = ((AROUND / hz) as usize).max(4);
@@ -68,13 +67,13 @@ fn strongest(series: &[f64], dt: f64) -> Option<(f64, bool)> {
         let without = padded_spectrum(&sine.taken_off(series, dt));
         let band = peak.saturating_sub(around)..(peak + around).min(power.len());
         let sum = |power: &[f64]| power[band.clone()].iter().sum::<f64>();
-        Some((sine.frequency, 1.0 - sum(&without) / sum(&power).max(f64::MIN_POSITIVE), power[peak]))
+        Some((sine, 1.0 - sum(&without) / sum(&power).max(f64::MIN_POSITIVE), power[peak]))
     });
-    let tried: Vec<(f64, f64, f64)> = tried.collect();
+    let tried: Vec<(Sine, f64, f64)> = tried.collect();
     // Among lines the strongest, for a harmonic may stand higher above its quieter neighbours.
     let line = tried.iter().filter(|(_, share, _)| *share > LINE).max_by(|a, b| a.2.total_cmp(&b.2));
     let nearest = || tried.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    line.map(|&(frequency, ..)| (frequency, true)).or_else(|| nearest().map(|&(frequency, ..)| (frequency, false)))
+    line.map(|&(line, ..)| (line, true)).or_else(|| nearest().map(|&(peak, ..)| (peak, false)))
 }
 
 /// The peaks of a spectrum, bins of `hz` wide, that stand highest above their neighbours; none within `around` bins of another, for a side

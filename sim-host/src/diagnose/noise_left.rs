@@ -9,7 +9,7 @@ use crate::identify::evaluate::Predicted;
 use crate::identify::judge::score;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
-use crate::recording::signal::curvature;
+use crate::recording::signal::{curvature, deviation, mean, quantile};
 use crate::recording::{Doubt, Experiment, SetUpFinding};
 
 /// Factor between stated and found that is worth a word.
@@ -20,7 +20,7 @@ const CERTAIN: f64 = 5.0;
 const GROWTH: f64 = 1.12;
 /// By how much second differences of white noise, which are alike, overstate their number: 1 + 2 (16 + 1) / 36.
 const ALIKE: f64 = 1.94;
-/// Blocks whose mean squares scatter as the noise of a channel lets them.
+/// Blocks of a channel's samples whose mean squares are compared.
 const BLOCKS: usize = 64;
 /// Largest residuals left out, as a share: spikes are reported by themselves.
 const TRIMMED: f64 = 0.002;
@@ -117,20 +117,14 @@ fn power(residuals: impl Iterator<Item = f64>) -> Option<f64> {
     (kept > 200).then(|| squares[..kept].iter().sum::<f64>() / kept as f64 / 0.977)
 }
 
-/// Standard error of a channel's noise over it, by the scatter of its mean square over blocks: what makes neighbours alike, or some stretches
-/// louder, is in it, and nothing of other channels. Of a spike no more counts than of the largest residual that is kept.
+/// Relative standard error of a channel's noise, from the scatter of its mean square over blocks. Neighbours that are alike and stretches that
+/// are louder raise it; other channels do not. A spike counts as the largest residual that is kept.
 fn uncertainty(rows: &[Row]) -> f64 {
-    let mut sizes: Vec<f64> = rows.iter().map(|r| r.left.abs()).collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    let kept = (sizes.len() as f64 * (1.0 - TRIMMED)) as usize;
-    let largest = sizes.get(kept).copied().unwrap_or(f64::INFINITY);
-    let block =
-        |block: &[Row]| block.iter().map(|r| r.left.abs().min(largest).powi(2)).sum::<f64>() / block.len() as f64;
-    let powers: Vec<f64> = rows.chunks(rows.len().div_ceil(BLOCKS).max(1)).map(block).collect();
-    let count = powers.len() as f64;
-    let mean = powers.iter().sum::<f64>() / count;
-    let variance = powers.iter().map(|power| (power - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-    0.5 * (variance / count).sqrt() / mean
+    let squares: Vec<f64> = rows.iter().map(|r| r.left * r.left).collect();
+    let largest = quantile(&squares, 1.0 - TRIMMED);
+    let kept: Vec<f64> = squares.into_iter().map(|square| square.min(largest)).collect();
+    let blocks: Vec<f64> = kept.chunks(kept.len().div_ceil(BLOCKS).max(1)).map(mean).collect();
+    0.5 * deviation(&blocks) / (blocks.len() as f64).sqrt() / mean(&blocks)
 }
 
 /// Standard deviation of the noise in the fastest quarter over that in the slowest, with its standard error, where it is worth a word. It is

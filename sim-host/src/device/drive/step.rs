@@ -42,8 +42,8 @@ impl Step {
         }
     }
 
-    /// Whether a refusal because the device is in `state` answers an order of an earlier step that was given once more: an
-    /// answer that took longer than the patience with it, and the order before it led to that state.
+    /// Whether a refusal because the device is in `state` answers a repeated order of an earlier step: the device answered
+    /// the order after the host had repeated it, and the order had led to `state`.
     pub(super) const fn comes_after(self, state: State) -> bool {
         match state {
             State::Off => matches!(self, Self::Vitals | Self::Challenge | Self::Arm(_)),

@@ -34,14 +34,12 @@ const FULL: Effort = Effort { steps: 14, tolerance: 1e-5 };
 /// way, then with sharper ones as long as these leave less.
 pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<ScoredModel, SimulateError> {
     let runs = weighing.fitted();
-    let mut best = shifted(fit, runs)?;
-    best.improve(runs, FULL)?;
+    let mut best = settled(fit, runs)?;
     let Some(Window { effect, width, .. }) = Window::of(&best.model) else { return ScoredModel::of(best, weighing) };
     for _ in 0..SHARPENED {
         let mut model = best.model.clone();
         model.effects[effect].values[width].value *= SHARPER;
-        let mut sharp = shifted(Fit::resume(model, best.locals.clone(), runs)?, runs)?;
-        sharp.improve(runs, FULL)?;
+        let sharp = settled(Fit::resume(model, best.locals.clone(), runs)?, runs)?;
         if sharp.squares >= best.squares {
             break;
         }
@@ -50,12 +48,17 @@ pub(super) fn finished(weighing: &Weighing, fit: Fit) -> Result<ScoredModel, Sim
     unseen(endless(best, runs)?, weighing)
 }
 
-/// A form with the window of one that was finished: its ends are as sharp as they are.
+/// A form in the window of one that was finished: the ends need no more sharpening.
 fn finished_as_sharp(weighing: &Weighing, fit: Fit) -> Result<ScoredModel, SimulateError> {
     let runs = weighing.fitted();
+    unseen(endless(settled(fit, runs)?, runs)?, weighing)
+}
+
+/// A form fitted to the end with its window's ends as sharp as they are.
+fn settled(fit: Fit, runs: &[Run]) -> Result<Fit, SimulateError> {
     let mut best = shifted(fit, runs)?;
     best.improve(runs, FULL)?;
-    unseen(endless(best, runs)?, weighing)
+    Ok(best)
 }
 
 /// The form with one open end only, where the other takes away no more than chance does: what was seen ends there, and not the effect.
