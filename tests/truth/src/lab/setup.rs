@@ -1,6 +1,7 @@
 //! Set-ups as laboratories have them: what the sensors add, what is stated of them, and what is stated wrongly.
 
 pub mod draw;
+pub mod noise;
 pub mod sensing;
 pub mod visible;
 

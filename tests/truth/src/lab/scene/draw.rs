@@ -3,7 +3,8 @@
 use super::{Says, Scene};
 use crate::excitation::{Excitation, Shape, reference};
 use crate::lab::forms::Scales;
-use crate::lab::setup::draw::{setup, stated_noise};
+use crate::lab::setup::draw::setup;
+use crate::lab::setup::noise::stated_noise;
 use crate::lab::stated::{Controller, Kind as Law, Prediction, Run, predict};
 use crate::plant::Machine;
 use crate::refit::Parameter;
