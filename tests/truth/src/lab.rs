@@ -9,6 +9,7 @@ pub mod choose;
 pub mod closure;
 pub mod corrupt;
 pub mod engine;
+mod flaw;
 pub mod forms;
 pub mod law;
 pub mod measure;
