@@ -3,8 +3,9 @@
 use shakedown_truth::lab::engine::simulate;
 use shakedown_truth::lab::plant::Plant;
 use shakedown_truth::lab::scene::{Kind, Scene, Wish};
+use shakedown_truth::lab::setup::noise::in_loop_of;
 use shakedown_truth::lab::stated::predict;
-use shakedown_truth::lab::{case, plan};
+use shakedown_truth::lab::{case, locked, plan};
 use shakedown_truth::rng::Stream;
 
 fn scene(kind: Kind, perfect: bool, number: u64) -> Scene {
@@ -55,6 +56,47 @@ fn the_chi2_of_a_perfect_model_scatters_as_noise_estimates_do() {
     // An estimate from n rows scatters by sqrt(2/n): 200 to 20000 rows, 1 to 10 %.
     assert!((mean - 1.0).abs() < 0.03, "mean {mean}");
     assert!(spread > 0.01 && spread < 0.12, "spread {spread}: {all:?}");
+}
+
+/// What the answer to a case of lock 151 says is the acceleration's noise, what the experiment states of it, and what the
+/// recordings have, the standard deviation within fifty rows in the middle one of all fifties (m/s2).
+fn accelerations_noise(seed: u64, number: u64) -> Option<(f64, Option<f64>, f64)> {
+    let stored = tempfile::NamedTempFile::new().ok()?;
+    std::fs::write(stored.path(), "answered").ok()?;
+    let dealt = locked(seed, number, 151);
+    let place = dealt.experiment.columns.iter().position(|c| c.channel == "acceleration")?;
+    let column = dealt.experiment.columns.get(place)?.clone();
+    let opened = dealt.sealed.open_after(stored.path()).ok()?;
+    let mut spreads = Vec::new();
+    for (sheet, clean) in dealt.experiment.sheets.iter().zip(&opened.clean.sheets) {
+        let away: Vec<f64> = sheet.values[place].iter().zip(&clean.values[place]).map(|(a, b)| a - b).collect();
+        spreads.extend(away.chunks_exact(50).map(|block| {
+            let mean = block.iter().sum::<f64>() / 50.0;
+            (block.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 49.0).sqrt() / column.factor
+        }));
+    }
+    spreads.sort_by(f64::total_cmp);
+    Some((opened.answer.noise.1?, column.noise, *spreads.get(spreads.len() / 2)?))
+}
+
+/// Cases whose flaw keeps from the table most of what the controller makes of its displacement's noise, and one beside them.
+#[test]
+fn the_noise_of_an_answer_is_what_the_recordings_have_whatever_the_flaw_does_in_the_loop() {
+    for number in [0, 4, 36, 49] {
+        let (is, stated, recorded) = accelerations_noise(8117, number).unwrap();
+        println!("case {number}: answer {is:.4}, stated {stated:.4?}, recorded {recorded:.4} m/s2");
+        assert!((recorded / is - 1.0).abs() < 0.1, "case {number}: {is} said, {recorded} recorded");
+        // The greatest misstatement that is dealt is half a natural logarithm.
+        assert!(stated.is_none_or(|s| (s / is).ln().abs() < 0.51), "case {number}: {stated:?} stated of {is}");
+    }
+}
+
+#[test]
+fn a_plant_without_a_flaw_leaves_a_noise_as_it_is() {
+    for number in 0..4 {
+        let scene = scene([Kind::Servo, Kind::Rigid, Kind::Axis, Kind::Servo][number as usize], true, number);
+        assert_eq!(in_loop_of(&Plant::baseline(scene.truth), &scene), None);
+    }
 }
 
 #[test]

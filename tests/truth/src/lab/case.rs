@@ -4,7 +4,7 @@ use super::answer::{Answer, Sealed};
 use super::choose::Chosen;
 use super::corrupt::Corruption;
 use super::engine::simulate;
-use super::flaw::{Flawed, flaw};
+use super::flaw::{Flawed, flaw, weighed};
 use super::measure::Frame;
 use super::plan::{Stratum, stratum, turn};
 use super::plant::Plant;
@@ -69,7 +69,7 @@ pub fn locked(seed: u64, number: u64, lock: u64) -> Case {
             }
         }
     }
-    let (scene, flawed) = nearest.unwrap_or_else(|| plain(seed, number));
+    let (scene, flawed) = nearest.map_or_else(|| plain(seed, number), |(scene, flawed)| weighed(scene, flawed));
     finish((seed, number, lock), what, &scene, flawed)
 }
 

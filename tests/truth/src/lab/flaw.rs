@@ -8,6 +8,7 @@ use super::measure::{Frame, Visible, cosine, seek};
 use super::plan::Stratum;
 use super::plant::Plant;
 use super::scene::Scene;
+use super::setup::noise::in_loop_of;
 use super::tied;
 use super::unlisted::block;
 use crate::effect::Draw;
@@ -21,12 +22,14 @@ pub(super) struct Flawed {
     pub(super) alike: Option<f64>,
     pub(super) excess: f64,
     pub(super) groups: Vec<Vec<String>>,
+    sets: Vec<Set>,
 }
 
 impl Flawed {
     /// The plant as it is.
     pub(super) fn none(plant: Plant) -> Self {
-        Self { plant, effects: Vec::new(), unlisted: Vec::new(), alike: None, excess: 0.0, groups: Vec::new() }
+        let (effects, unlisted, groups, sets) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { plant, effects, unlisted, alike: None, excess: 0.0, groups, sets }
     }
 }
 
@@ -69,7 +72,21 @@ pub(super) fn flaw(scene: &Scene, frame: &Frame, chosen: &Chosen, rng: &mut Stre
         (set.dial.s, _) = seek(frame, target, &build)?;
         sets.push(set);
     }
-    if sets.is_empty() { Some(Flawed::none(baseline)) } else { together(scene, frame, &baseline, &sets) }
+    if sets.is_empty() {
+        return Some(Flawed::none(baseline));
+    }
+    let flawed = together(scene, frame, &baseline, &sets)?;
+    Some(Flawed { sets, ..flawed })
+}
+
+/// The flaws at the strengths found, weighed by the noise that there is with them in the loop.
+pub(super) fn weighed(scene: Scene, flawed: Flawed) -> (Scene, Flawed) {
+    let again = || {
+        let own = if flawed.sets.is_empty() { None } else { in_loop_of(&flawed.plant, &scene) }?;
+        let measured = together(&own, &Frame::new(&own), &Plant::baseline(own.truth), &flawed.sets)?;
+        Some((own, measured))
+    };
+    again().unwrap_or((scene, flawed))
 }
 
 /// All flaws at once, each measured as what it adds to the others.

@@ -26,7 +26,8 @@ pub struct Scene {
     pub runs: Vec<Run>,
     /// Sensors, as they truly are.
     pub sensor: Sensor,
-    /// Whole effective standard deviation of displacement and acceleration, with what the loop feeds back.
+    /// Whole effective standard deviation of displacement and acceleration, with what the loop feeds back: the stated model's,
+    /// until it is known what else is in the loop.
     pub sigma: Sigma,
     /// Sizes of its motion.
     pub scales: Scales,
