@@ -19,7 +19,8 @@ const MANY_OF_ONE: f64 = 0.15;
 const MANY_OF_A_WITNESS: f64 = 0.5;
 
 /// Sensors that are compared and nothing else.
-const WITNESSES: [Channel; 3] = [Channel::Acceleration, Channel::PressureDifference, Channel::SpecimenAcceleration];
+const WITNESSES: [Channel; 4] =
+    [Channel::Acceleration, Channel::PressureDifference, Channel::SupplyPressure, Channel::SpecimenAcceleration];
 
 /// Looks for stretches of NaN in every channel; one stretch in all channels is one finding, about time.
 pub(super) fn check(run: &Run) -> Vec<Finding> {
@@ -43,7 +44,8 @@ fn finding(run: &Run, channel: Channel, missing: &[bool]) -> Option<Finding> {
     let (from, length) = longest(missing);
     let witness = WITNESSES.contains(&channel);
     // What a simulated loop makes itself is compared where it was recorded, and nothing is bridged.
-    let made = matches!(channel, Channel::Displacement | Channel::Command) && run.simulates_its_loop();
+    let made =
+        matches!(channel, Channel::Displacement | Channel::Velocity | Channel::Command) && run.simulates_its_loop();
     let many = match channel {
         Channel::Time => MANY,
         _ if witness => MANY_OF_A_WITNESS,
