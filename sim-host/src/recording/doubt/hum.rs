@@ -16,24 +16,25 @@ use std::f64::consts::TAU;
 const LARGER_PART: f64 = 0.5;
 
 /// Takes the line off every channel that has one. What a controller that saw it made of it is known, and goes on to be added to the
-/// command.
+/// command; then the table follows it, and so do the sensors beside.
 pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     let mut findings = Vec::new();
     for run in &mut experiment.runs {
+        let mut followed = None;
         for (channel, unit) in [
             (Channel::Displacement, "m"),
             (Channel::Velocity, "m/s"),
             (Channel::PressureDifference, "unit of p"),
             (Channel::SupplyPressure, "unit of p"),
         ] {
-            let Some(frequency) = mains_line(run, channel) else { continue };
+            let Some(frequency) = mains_line(run, channel).filter(|line| followed != Some(*line)) else { continue };
             let Some(sine) = fitted(run, channel, frequency) else { continue };
             if let Some(samples) = run.channel(channel) {
                 let cleaned = sine.taken_off(samples, run.dt);
                 run.channels.set(channel, cleaned);
             }
-            if channel == Channel::Displacement {
-                keep_answer(run, &sine);
+            if channel == Channel::Displacement && keep_answer(run, &sine) {
+                followed = Some(frequency);
             }
             let amplitude = sine.sine.hypot(sine.cosine);
             let finding = SetUpFinding::new(Doubt::Hum, amplitude, unit).against(0.0);
@@ -43,21 +44,24 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     findings
 }
 
-/// Adds to a run's disturbance what its law makes of a line that was taken off the displacement, where the recorded command holds it.
-fn keep_answer(run: &mut Run, sine: &Sine) {
+/// Adds to a run's disturbance what its law makes of a line that was taken off the displacement, and says whether the recorded command
+/// holds it.
+fn keep_answer(run: &mut Run, sine: &Sine) -> bool {
     let nothing = vec![0.0; run.len()];
-    let Some(answer) = answer(run, &sine.taken_off(&nothing, run.dt)) else { return };
-    let Some((linear, gains)) = Linear::of(run, 0, 0.0, false).zip(gains(&run.law)) else { return };
+    let Some(answer) = answer(run, &sine.taken_off(&nothing, run.dt)) else { return false };
+    let Some((linear, gains)) = Linear::of(run, 0, 0.0, false).zip(gains(&run.law)) else { return false };
     let unexplained = linear.without_trends().residual(&gains);
     let [mut held, mut all] = [0.0; 2];
     for (r, a) in unexplained.iter().zip(&answer) {
         held += r * a;
         all += a * a;
     }
-    if held > LARGER_PART * all {
+    let holds = held > LARGER_PART * all;
+    if holds {
         let known = run.channel(Channel::Disturbance).map_or(nothing, <[f64]>::to_vec);
         run.channels.set(Channel::Disturbance, known.iter().zip(&answer).map(|(d, a)| d + a).collect());
     }
+    holds
 }
 
 /// The sine that fits best near a frequency, Hz.

@@ -2,12 +2,14 @@
 //!
 //! A sample is an outlier where it alone departs from the cubic through its two neighbours on either side by far more than
 //! neighbouring samples do at that stretch of the run. Motion, impacts and chatter move more than one sample: there the
-//! neighbours depart too. An outlier is dropped, as a lost sample is.
+//! neighbours depart too. An outlier is dropped, as a lost sample is. Errors know nothing of the motion: what an accelerometer shows at
+//! reversals and nowhere else are impacts, however short.
 
 use super::{Doubt, SetUpFinding};
 use crate::recording::channel::Channel;
 use crate::recording::experiment::Experiment;
-use crate::recording::signal::filled;
+use crate::recording::run::Run;
+use crate::recording::signal::{filled, slope};
 use crate::recording::steps::quantisation_step;
 
 /// Departure beyond which a sample is wrong, in robust standard deviations of the run's departures; an accelerometer feels impacts,
@@ -25,18 +27,23 @@ const AROUND: usize = 12;
 /// Largest share of a run's samples that are single errors; with more it is something else.
 const MOST: f64 = 0.01;
 
+/// Standard errors by which the speed at what looks wrong is another than at all samples, for it to be the motion's.
+const FOLLOWS: f64 = 4.0;
+
 /// Drops outliers of every sensor.
 pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     const SENSORS: [Channel; 4] =
         [Channel::Displacement, Channel::Acceleration, Channel::Velocity, Channel::PressureDifference];
     let mut findings = Vec::new();
-    for run in &mut experiment.runs {
-        for channel in SENSORS {
+    for channel in SENSORS {
+        let far = if channel == Channel::Displacement { FAR_OF_PLACE } else { FAR };
+        let places = |run: &Run| run.channel(channel).map_or_else(Vec::new, |samples| outliers(samples, far));
+        let wrong: Vec<Vec<usize>> = experiment.runs.iter().map(places).collect();
+        if channel == Channel::Acceleration && follow_motion(&experiment.runs, &wrong) {
+            continue;
+        }
+        for (run, wrong) in experiment.runs.iter_mut().zip(wrong).filter(|(_, wrong)| !wrong.is_empty()) {
             let Some(samples) = run.channel(channel) else { continue };
-            let wrong = outliers(samples, if channel == Channel::Displacement { FAR_OF_PLACE } else { FAR });
-            if wrong.is_empty() {
-                continue;
-            }
             let mut kept = samples.to_vec();
             let count = wrong.len() as f64;
             for k in wrong {
@@ -48,6 +55,23 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
         }
     }
     findings
+}
+
+/// Whether samples stand where the table is slow, or where it is fast, more than chance has it: by the mean rank of their speeds among
+/// those of all samples, which is uniform of what knows nothing of the motion.
+fn follow_motion(runs: &[Run], places: &[Vec<usize>]) -> bool {
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for (run, places) in runs.iter().zip(places).filter(|(_, places)| !places.is_empty()) {
+        let Some(x) = run.channel(Channel::Displacement) else { continue };
+        let speeds: Vec<f64> = slope(&filled(x), run.dt).iter().map(|v| v.abs()).collect();
+        let mut sorted = speeds.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let rank = |speed: f64| sorted.partition_point(|other| *other < speed) as f64 / sorted.len() as f64;
+        sum += places.iter().map(|&k| rank(speeds[k]) - 0.5).sum::<f64>();
+        count += places.len() as f64;
+    }
+    // A uniform variable has a variance of a twelfth.
+    sum.abs() > FOLLOWS * (count / 12.0).sqrt()
 }
 
 /// Places of single wrong samples.
@@ -93,6 +117,8 @@ fn outliers(samples: &[f64], far: f64) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::doubt::tests::experiment;
+    use crate::recording::law::{RecordedLaw, Shaping};
 
     fn smooth(n: usize) -> Vec<f64> {
         let noise = |k: usize| ((k * 7919 % 1000) as f64 / 1000.0 - 0.5) * 1e-3;
@@ -135,5 +161,18 @@ mod tests {
         let mut samples = smooth(2000);
         samples.iter_mut().skip(900).for_each(|x| *x += 0.05);
         assert!(outliers(&samples, FAR).is_empty());
+    }
+
+    /// Impacts at reversals are no errors, and errors wherever they fall are.
+    #[test]
+    fn what_stands_at_reversals_is_motion() {
+        let law = RecordedLaw::ProportionalIntegral { kp: 1.0, ki: 0.0 };
+        let mut run = experiment(&law, Shaping::default(), 1).runs.remove(0);
+        let place = (0..run.len()).map(|k| (0.05 * k as f64).sin()).collect();
+        run.channels.set(Channel::Displacement, place);
+        let reversals = (0..40).map(|i| ((f64::from(i) + 0.5) * std::f64::consts::PI / 0.05) as usize).collect();
+        let anywhere = (0..40).map(|i| 50 + 97 * i).collect();
+        assert!(follow_motion(std::slice::from_ref(&run), &[reversals]));
+        assert!(!follow_motion(std::slice::from_ref(&run), &[anywhere]));
     }
 }
