@@ -4,6 +4,7 @@ use super::calibration::CALIBRATION;
 use super::clock;
 use crate::identify::fit::Fit;
 use crate::identify::model::Model;
+use crate::plant::effects::valve_lag;
 use crate::plant::model::Kind;
 use nalgebra::{DMatrix, DVector};
 
@@ -22,8 +23,37 @@ pub(super) struct Departure {
     away: DVector<f64>,
     /// Inverse of H in the same unit; none where the data do not determine the model.
     spread: Option<DMatrix<f64>>,
-    /// What speaks against a clock at another rate, which no value of the plant can take back.
-    clock: f64,
+    /// What speaks against a clock at another rate and against values that an effect seldom has, which no value of the plant can take
+    /// back.
+    seldom: f64,
+}
+
+/// What is known of an effect's value before any recording.
+struct Usual {
+    id: &'static str,
+    key: &'static str,
+    value: f64,
+    /// Standard deviation of its logarithm.
+    spread: f64,
+}
+
+/// A spool is damped between 0.5 and 1.2; with more it is two lags one after the other, which a sensor's filter is as well.
+///
+/// Source: W. J. Thayer, "Transfer functions for Moog servovalves", Technical Bulletin 103, Moog, 1958, revised 1965.
+const USUAL: [Usual; 1] = [Usual { id: valve_lag::ENTRY.id, key: "damping", value: 0.8, spread: 0.35 }];
+
+/// What speaks against the values of effects that were added, as twice a logarithm.
+fn unusual(stated: &Model, fitted: &Model) -> f64 {
+    let known = stated.ids();
+    let added = fitted.effects.iter().filter(|placed| !known.contains(&placed.entry.id));
+    let values =
+        added.flat_map(|placed| placed.entry.parameters.iter().zip(&placed.values).map(move |pair| (placed, pair)));
+    let away = |usual: &Usual, value: f64| ((value / usual.value).ln() / usual.spread).powi(2);
+    let of = values.flat_map(|(placed, (parameter, value))| {
+        let usual = USUAL.iter().filter(|usual| usual.id == placed.entry.id && usual.key == parameter.key);
+        usual.map(|usual| away(usual, value.value))
+    });
+    of.sum()
 }
 
 /// Prices of a square at which the values are put back, as powers of ten, and how many a decade.
@@ -33,9 +63,9 @@ const A_DECADE: f64 = 4.0;
 impl Departure {
     /// Of a fit from what was stated. Masses and dashpots may be stated in any way: residuals depend on them almost linearly.
     pub(super) fn of(stated: &Model, fit: &Fit) -> Self {
-        let clock = clock::disbelief(stated, &fit.model);
+        let seldom = clock::disbelief(stated, &fit.model) + unusual(stated, &fit.model);
         if stated.kind != Kind::Servo {
-            return Self { away: DVector::zeros(0), spread: None, clock };
+            return Self { away: DVector::zeros(0), spread: None, seldom };
         }
         // Coordinates of the fit: its free values in their order, of which the plant's own are the first.
         let pairs = stated.own.iter().zip(&fit.model.own).filter(|(_, fitted)| fitted.free).enumerate();
@@ -52,19 +82,19 @@ impl Departure {
         Self {
             away: DVector::from_iterator(known.len(), known.iter().map(|k| k.1)),
             spread: fit.spread().map(of),
-            clock,
+            seldom,
         }
     }
 
     /// How far the stated values went: the sum of squares of what they are away, in what stated values are wrong by.
     pub(super) fn disbelief(&self) -> f64 {
-        self.away.norm_squared() + self.clock
+        self.away.norm_squared() + self.seldom
     }
 
     /// The least of a misfit, which grows with what is added to the squares of the fit, and of what the values are still away.
     pub(super) fn least(&self, misfit: impl Fn(f64) -> f64) -> f64 {
         let as_fitted = misfit(0.0) + self.away.norm_squared();
-        let Some(spread) = &self.spread else { return as_fitted + self.clock };
+        let Some(spread) = &self.spread else { return as_fitted + self.seldom };
         let count = ((PRICES.1 - PRICES.0) * A_DECADE) as i32;
         let put_back = |k: i32| {
             let price = 10f64.powf(PRICES.0 + f64::from(k) / A_DECADE);
@@ -73,13 +103,13 @@ impl Departure {
             let added = part.dot(&(spread * &part));
             Some(misfit(added) + (part * price).norm_squared())
         };
-        (0..=count).filter_map(put_back).fold(as_fitted, f64::min) + self.clock
+        (0..=count).filter_map(put_back).fold(as_fitted, f64::min) + self.seldom
     }
 
     /// Of values that are as stated.
     #[cfg(test)]
     pub(super) fn none() -> Self {
-        Self { away: DVector::zeros(0), spread: None, clock: 0.0 }
+        Self { away: DVector::zeros(0), spread: None, seldom: 0.0 }
     }
 }
 
@@ -91,7 +121,7 @@ mod tests {
         Departure {
             away: DVector::from_element(1, by),
             spread: Some(DMatrix::from_element(1, 1, variance)),
-            clock: 0.0,
+            seldom: 0.0,
         }
     }
 
