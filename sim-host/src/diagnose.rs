@@ -28,12 +28,12 @@ mod far;
 mod finish;
 mod instead;
 pub(crate) mod judged;
+mod left;
 mod leftover;
 mod line;
 pub(crate) mod locate;
 mod next_test;
 mod noise;
-mod noise_left;
 mod options;
 mod overstated;
 mod passes;
@@ -248,7 +248,7 @@ fn said(
         diagnosis.set_up.retain(|f| f.what != noise.what || f.channel != noise.channel);
         diagnosis.set_up.push(noise.clone());
     }
-    noise_left::report(experiment, &whole, &conclusion, &mut diagnosis.set_up)?;
+    left::report(experiment, &whole, &conclusion, &mut diagnosis.set_up)?;
     Ok(Examined { diagnosis, prepared: whole, conclusion })
 }
 

@@ -122,6 +122,24 @@ impl SetUpFinding {
         Self { channel: Some(channel), ..it }
     }
 
+    /// Amplitude of a hum of the mains in a channel, in the channel's SI unit.
+    pub fn hum(channel: &'static str, amplitude: f64, unit: &str) -> Self {
+        let it = Self::new(Doubt::Hum, amplitude, unit).against(0.0);
+        Self { channel: Some(channel), corrected: false, ..it }
+    }
+
+    /// Single samples of a channel that are wrong in a run.
+    pub fn outliers(channel: &'static str, run: &str, count: usize) -> Self {
+        let it = Self::new(Doubt::Outliers, count as f64, "samples").against(0.0).of_run(run);
+        Self { channel: Some(channel), corrected: false, ..it }
+    }
+
+    /// Time constant of a channel's low-pass, s.
+    pub fn sensor_lag(channel: &'static str, time: f64, std: f64) -> Self {
+        let it = Self::new(Doubt::SensorLag, time, "s").against(0.0).within(std);
+        Self { channel: Some(channel), corrected: false, ..it }
+    }
+
     /// By what share the noise of a channel is larger in strong motion than in weak.
     pub fn noise_growth(channel: &'static str, share: f64, std: f64) -> Self {
         Self { channel: Some(channel), ..Self::new(Doubt::NoiseGrowth, share, "1").against(0.0).within(std) }

@@ -12,6 +12,7 @@ use shakedown::fit::generate::{self, NEAR_FIELD_MODERATE, NEAR_FIELD_STRONG};
 use shakedown_truth::closed_loop::{Controller, Run, simulate};
 use shakedown_truth::noise::Noise;
 use shakedown_truth::plant::{Machine, Physics};
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -33,17 +34,28 @@ pub(crate) struct Stated {
     pub(crate) late: usize,
     /// The stated integral gain, as a multiple of the one that ran, 1.
     pub(crate) integral: f64,
+    /// Amplitude of a hum at 50.03 Hz in the accelerometer, m/s2.
+    pub(crate) hum: f64,
+    /// By how much one sample of the accelerometer in the middle of each run is wrong, m/s2.
+    pub(crate) spike: f64,
 }
 
 impl Default for Stated {
     fn default() -> Self {
-        Self { command: true, late: 0, integral: 1.0 }
+        Self { command: true, late: 0, integral: 1.0, hum: 0.0, spike: 0.0 }
     }
 }
 
 /// The paper's table.
 pub(crate) fn paper() -> Physics {
     Physics::baseline(Machine::Servo { b1: 0.69, b0: 138.0, a1: 57.65, velocity_limit: 0.242 })
+}
+
+/// What the accelerometer's wiring makes of an acceleration.
+fn recorded(acceleration: &[f64], dt: f64, stated: &Stated) -> Vec<f64> {
+    let hum = |k: usize| stated.hum * (TAU * 50.03 * k as f64 * dt + 1.0).sin();
+    let spike = |k: usize| if k == acceleration.len() / 2 { stated.spike } else { 0.0 };
+    (0..acceleration.len()).map(|k| acceleration[k] + hum(k) + spike(k)).collect()
 }
 
 /// The experiment: two strong records and a moderate one to fit, another strong one held out.
@@ -73,11 +85,11 @@ pub(crate) fn write(folder: &Path, physics: &Physics, stated: &Stated) {
         let (displacement, acceleration) = NOISE;
         let noise = Noise { displacement, step: 0.0, acceleration, colour: 0.0, hum: None, seed: (7, 7) };
         let traces = simulate(physics, &run, Some(&noise)).expect("a stable loop");
+        let acceleration = recorded(&traces.acceleration, run.dt, stated);
         let mut csv = String::from("time,reference,displacement,acceleration,command\n");
         for k in 0..run.reference.len() {
             let (t, r) = (k as f64 * run.dt, run.reference[k]);
-            let (x, a, u) =
-                (traces.displacement[k.saturating_sub(stated.late)], traces.acceleration[k], traces.command[k]);
+            let (x, a, u) = (traces.displacement[k.saturating_sub(stated.late)], acceleration[k], traces.command[k]);
             let _ = writeln!(csv, "{t:.3},{r:.9},{x:.9},{a:.6},{u:.9}");
         }
         std::fs::write(folder.join(format!("{number}.csv")), csv).unwrap();

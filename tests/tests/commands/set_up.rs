@@ -52,12 +52,32 @@ fn an_integral_gain_that_is_stated_wrong_is_no_second_effect() {
     assert!(matches!(gains[..], [(None, ki)] if (ki / 0.6 - 1.0).abs() < 0.02), "{gains:?}");
 }
 
+/// What is too faint to be physics is said all the same: a filter of 1 ms and a hum of an eighth of the noise in the accelerometer, and one
+/// sample of each run that is wrong by the largest acceleration.
+#[test]
+fn faint_faults_of_a_sensor_are_said_and_are_no_physics() {
+    let lag = 1e-3;
+    let mut physics = paper();
+    physics.sensors.acceleration_lag = lag;
+    let faults = Stated { hum: 0.0125, spike: 2.0, ..Stated::default() };
+    let diagnosis = diagnosed(&physics, &faults);
+    assert_eq!(diagnosis.verdict, Verdict::Consistent, "{:?}", diagnosis.effects);
+    let near = |what: &str, truth: f64| match found(&diagnosis, what)[..] {
+        [(Some("acceleration"), value)] => (value / truth - 1.0).abs() < 0.3,
+        _ => false,
+    };
+    assert!(near("sensor_lag", lag) && near("hum", faults.hum), "{:?}", diagnosis.set_up);
+    assert_eq!(found(&diagnosis, "outliers"), [(Some("acceleration"), 1.0); 4]);
+}
+
 /// The control: as it is stated without a recorded command.
 #[test]
 fn a_set_up_that_is_stated_right_is_not_doubted() {
     let diagnosis = diagnosed(&paper(), &Stated { command: false, ..Stated::default() });
     assert_eq!(diagnosis.verdict, Verdict::Consistent, "{:?}", diagnosis.effects);
     assert!(found(&diagnosis, "sample_shift").is_empty() && found(&diagnosis, "controller_ki").is_empty());
+    let faint = ["sensor_lag", "hum", "outliers"].map(|what| found(&diagnosis, what));
+    assert!(faint.iter().all(Vec::is_empty), "{faint:?}");
     assert!(found(&diagnosis, "model_value").is_empty() && diagnosis.stated_values_instead.is_empty());
 }
 

@@ -12,8 +12,9 @@ use std::f64::consts::TAU;
 /// A line must stand out from its neighbours by this factor in power.
 const STANDS_OUT: f64 = 30.0;
 
-/// Harmonics of the mains that are looked for.
-const HARMONICS: [u32; 3] = [1, 2, 3];
+/// Frequencies of the mains, Hz, and the harmonics of them that are looked for.
+pub(crate) const MAINS: [f64; 2] = [50.0, 60.0];
+pub(crate) const HARMONICS: [u32; 3] = [1, 2, 3];
 
 /// Stretches a record is cut into to see whether a line lasts.
 const STRETCHES: usize = 24;
@@ -47,7 +48,7 @@ fn strongest(run: &Run, channel: Channel) -> Option<(f64, f64, Line)> {
     }
     // A mode of the table near the mains is broad: only as fine as the recording is long does it come apart from a line.
     let fine = spectra(samples, samples, run.dt, samples.len().min((20.0 / run.dt) as usize));
-    let mains = [50.0, 60.0].into_iter().flat_map(|f| HARMONICS.map(|h| (f, f64::from(h))));
+    let mains = MAINS.into_iter().flat_map(|f| HARMONICS.map(|h| (f, f64::from(h))));
     let lines = mains.filter_map(|(mains, harmonic)| {
         let folded = fold(mains * harmonic, 1.0 / run.dt);
         let line = Line::at(&power, folded)?;
@@ -82,7 +83,7 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
 }
 
 /// Where sampling puts a frequency, Hz.
-fn fold(frequency: f64, rate: f64) -> f64 {
+pub(crate) fn fold(frequency: f64, rate: f64) -> f64 {
     (frequency - rate * (frequency / rate).round()).abs()
 }
 
