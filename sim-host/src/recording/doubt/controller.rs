@@ -20,6 +20,10 @@ use nalgebra::{DMatrix, DVector};
 const CERTAIN: f64 = 5.0;
 /// Relative difference of a gain below which it is as stated: three written digits are no better.
 const ROUNDED: f64 = 2e-3;
+/// Relative difference below which it is taken as stated: the quartz of a clock is no better, and keeps a gain over a time off by as much.
+const QUARTZ: f64 = 5e-5;
+/// Share of what a gain over a time is off by that the other gain may be off by, for a clock to be why.
+const EXACT: f64 = 0.2;
 /// Share of the command's size that a law may leave unexplained and still be the law that ran.
 const EXPLAINED: f64 = 0.1;
 /// Share of the residual's power that a delay or a further term must leave at most to be believed.
@@ -60,9 +64,12 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
         }
         let corrected = corrected(&law, &fitted);
         findings.extend(different(&law, &corrected, &fitted, &runs));
+        // A lag and a part of a sample are known to their steps, and bend the gains by as much.
+        if lag == 0.0 && delay.fract() == 0.0 {
+            findings.extend(clock(&law, &fitted, runs[0].dt));
+        }
         let feed = fitted.gains.get(2).zip(fitted.std.get(2));
-        let kvf =
-            feed.filter(|(kvf, std)| moved(shaping.kvf, **kvf, **std, 0.1 * ROUNDED)).map_or(shaping.kvf, |f| *f.0);
+        let kvf = feed.filter(|(kvf, std)| moved(shaping.kvf, **kvf, **std, QUARTZ)).map_or(shaping.kvf, |f| *f.0);
         if moved(shaping.kvf, kvf, 0.0, ROUNDED) {
             let finding = SetUpFinding::new(Doubt::ControllerKvf, kvf, "unit of u s per m").against(shaping.kvf);
             findings.push(finding.within(fitted.std.get(2).copied().unwrap_or(0.0)));
@@ -116,7 +123,7 @@ fn credible(stated: [f64; 2], found: &[f64]) -> bool {
 /// The law with its fitted gains, each left as stated where it is not told apart from that.
 fn corrected(law: &RecordedLaw, fitted: &Fitted) -> RecordedLaw {
     let pick = |stated: f64, i: usize| match (fitted.gains.get(i), fitted.std.get(i)) {
-        (Some(&found), Some(&std)) if moved(stated, found, std, 0.1 * ROUNDED) => found,
+        (Some(&found), Some(&std)) if moved(stated, found, std, QUARTZ) => found,
         _ => stated,
     };
     match law {
@@ -160,6 +167,25 @@ fn different(stated: &RecordedLaw, found: &RecordedLaw, fitted: &Fitted, runs: &
         if runs.len() == 1 { finding.of_run(&runs[0].name) } else { finding }
     };
     rows.into_iter().filter(told).map(finding).collect()
+}
+
+/// The sampling period by a gain over a time that is off by less than gains are stated wrong by, where the other gain is what was stated.
+fn clock(law: &RecordedLaw, fitted: &Fitted, dt: f64) -> Option<SetUpFinding> {
+    let (plain, stated, found, std) = match law {
+        RecordedLaw::ProportionalIntegral { kp, ki } => {
+            (fitted.gains[0] / kp, *ki, fitted.gains[1], fitted.std[1] / ki.abs())
+        }
+        RecordedLaw::Cascade { kp, kv } => {
+            let inner = fitted.gains[1];
+            (fitted.gains[0] / (kp * kv), inner, *kv, fitted.std[1] / inner.abs())
+        }
+        RecordedLaw::Open | RecordedLaw::Core { .. } => return None,
+    };
+    let rate = found / stated - 1.0;
+    let told = moved(1.0, 1.0 + rate, std, QUARTZ) && !moved(1.0, 1.0 + rate, std, ROUNDED);
+    let other = (plain - 1.0).abs() < EXACT * rate.abs();
+    (told && other)
+        .then(|| SetUpFinding { corrected: false, ..SetUpFinding::clock_rate(dt, dt * (1.0 + rate), Some(dt * std)) })
 }
 
 /// Least squares over runs; none where the terms do not determine the gains.

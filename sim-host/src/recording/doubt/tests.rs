@@ -110,6 +110,24 @@ fn gains_stated_one_per_cent_wrong_are_found_to_a_part_in_ten_thousand() {
     assert!((kp / 4.0 - 1.0).abs() < 1e-4 && (ki - 1.0).abs() < 1e-3, "{kp} {ki}");
 }
 
+/// A clock that is slow by less than gains are stated wrong by, and none that is as good as a quartz; a gain that is as far off with the
+/// other is no clock.
+#[test]
+fn a_clock_that_is_a_little_slow_is_told_by_the_law() {
+    let of = |rate: f64, kp: f64| {
+        let mut slow = experiment(&pi(4.0, 1.0), Shaping::default(), 1);
+        slow.runs[0].law = pi(kp, 1.0);
+        slow.runs[0].dt /= 1.0 + rate;
+        doubt(&slow)
+    };
+    let found = of(4e-4, 4.0);
+    assert_eq!(kinds(&found), [Doubt::ClockRate]);
+    let period = &found.findings[0];
+    assert!((period.found / period.stated.unwrap() - 1.0 - 4e-4).abs() < 2e-6, "{period:?}");
+    assert!(of(2e-5, 4.0).findings.is_empty());
+    assert!(of(4e-4, 4.001).findings.is_empty());
+}
+
 #[test]
 fn feed_forward_that_nobody_stated_is_found() {
     let found = doubt(&experiment(&pi(4.0, 1.0), Shaping { kvf: 0.3, ..Shaping::default() }, 2));
