@@ -36,7 +36,11 @@ pub(super) fn report(
     model: &Model,
     findings: &mut Vec<SetUpFinding>,
 ) {
-    let known = |f: &SetUpFinding| f.what == Doubt::Hum && f.channel == Some(channel.name());
+    // What a displacement's hum makes of the loop is motion, and every sensor beside shows it.
+    let known = |f: &SetUpFinding| {
+        let same = [channel.name(), Channel::Displacement.name()];
+        f.what == Doubt::Hum && f.channel.is_some_and(|of| same.contains(&of))
+    };
     let modelled = channel == Channel::Acceleration && model.ids().contains(&mains_hum::ENTRY.id);
     if modelled || findings.iter().any(known) {
         return;

@@ -19,11 +19,14 @@ const PARTS: usize = 16;
 const BLOCKS: usize = 64;
 /// Largest residuals left out, as a share: spikes are reported by themselves.
 const TRIMMED: f64 = 0.002;
+/// Samples of a stretch, and the share of the stretches with the least motion that say what colour the noise has.
+const STRETCH: usize = 64;
+const QUIET: f64 = 0.25;
 /// Factor between a residual and its second differences up to which it is white, and nothing but noise whatever the model lacks.
 const WHITE: f64 = 1.03;
 
-/// Adds what is found of a channel whose residuals are counted in a noise. Where they follow the motion, or the model lacks something, what
-/// neighbouring samples differ by is all that can be said of it.
+/// Adds what is found of a channel whose residuals are counted in a noise. What is not white is coloured noise, or something that the
+/// model lacks: where the table is quiet it is the noise's colour.
 pub(super) fn report(
     experiment: &Experiment,
     looks: &[Look],
@@ -32,26 +35,42 @@ pub(super) fn report(
     findings: &mut Vec<SetUpFinding>,
 ) {
     let mut rows = rows(looks, channel);
-    let by_differences = lacking && !is_white(&rows);
-    if by_differences {
-        rows.retain(|row| row.difference.is_finite());
-        for row in &mut rows {
-            row.left = row.difference;
-        }
-    }
-    let growth = growth(&rows).filter(|_| !by_differences);
+    let is_white = is_white(&rows);
+    let growth = growth(&rows).filter(|_| is_white || !lacking);
     if let Some((factor, std)) = growth {
         findings.push(SetUpFinding::noise_growth(channel.name(), factor - 1.0, std));
+    }
+    if !is_white {
+        as_coloured_at_rest(&mut rows);
     }
     let (Some(found), Some(stated)) = (power(rows.iter().map(|r| r.left)), stated(experiment, channel)) else { return };
     let value = noise * found.sqrt();
     if growth.is_some() {
         at_rest(&mut rows);
     }
-    let std = uncertainty(&rows) * if by_differences { ALIKE.sqrt() } else { 1.0 };
+    // The colour is that of a part of the samples.
+    let std = uncertainty(&rows) * if is_white { 1.0 } else { (1.0 / QUIET).sqrt() };
     findings.retain(|f| f.what != Doubt::Noise || f.channel != Some(channel.name()));
     if (value / stated).ln().abs() > WORTH.ln().max(CERTAIN * std) {
         findings.push(SetUpFinding::noise(channel.name(), stated, value, value * std, channel.unit()));
+    }
+}
+
+/// Puts second differences, made as large as the noise's colour makes residuals beside them where the table is quiet, in the place of
+/// residuals.
+fn as_coloured_at_rest(rows: &mut Vec<Row>) {
+    rows.retain(|row| row.difference.is_finite());
+    let mut stretches: Vec<&[Row]> = rows.chunks(STRETCH).collect();
+    let motion = |stretch: &[Row]| stretch.iter().map(|row| row.motion).sum::<f64>() / stretch.len().max(1) as f64;
+    stretches.sort_by(|a, b| motion(a).total_cmp(&motion(b)));
+    let quiet = ((stretches.len() as f64 * QUIET) as usize).max(1).min(stretches.len());
+    let size = |of: fn(&Row) -> f64| power(stretches[..quiet].iter().flat_map(|stretch| stretch.iter()).map(of));
+    let both = size(|row| row.left).zip(size(|row| row.difference));
+    let colour = both.map_or(1.0, |(left, difference)| (left / difference).sqrt().max(1.0));
+    let most = power(rows.iter().map(|r| r.left)).zip(power(rows.iter().map(|r| r.difference)));
+    let colour = colour.min(most.map_or(1.0, |(left, difference)| (left / difference).sqrt()));
+    for row in rows {
+        row.left = colour * row.difference;
     }
 }
 
@@ -208,5 +227,22 @@ mod tests {
         let fast = power(rows.iter().filter(|r| r.motion > 0.9).map(|r| r.difference));
         assert!(fast.zip(slow).is_some_and(|(fast, slow)| fast > 1.3 * slow));
         assert_eq!(growth(&rows), None);
+    }
+
+    /// Coloured noise beneath what a model lacks at speed is found by its colour at rest.
+    #[test]
+    fn coloured_noise_is_told_from_what_a_model_lacks() {
+        let mut last = 0.0;
+        let coloured = |noise: f64, motion: f64| {
+            last = 0.5 * last + noise;
+            last + 12.0 * (motion.abs() - 0.6).max(0.0) * motion.signum()
+        };
+        let mut rows = of(coloured);
+        let size = |rows: &[Row]| power(rows.iter().map(|r| r.left)).map_or(0.0, f64::sqrt);
+        let with_misfit = size(&rows);
+        as_coloured_at_rest(&mut rows);
+        let noise = (1.0_f64 - 0.25).sqrt().recip();
+        assert!(with_misfit > 2.0 * noise);
+        assert!((size(&rows) / noise - 1.0).abs() < 0.1, "{} of {noise}", size(&rows));
     }
 }
