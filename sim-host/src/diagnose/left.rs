@@ -1,13 +1,14 @@
 //! Faults of the set-up by what a model that explains the recordings leaves of them.
 //!
 //! Before anything is explained, physics and faults of a sensor lie on top of each other, and only a gross fault shows. Beneath an
-//! accepted model the small ones show too: the noise of each channel, hum, single samples wrong, a sensor that lags. They are said and
+//! accepted model the small ones show too: the noise of each channel, hum, a saw-tooth, single samples wrong, a sensor that lags. They are said and
 //! not corrected: whatever matters to the names is a hypothesis beside the physics and has been weighed before.
 
 mod hum;
 mod lag;
 mod noise;
 mod rows;
+mod saw_tooth;
 mod spikes;
 
 use super::residual::judged_channels;
@@ -44,6 +45,7 @@ pub(super) fn report(
     for channel in channels {
         let Some(stated) = noise_of(whole, channel) else { continue };
         noise::report(experiment, &looks, (channel, stated), open || follows(channel), findings);
+        saw_tooth::report(&looks, (channel, stated), findings);
         if !open {
             hum::report(&looks, (channel, stated), &conclusion.accepted.fit.model, findings);
             spikes::report(&looks, channel, findings);

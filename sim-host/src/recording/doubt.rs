@@ -54,6 +54,8 @@ pub enum Doubt {
     Clipped,
     /// A line of the mains in a channel.
     Hum,
+    /// A saw-tooth in a channel.
+    SawTooth,
     /// The time stamps scatter about an even grid.
     ClockJitter,
     /// The clock that stamped the rows runs at another rate.
@@ -125,6 +127,12 @@ impl SetUpFinding {
     /// Amplitude of a hum of the mains in a channel, in the channel's SI unit.
     pub fn hum(channel: &'static str, amplitude: f64, unit: &str) -> Self {
         let it = Self::new(Doubt::Hum, amplitude, unit).against(0.0);
+        Self { channel: Some(channel), corrected: false, ..it }
+    }
+
+    /// Amplitude of a saw-tooth in a channel, in the channel's SI unit.
+    pub fn saw_tooth(channel: &'static str, amplitude: f64, unit: &str) -> Self {
+        let it = Self::new(Doubt::SawTooth, amplitude, unit).against(0.0);
         Self { channel: Some(channel), corrected: false, ..it }
     }
 
@@ -202,6 +210,7 @@ impl Doubt {
             Self::Outliers => "single samples wrong",
             Self::Clipped => "peaks cut off at the end of the range",
             Self::Hum => "amplitude of mains hum",
+            Self::SawTooth => "amplitude of a saw-tooth in a sensor",
             Self::ClockJitter => "jitter of the time stamps",
             Self::ClockRate => "sampling period",
             Self::LostRows => "rows missing",

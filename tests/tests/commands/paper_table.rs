@@ -87,9 +87,9 @@ pub(crate) fn write(folder: &Path, physics: &Physics, stated: &Stated) {
         let traces = simulate(physics, &run, Some(&noise)).expect("a stable loop");
         let acceleration = recorded(&traces.acceleration, run.dt, stated);
         let mut csv = String::from("time,reference,displacement,acceleration,command\n");
-        for k in 0..run.reference.len() {
+        for (k, a) in acceleration.iter().enumerate() {
             let (t, r) = (k as f64 * run.dt, run.reference[k]);
-            let (x, a, u) = (traces.displacement[k.saturating_sub(stated.late)], acceleration[k], traces.command[k]);
+            let (x, u) = (traces.displacement[k.saturating_sub(stated.late)], traces.command[k]);
             let _ = writeln!(csv, "{t:.3},{r:.9},{x:.9},{a:.6},{u:.9}");
         }
         std::fs::write(folder.join(format!("{number}.csv")), csv).unwrap();

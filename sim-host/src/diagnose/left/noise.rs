@@ -11,6 +11,8 @@ const WORTH: f64 = 1.02;
 const CERTAIN: f64 = 5.0;
 /// Factor by which the noise of the fastest quarter exceeds that of the slowest, that is worth a word.
 const GROWTH: f64 = 1.12;
+/// The same beyond which it is no noise: impacts that a model misses grow so.
+const MOST_GROWTH: f64 = 4.0;
 /// By how much second differences of white noise, which are alike, overstate their number: 1 + 2 (16 + 1) / 36.
 const ALIKE: f64 = 1.94;
 /// Parts of a channel's samples, by their motion, whose noises a line is laid through.
@@ -37,6 +39,9 @@ pub(super) fn report(
     let mut rows = rows(looks, channel);
     let is_white = is_white(&rows);
     let growth = growth(&rows).filter(|_| is_white || !lacking);
+    if growth.is_some_and(|(factor, _)| factor > MOST_GROWTH) {
+        return;
+    }
     if let Some((factor, std)) = growth {
         findings.push(SetUpFinding::noise_growth(channel.name(), factor - 1.0, std));
     }
