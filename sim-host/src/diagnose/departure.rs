@@ -37,23 +37,21 @@ struct Usual {
     spread: f64,
 }
 
-/// A spool is damped between 0.5 and 1.2; with more it is two lags one after the other, which a sensor's filter is as well.
+/// A spool that is damped by much more than one is two lags one after the other, which a sensor's filter is as well. The value and its
+/// spread are by judgement.
 ///
-/// Source: W. J. Thayer, "Transfer functions for Moog servovalves", Technical Bulletin 103, Moog, 1958, revised 1965.
+/// Source of the form: W. J. Thayer, "Transfer functions for Moog servovalves", Technical Bulletin 103, Moog, 1958, revised 1965.
 const USUAL: [Usual; 1] = [Usual { id: valve_lag::ENTRY.id, key: "damping", value: 0.8, spread: 0.35 }];
 
 /// What speaks against the values of effects that were added, as twice a logarithm.
 fn unusual(stated: &Model, fitted: &Model) -> f64 {
     let known = stated.ids();
-    let added = fitted.effects.iter().filter(|placed| !known.contains(&placed.entry.id));
-    let values =
-        added.flat_map(|placed| placed.entry.parameters.iter().zip(&placed.values).map(move |pair| (placed, pair)));
-    let away = |usual: &Usual, value: f64| ((value / usual.value).ln() / usual.spread).powi(2);
-    let of = values.flat_map(|(placed, (parameter, value))| {
-        let usual = USUAL.iter().filter(|usual| usual.id == placed.entry.id && usual.key == parameter.key);
-        usual.map(|usual| away(usual, value.value))
-    });
-    of.sum()
+    let away = |usual: &Usual| {
+        let placed = fitted.effects.iter().find(|placed| placed.entry.id == usual.id)?;
+        let place = placed.entry.parameters.iter().position(|parameter| parameter.key == usual.key)?;
+        Some(((placed.values.get(place)?.value / usual.value).ln() / usual.spread).powi(2))
+    };
+    USUAL.iter().filter(|usual| !known.contains(&usual.id)).filter_map(away).sum()
 }
 
 /// Prices of a square at which the values are put back, as powers of ten, and how many a decade.

@@ -1,8 +1,8 @@
 //! Faults of the set-up by what a model that explains the recordings leaves of them.
 //!
 //! Before anything is explained, physics and faults of a sensor lie on top of each other, and only a gross fault shows. Beneath an
-//! accepted model the small ones show too: the noise of each channel, hum, a saw-tooth, single samples wrong, a sensor that lags. They are said and
-//! not corrected: whatever matters to the names is a hypothesis beside the physics and has been weighed before.
+//! accepted model the small ones show too: the noise of each channel, hum, a saw-tooth, single samples wrong, a sensor that lags. They are
+//! said and not corrected: whatever matters to the names is a hypothesis beside the physics and has been weighed before.
 
 mod hum;
 mod lag;
@@ -12,10 +12,9 @@ mod saw_tooth;
 mod spikes;
 
 use super::residual::judged_channels;
-use super::structure::structures;
+use super::structure::{Structure, of_channel};
 use super::verdict::Conclusion;
-use crate::identify::data::{Channel, Run};
-use crate::identify::evaluate::Predicted;
+use crate::identify::data::Channel;
 use crate::identify::judge::score;
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
@@ -39,15 +38,13 @@ pub(super) fn report(
     channels.dedup();
     channels.retain(|channel| *channel != Channel::SupplyPressure);
     let open = conclusion.unlisted || conclusion.more_missing;
-    let (runs, predicted): (Vec<Run>, Vec<Predicted>) = looks.iter().map(|&(run, p)| (run.clone(), p.clone())).unzip();
-    let followed = structures(&runs, &predicted);
-    let follows = |channel| followed.iter().any(|(of, structure)| *of == channel && structure.is_certain());
+    let follows = |channel| of_channel(looks.iter().copied(), channel).is_some_and(Structure::is_certain);
     for channel in channels {
-        let Some(stated) = noise_of(whole, channel) else { continue };
-        noise::report(experiment, &looks, (channel, stated), open || follows(channel), findings);
-        saw_tooth::report(&looks, (channel, stated), findings);
+        let Some(noise) = noise_of(whole, channel) else { continue };
+        noise::report(experiment, &looks, (channel, noise), || open || follows(channel), findings);
+        saw_tooth::report(&looks, (channel, noise), findings);
         if !open {
-            hum::report(&looks, (channel, stated), &conclusion.accepted.fit.model, findings);
+            hum::report(&looks, (channel, noise), &conclusion.accepted.fit.model, findings);
             spikes::report(&looks, channel, findings);
         }
     }

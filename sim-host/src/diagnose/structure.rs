@@ -46,7 +46,10 @@ pub(super) fn structures(runs: &[Run], predicted: &[Predicted]) -> Vec<(Channel,
     let mut channels: Vec<Channel> = runs.iter().flat_map(super::residual::judged_channels).collect();
     channels.sort_unstable();
     channels.dedup();
-    channels.into_iter().filter_map(|channel| Some((channel, of_channel(runs, predicted, channel)?))).collect()
+    channels
+        .into_iter()
+        .filter_map(|channel| Some((channel, of_channel(runs.iter().zip(predicted), channel)?)))
+        .collect()
 }
 
 /// One sample: its stretch, what was left and the features.
@@ -56,9 +59,13 @@ struct Row {
     features: Vec<f64>,
 }
 
-fn of_channel(runs: &[Run], predicted: &[Predicted], channel: Channel) -> Option<Structure> {
+/// The structure of one channel; none where it has too few samples to tell.
+pub(super) fn of_channel<'a>(
+    looks: impl Iterator<Item = (&'a Run, &'a Predicted)>,
+    channel: Channel,
+) -> Option<Structure> {
     let mut rows = Vec::new();
-    for (run, predicted) in runs.iter().zip(predicted) {
+    for (run, predicted) in looks {
         let Some(residual) = super::residual::residual(run, predicted, channel) else { continue };
         let first = rows.last().map_or(0, |row: &Row| row.stretch + 1);
         rows.extend(rows_of(run, predicted, &residual, first));

@@ -27,7 +27,7 @@ mod timing;
 pub(crate) use clipped::stretches as clipped_stretches;
 pub(crate) use consistency::relation;
 pub(in crate::recording) use consistency::{Bin, delay_over, spectra_of};
-pub(crate) use hum::{HARMONICS, MAINS, fold, mains_line};
+pub(crate) use hum::{fold, mains_line, mains_lines};
 pub(crate) use missing::{BRIDGED, longest as longest_stretch, stretches};
 pub(crate) use replay::fitted_gains;
 pub use skew::Skew;

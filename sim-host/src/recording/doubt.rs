@@ -110,6 +110,11 @@ impl SetUpFinding {
         Self { channel: Some(channel.name()), ..self }
     }
 
+    /// Of a channel by its name; the diagnosis does not go on with what was found.
+    fn only_said_of(self, channel: &'static str) -> Self {
+        Self { channel: Some(channel), corrected: false, ..self }
+    }
+
     fn against(self, stated: f64) -> Self {
         Self { stated: Some(stated), ..self }
     }
@@ -126,26 +131,22 @@ impl SetUpFinding {
 
     /// Amplitude of a hum of the mains in a channel, in the channel's SI unit.
     pub fn hum(channel: &'static str, amplitude: f64, unit: &str) -> Self {
-        let it = Self::new(Doubt::Hum, amplitude, unit).against(0.0);
-        Self { channel: Some(channel), corrected: false, ..it }
+        Self::new(Doubt::Hum, amplitude, unit).against(0.0).only_said_of(channel)
     }
 
     /// Amplitude of a saw-tooth in a channel, in the channel's SI unit.
     pub fn saw_tooth(channel: &'static str, amplitude: f64, unit: &str) -> Self {
-        let it = Self::new(Doubt::SawTooth, amplitude, unit).against(0.0);
-        Self { channel: Some(channel), corrected: false, ..it }
+        Self::new(Doubt::SawTooth, amplitude, unit).against(0.0).only_said_of(channel)
     }
 
     /// Single samples of a channel that are wrong in a run.
     pub fn outliers(channel: &'static str, run: &str, count: usize) -> Self {
-        let it = Self::new(Doubt::Outliers, count as f64, "samples").against(0.0).of_run(run);
-        Self { channel: Some(channel), corrected: false, ..it }
+        Self::new(Doubt::Outliers, count as f64, "samples").against(0.0).of_run(run).only_said_of(channel)
     }
 
     /// Time constant of a channel's low-pass, s.
     pub fn sensor_lag(channel: &'static str, time: f64, std: f64) -> Self {
-        let it = Self::new(Doubt::SensorLag, time, "s").against(0.0).within(std);
-        Self { channel: Some(channel), corrected: false, ..it }
+        Self::new(Doubt::SensorLag, time, "s").against(0.0).within(std).only_said_of(channel)
     }
 
     /// By what share the noise of a channel is larger in strong motion than in weak.

@@ -5,7 +5,7 @@ use crate::diagnose::residual::residual;
 use crate::identify::data::Channel;
 use crate::identify::model::Model;
 use crate::plant::effects::mains_hum;
-use crate::recording::check::{HARMONICS, MAINS, fold};
+use crate::recording::check::{fold, mains_lines};
 use crate::recording::{Doubt, SetUpFinding};
 use std::f64::consts::TAU;
 
@@ -45,8 +45,9 @@ pub(super) fn report(
     if modelled || findings.iter().any(known) {
         return;
     }
-    let nominal = MAINS.into_iter().flat_map(|mains| HARMONICS.map(|h| mains * f64::from(h)));
-    let lines = nominal.filter_map(|mains| strongest(looks, channel, mains));
+    let of = |&(run, predicted): &Look| Some((residual(run, predicted, channel)?, run.dt));
+    let left: Vec<(Vec<f64>, f64)> = looks.iter().filter_map(of).filter(|(left, _)| left.len() >= FEWEST).collect();
+    let lines = mains_lines().filter_map(|mains| strongest(&left, mains));
     let Some(line) = lines.max_by(|a, b| a.stands_out.total_cmp(&b.stands_out)) else { return };
     if line.is_certain() {
         findings.push(SetUpFinding::hum(channel.name(), noise * line.amplitude, channel.unit()));
@@ -62,23 +63,23 @@ impl Line {
 }
 
 /// What a model leaves of a channel in a run, beside a frequency of the mains.
-struct Beside {
-    left: Vec<f64>,
+struct Beside<'a> {
+    left: &'a [f64],
     dt: f64,
     /// Mean power on either side of the frequency.
     usual: f64,
 }
 
 /// The strongest line near a frequency of the mains; none where the sampling folds it to where nothing is to be said.
-fn strongest(looks: &[Look], channel: Channel, mains: f64) -> Option<Line> {
-    let beside = |&(run, predicted): &Look| {
-        let left = residual(run, predicted, channel).filter(|left| left.len() >= FEWEST)?;
-        let seen = fold(mains, 1.0 / run.dt);
-        let clear = BESIDE.end..0.5 / run.dt - BESIDE.end;
-        let usual = clear.contains(&seen).then(|| beside(&left, run.dt, seen))?;
-        Some(Beside { left, dt: run.dt, usual })
+fn strongest(left: &[(Vec<f64>, f64)], mains: f64) -> Option<Line> {
+    let beside = |(left, dt): &(Vec<f64>, f64)| {
+        let seen = fold(mains, 1.0 / dt);
+        let clear = BESIDE.end..0.5 / dt - BESIDE.end;
+        clear.contains(&seen).then(|| beside(left, *dt, seen))
     };
-    let runs: Vec<Beside> = looks.iter().filter_map(beside).collect();
+    let usual = left.iter().map(|run| (run, beside(run)));
+    let runs: Vec<Beside> =
+        usual.filter_map(|((left, dt), usual)| Some(Beside { left, dt: *dt, usual: usual? })).collect();
     let longest = runs.iter().map(|run| run.left.len() as f64 * run.dt).fold(0.0, f64::max);
     let steps = (STEPS * AROUND * longest).ceil().max(1.0) as i32;
     let near = (-steps..=steps).map(|i| mains + AROUND * f64::from(i) / f64::from(steps));
@@ -129,29 +130,23 @@ mod tests {
     use rand_chacha::rand_core::SeedableRng;
 
     /// Runs of 12 s at 500 Hz with noise and hum of an amplitude (in units of the noise) at 49.97 Hz, each in a phase of its own.
-    fn runs(count: usize, amplitude: f64) -> Vec<Beside> {
+    fn runs(count: usize, amplitude: f64) -> Vec<(Vec<f64>, f64)> {
         let mut noise = ChaCha8Rng::seed_from_u64(11);
         let run = |i: usize| {
             let hum = |k: usize| amplitude * (TAU * 49.97 * 2e-3 * k as f64 + i as f64).sin();
-            let left: Vec<f64> = (0..6000).map(|k| gauss(&mut noise) + hum(k)).collect();
-            let usual = beside(&left, 2e-3, 50.0);
-            Beside { left, dt: 2e-3, usual }
+            ((0..6000).map(|k| gauss(&mut noise) + hum(k)).collect(), 2e-3)
         };
         (0..count).map(run).collect()
-    }
-
-    fn strongest(runs: &[Beside]) -> Line {
-        let near = (-5..=5).map(|i| 50.0 + 0.02 * f64::from(i));
-        near.filter_map(|f| at(runs, f)).max_by(|a, b| a.stands_out.total_cmp(&b.stands_out)).unwrap()
     }
 
     /// A hum that no run shows for certain is certain over eight, with its amplitude; noise alone is none.
     #[test]
     fn a_faint_hum_is_found_over_all_runs() {
-        let faint = strongest(&runs(8, 0.12));
+        let strongest = |count, amplitude| strongest(&runs(count, amplitude), 50.0).unwrap();
+        let faint = strongest(8, 0.12);
         assert!(faint.is_certain());
         assert!((faint.amplitude / 0.12 - 1.0).abs() < 0.2, "{}", faint.amplitude);
-        assert!(!strongest(&runs(1, 0.06)).is_certain());
-        assert!(!strongest(&runs(8, 0.0)).is_certain());
+        assert!(!strongest(1, 0.06).is_certain());
+        assert!(!strongest(8, 0.0).is_certain());
     }
 }

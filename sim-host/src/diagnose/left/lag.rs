@@ -5,8 +5,9 @@
 
 use crate::diagnose::calibration::CALIBRATION;
 use crate::diagnose::verdict::Conclusion;
+use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
-use crate::identify::judge::{Score, score};
+use crate::identify::judge::score;
 use crate::identify::model::ModelEffect;
 use crate::identify::prepare::Prepared;
 use crate::plant::effects::{Entry, acceleration_lag, command_delay, displacement_lag, valve_lag};
@@ -54,7 +55,6 @@ pub(super) fn report(
 ) -> Result<(), SimulateError> {
     let accepted = &conclusion.accepted.fit;
     let known = accepted.model.ids();
-    let held = score(&accepted.model, &conclusion.judging)?;
     for lag in LAGS.iter().filter(|lag| !known.contains(&lag.entry.id)) {
         let Some(fit) = with(lag.entry, whole, accepted)? else { continue };
         let Some((time, std)) = time_of(&fit, lag.entry) else { continue };
@@ -65,7 +65,7 @@ pub(super) fn report(
         if !explains || gain < CERTAIN || time < WORTH.max(DEVIATIONS * std) {
             continue;
         }
-        if conclusion.held_out && !holds(gain / fit.rows as f64, &held, &score(&fit.model, &conclusion.judging)?) {
+        if conclusion.held_out && !holds(gain / fit.rows as f64, accepted, &fit, &conclusion.judging)? {
             continue;
         }
         let mut others = lag.rivals.iter().filter(|rival| !known.contains(&rival.id));
@@ -102,6 +102,7 @@ fn time_of(fit: &Fit, entry: &Entry) -> Option<(f64, f64)> {
 }
 
 /// Whether the runs held out gain as much a sample as those fitted did.
-fn holds(gain: f64, before: &Score, after: &Score) -> bool {
-    (before.squares() - after.squares()) / before.rows as f64 > ALIKE * gain
+fn holds(gain: f64, accepted: &Fit, lagged: &Fit, held: &[Run]) -> Result<bool, SimulateError> {
+    let (before, after) = (score(&accepted.model, held)?, score(&lagged.model, held)?);
+    Ok((before.squares() - after.squares()) / before.rows as f64 > ALIKE * gain)
 }

@@ -33,12 +33,12 @@ pub(super) fn report(
     experiment: &Experiment,
     looks: &[Look],
     (channel, noise): (Channel, f64),
-    lacking: bool,
+    lacking: impl FnOnce() -> bool,
     findings: &mut Vec<SetUpFinding>,
 ) {
     let mut rows = rows(looks, channel);
     let is_white = is_white(&rows);
-    let growth = growth(&rows).filter(|_| is_white || !lacking);
+    let growth = growth(&rows).filter(|_| is_white || !lacking());
     if growth.is_some_and(|(factor, _)| factor > MOST_GROWTH) {
         return;
     }
@@ -66,14 +66,10 @@ pub(super) fn report(
 fn as_coloured_at_rest(rows: &mut Vec<Row>) {
     rows.retain(|row| row.difference.is_finite());
     let mut stretches: Vec<&[Row]> = rows.chunks(STRETCH).collect();
-    let motion = |stretch: &[Row]| stretch.iter().map(|row| row.motion).sum::<f64>() / stretch.len().max(1) as f64;
-    stretches.sort_by(|a, b| motion(a).total_cmp(&motion(b)));
+    stretches.sort_by(|a, b| mean_motion(*a).total_cmp(&mean_motion(*b)));
     let quiet = ((stretches.len() as f64 * QUIET) as usize).max(1).min(stretches.len());
-    let size = |of: fn(&Row) -> f64| power(stretches[..quiet].iter().flat_map(|stretch| stretch.iter()).map(of));
-    let both = size(|row| row.left).zip(size(|row| row.difference));
-    let colour = both.map_or(1.0, |(left, difference)| (left / difference).sqrt().max(1.0));
-    let most = power(rows.iter().map(|r| r.left)).zip(power(rows.iter().map(|r| r.difference)));
-    let colour = colour.min(most.map_or(1.0, |(left, difference)| (left / difference).sqrt()));
+    let at_rest = colour(stretches[..quiet].iter().flat_map(|stretch| stretch.iter())).unwrap_or(1.0);
+    let colour = at_rest.max(1.0).min(colour(rows.iter()).unwrap_or(1.0));
     for row in rows {
         row.left = colour * row.difference;
     }
@@ -86,9 +82,13 @@ fn stated(experiment: &Experiment, channel: Channel) -> Option<f64> {
 
 /// Whether a residual is as large as its second differences say.
 fn is_white(rows: &[Row]) -> bool {
-    let differences = power(rows.iter().map(|r| r.difference).filter(|d| d.is_finite()));
-    let both = power(rows.iter().map(|r| r.left)).zip(differences);
-    both.is_some_and(|(left, differences)| left < WHITE * WHITE * differences)
+    colour(rows.iter()).is_some_and(|colour| colour < WHITE)
+}
+
+/// Residuals over their second differences, by their root mean squares; none of too few.
+fn colour<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Option<f64> {
+    let differences = power(rows.clone().map(|r| r.difference).filter(|d| d.is_finite()))?;
+    Some((power(rows.map(|r| r.left))? / differences).sqrt())
 }
 
 /// Mean square without the largest.
@@ -140,7 +140,8 @@ fn at_rest(rows: &mut [Row]) {
     // Weighted sums of a line: a part's standard deviation is known to a share of itself.
     let (mut w, mut m, mut mm, mut s, mut ms) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for part in sorted.chunks(sorted.len().div_ceil(PARTS).max(1)) {
-        let (Some(power), motion) = (power(part.iter().map(|r| r.difference)), mean_motion(part)) else { continue };
+        let Some(power) = power(part.iter().map(|r| r.difference)) else { continue };
+        let motion = mean_motion(part.iter().copied());
         let (size, weight) = (power.sqrt(), 1.0 / power);
         w += weight;
         m += weight * motion;
@@ -158,8 +159,9 @@ fn at_rest(rows: &mut [Row]) {
     }
 }
 
-fn mean_motion(part: &[&Row]) -> f64 {
-    part.iter().map(|row| row.motion).sum::<f64>() / part.len().max(1) as f64
+fn mean_motion<'a>(part: impl IntoIterator<Item = &'a Row>) -> f64 {
+    let (sum, count) = part.into_iter().fold((0.0, 0.0_f64), |(sum, count), row| (sum + row.motion, count + 1.0));
+    sum / count.max(1.0)
 }
 
 #[cfg(test)]

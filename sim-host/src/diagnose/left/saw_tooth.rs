@@ -122,7 +122,7 @@ impl Spectrum {
             *harmonic = (*self.amplitudes.get(place)?, *self.usual.get(place)?);
         }
         let power: f64 = harmonics.iter().map(|(a, usual)| 2.0 * a.norm_sqr() / usual).sum();
-        if power < CERTAIN.min(AGAIN) {
+        if power < AGAIN {
             return None;
         }
         let of_phase = |i: usize| in_step(&harmonics, i as f64 / PHASES as f64);

@@ -12,9 +12,8 @@ use std::f64::consts::TAU;
 /// A line must stand out from its neighbours by this factor in power.
 const STANDS_OUT: f64 = 30.0;
 
-/// Frequencies of the mains, Hz, and the harmonics of them that are looked for.
-pub(crate) const MAINS: [f64; 2] = [50.0, 60.0];
-pub(crate) const HARMONICS: [u32; 3] = [1, 2, 3];
+/// Harmonics of the mains that are looked for.
+const HARMONICS: [f64; 3] = [1.0, 2.0, 3.0];
 
 /// Stretches a record is cut into to see whether a line lasts.
 const STRETCHES: usize = 24;
@@ -48,17 +47,13 @@ fn strongest(run: &Run, channel: Channel) -> Option<(f64, f64, Line)> {
     }
     // A mode of the table near the mains is broad: only as fine as the recording is long does it come apart from a line.
     let fine = spectra(samples, samples, run.dt, samples.len().min((20.0 / run.dt) as usize));
-    let mains = MAINS.into_iter().flat_map(|f| HARMONICS.map(|h| (f, f64::from(h))));
-    let lines = mains.filter_map(|(mains, harmonic)| {
-        let folded = fold(mains * harmonic, 1.0 / run.dt);
+    let lines = mains_lines().filter_map(|mains| {
+        let folded = fold(mains, 1.0 / run.dt);
         let line = Line::at(&power, folded)?;
         let also_driven = driven.as_ref().and_then(|d| Line::at(d, folded)).is_some_and(|d| d.ratio > 10.0);
         let narrow = || Line::at(&fine, folded).is_some_and(|line| line.ratio > STANDS_OUT);
-        (line.ratio > STANDS_OUT && !also_driven && narrow() && lasts(run, samples, folded)).then_some((
-            mains * harmonic,
-            folded,
-            line,
-        ))
+        (line.ratio > STANDS_OUT && !also_driven && narrow() && lasts(run, samples, folded))
+            .then_some((mains, folded, line))
     });
     lines.max_by(|a, b| a.2.amplitude.total_cmp(&b.2.amplitude))
 }
@@ -80,6 +75,11 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
         format!("{channel} carries hum at {folded}, amplitude {:.2e}{unit}", line.amplitude),
         "check shields and earths, filter before sampling, or let the model carry `mains_hum`",
     ))
+}
+
+/// Frequencies of the mains and of their harmonics, Hz.
+pub(crate) fn mains_lines() -> impl Iterator<Item = f64> {
+    [50.0, 60.0].into_iter().flat_map(|mains| HARMONICS.map(|harmonic| mains * harmonic))
 }
 
 /// Where sampling puts a frequency, Hz.
