@@ -53,6 +53,7 @@ pub use doubt::{Doubt, SetUp, SetUpFinding, doubt};
 pub use error::{Place, Problem, RecordingError};
 pub use excerpt::excerpt;
 pub use experiment::Experiment;
+pub(crate) use law::GainFactors;
 pub use law::{RecordedLaw, Shaping};
 pub use model::{Accuracy, Baseline, ForceBalance, Model, RigidMass, Servo, StatedEffect};
 pub use propose::{Choice, Facts, Loop, Proposal, ProposeError, propose};

@@ -10,7 +10,7 @@ use crate::identify::model::Model;
 use crate::identify::prepare::Prepared;
 use crate::identify::quantity::quantities;
 use crate::plant::effects::clock_rate::ENTRY;
-use crate::recording::{self, Experiment, RecordedLaw as Law, SetUpFinding};
+use crate::recording::{Experiment, GainFactors, SetUpFinding};
 
 /// Share of itself by which a rate may be off from what a controller's law says: a gain is found only where it is known to a fifth of what
 /// it is away from the stated one.
@@ -25,19 +25,8 @@ pub(super) fn doubt(prepared: &mut Prepared, told: Option<f64>) {
 /// What the laws say of the clock, as they were stated and as they were found from what they made of the recorded command: one whose gain
 /// over a time is not as stated, and whose other gain is, ran by another clock or was stated wrong. True over stated period, less one.
 pub(super) fn told(stated: &Experiment, found: &Experiment) -> Option<f64> {
-    let of = |(stated, found): (&recording::Run, &recording::Run)| match (&stated.law, &found.law) {
-        (Law::ProportionalIntegral { kp, ki }, Law::ProportionalIntegral { kp: found, ki: over_time }) => {
-            Some((found / kp, over_time / ki))
-        }
-        (Law::Cascade { kp, kv }, Law::Cascade { kp: outer, kv: inner }) => {
-            Some(((outer * inner) / (kp * kv), kv / inner))
-        }
-        _ => None,
-    };
-    let rates = stated.runs.iter().zip(&found.runs).filter_map(of).map(|(plain, over_time)| {
-        let (plain, rate) = (plain - 1.0, over_time - 1.0);
-        (rate != 0.0 && plain.abs() < SAME * rate.abs()).then_some(rate)
-    });
+    let runs = stated.runs.iter().zip(&found.runs);
+    let rates = runs.filter_map(|(stated, found)| stated.law.factors_of(&found.law)).map(GainFactors::clock_rate);
     let rates = rates.collect::<Option<Vec<f64>>>()?;
     let first = *rates.first()?;
     rates.iter().all(|rate| (rate - first).abs() < SAME * first.abs()).then_some(first)
@@ -86,6 +75,7 @@ mod tests {
     use crate::identify::fit::tests::{TRUTH, model};
     use crate::identify::model::{ModelEffect, SignalScales};
     use crate::recording::doubt::tests::experiment;
+    use crate::recording::{self, RecordedLaw as Law};
 
     fn pi(kp: f64, ki: f64) -> Law {
         Law::ProportionalIntegral { kp, ki }

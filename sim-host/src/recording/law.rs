@@ -35,7 +35,40 @@ pub enum RecordedLaw {
     },
 }
 
+/// Share of what a gain over a time is off by that the other gain may be off by, for a clock to be why.
+const EXACT: f64 = 0.2;
+
+/// Gains of a law over those of another of its kind.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct GainFactors {
+    /// Of the gain that no time enters.
+    plain: f64,
+    /// Of the gain over a time, as another period would make it.
+    over_time: f64,
+}
+
+impl GainFactors {
+    /// True over stated sampling period, less one, where the gain over a time is off and the other is as stated.
+    pub(crate) fn clock_rate(self) -> Option<f64> {
+        let (plain, rate) = (self.plain - 1.0, self.over_time - 1.0);
+        (rate != 0.0 && plain.abs() < EXACT * rate.abs()).then_some(rate)
+    }
+}
+
 impl RecordedLaw {
+    /// The gains of a law that was found over those of this one; none of another kind, and of laws without such gains.
+    pub(crate) fn factors_of(&self, found: &Self) -> Option<GainFactors> {
+        match (self, found) {
+            (Self::ProportionalIntegral { kp, ki }, Self::ProportionalIntegral { kp: found, ki: over_time }) => {
+                Some(GainFactors { plain: found / kp, over_time: over_time / ki })
+            }
+            (Self::Cascade { kp, kv }, Self::Cascade { kp: outer, kv: inner }) => {
+                Some(GainFactors { plain: (outer * inner) / (kp * kv), over_time: kv / inner })
+            }
+            _ => None,
+        }
+    }
+
     /// Reads a run's `controller`, with what surrounds it; a settings file is looked for beside the experiment.
     pub(crate) fn read(entry: &Entry<'_>, folder: &Path) -> Result<(Self, Shaping), RecordingError> {
         const CHOICES: &str = "{ kp, ki }, { kind = \"cascade\", kp, kv }, { core = \"settings.toml\" }, \"none\"";

@@ -22,8 +22,6 @@ const CERTAIN: f64 = 5.0;
 const ROUNDED: f64 = 2e-3;
 /// Relative difference below which it is taken as stated: the quartz of a clock is no better, and keeps a gain over a time off by as much.
 const QUARTZ: f64 = 5e-5;
-/// Share of what a gain over a time is off by that the other gain may be off by, for a clock to be why.
-const EXACT: f64 = 0.2;
 /// Share of the command's size that a law may leave unexplained and still be the law that ran.
 const EXPLAINED: f64 = 0.1;
 /// Share of the residual's power that a delay or a further term must leave at most to be believed.
@@ -126,12 +124,17 @@ fn corrected(law: &RecordedLaw, fitted: &Fitted) -> RecordedLaw {
         (Some(&found), Some(&std)) if moved(stated, found, std, QUARTZ) => found,
         _ => stated,
     };
+    with_gains(law, pick)
+}
+
+/// The law with other gains, each of the stated one and its place in a fit.
+fn with_gains(law: &RecordedLaw, gain: impl Fn(f64, usize) -> f64) -> RecordedLaw {
     match law {
         RecordedLaw::ProportionalIntegral { kp, ki } => {
-            RecordedLaw::ProportionalIntegral { kp: pick(*kp, 0), ki: pick(*ki, 1) }
+            RecordedLaw::ProportionalIntegral { kp: gain(*kp, 0), ki: gain(*ki, 1) }
         }
         RecordedLaw::Cascade { kp, kv } => {
-            let (product, inner) = (pick(kp * kv, 0), pick(*kv, 1));
+            let (product, inner) = (gain(kp * kv, 0), gain(*kv, 1));
             RecordedLaw::Cascade { kp: product / inner, kv: inner }
         }
         other => other.clone(),
@@ -171,21 +174,11 @@ fn different(stated: &RecordedLaw, found: &RecordedLaw, fitted: &Fitted, runs: &
 
 /// The sampling period by a gain over a time that is off by less than gains are stated wrong by, where the other gain is what was stated.
 fn clock(law: &RecordedLaw, fitted: &Fitted, dt: f64) -> Option<SetUpFinding> {
-    let (plain, stated, found, std) = match law {
-        RecordedLaw::ProportionalIntegral { kp, ki } => {
-            (fitted.gains[0] / kp, *ki, fitted.gains[1], fitted.std[1] / ki.abs())
-        }
-        RecordedLaw::Cascade { kp, kv } => {
-            let inner = fitted.gains[1];
-            (fitted.gains[0] / (kp * kv), inner, *kv, fitted.std[1] / inner.abs())
-        }
-        RecordedLaw::Open | RecordedLaw::Core { .. } => return None,
-    };
-    let rate = found / stated - 1.0;
+    let found = with_gains(law, |stated, i| fitted.gains.get(i).copied().unwrap_or(stated));
+    let rate = law.factors_of(&found)?.clock_rate()?;
+    let std = fitted.std[1] / fitted.gains[1].abs();
     let told = moved(1.0, 1.0 + rate, std, QUARTZ) && !moved(1.0, 1.0 + rate, std, ROUNDED);
-    let other = (plain - 1.0).abs() < EXACT * rate.abs();
-    (told && other)
-        .then(|| SetUpFinding { corrected: false, ..SetUpFinding::clock_rate(dt, dt * (1.0 + rate), Some(dt * std)) })
+    told.then(|| SetUpFinding { corrected: false, ..SetUpFinding::clock_rate(dt, dt * (1.0 + rate), Some(dt * std)) })
 }
 
 /// Least squares over runs; none where the terms do not determine the gains.
