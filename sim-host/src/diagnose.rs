@@ -34,6 +34,7 @@ mod line;
 pub(crate) mod locate;
 mod next_test;
 mod noise;
+mod onward;
 mod options;
 mod overstated;
 mod passes;

@@ -5,6 +5,7 @@ use super::calibration::CALIBRATION;
 use super::finish::{best_of, needed, polished, refined, simplify, unbent, without};
 use super::judged::{Decision, ScoredModel};
 use super::leftover::{follows, larger_noise, more_is_missing};
+use super::onward::onward;
 use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
@@ -42,14 +43,24 @@ pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, S
         sizes.push(size);
     }
     let alone = Alone::of(search, &weighing.model().ids());
-    let after = polished(choose(&before, &sizes, &alone), weighing)?;
+    let mut after = polished(choose(&before, &sizes, &alone), weighing)?;
     if after.added.is_empty() {
         return weigh(weighing, before, after, sizes);
     }
-    let mut rivals = rivals(weighing, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
-    simplify(&before, &mut rivals, weighing)?;
-    let (after, rivals) = best_of(&before, after, rivals);
-    sizes.push(rivals);
+    loop {
+        let mut rivals = rivals(weighing, &after.fit, search)?.iter().map(judged).collect::<Result<Vec<_>, _>>()?;
+        simplify(&before, &mut rivals, weighing)?;
+        let (best, rivals) = best_of(&before, after, rivals);
+        sizes.push(rivals);
+        after = best;
+        let larger = onward(weighing, search, &before, &after, JUDGED)?;
+        let justified =
+            |model: &&ScoredModel| is_justified(&before, &after, model, alone.tell_apart(&after.added, &model.added));
+        let standing = larger.iter().find(justified).cloned();
+        sizes.push(larger);
+        let Some(standing) = standing else { break };
+        after = polished(standing, weighing)?;
+    }
     let less = needed(&before, after.clone(), weighing, &alone)?;
     let after = if less.added.len() < after.added.len() { best_of_its_size(&before, less, &sizes) } else { after };
     weigh(weighing, before, after, sizes)

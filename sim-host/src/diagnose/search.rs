@@ -35,7 +35,7 @@ pub(crate) struct Search {
 }
 
 /// Most effects added to the stated model.
-const MOST: usize = 3;
+pub(super) const MOST: usize = 3;
 /// Models of each size that are grown further.
 const BEAM: usize = 3;
 /// Models of each size that are fitted to the end.
@@ -195,6 +195,17 @@ impl<'a> Foresight<'a> {
 /// A model that no search grew, with one effect of the library more.
 pub(super) fn grow_beside(parent: &Fit, runs: &[Run], signal_scales: &SignalScales) -> Result<Vec<Fit>, SimulateError> {
     grow(std::slice::from_ref(parent), &[], runs, signal_scales)
+}
+
+/// The same, with the details of the forms of those that promise most fitted too, best first.
+pub(super) fn grow_beside_in_detail(
+    parent: &Fit,
+    runs: &[Run],
+    signal_scales: &SignalScales,
+) -> Result<Vec<Fit>, SimulateError> {
+    let mut grown = vec![grow_beside(parent, runs, signal_scales)?];
+    detail(&mut grown, runs)?;
+    Ok(grown.pop().unwrap_or_default())
 }
 
 /// Single effects on every fit of the stated model, each grown to its end: a fit that hides what is missing leaves so little that
