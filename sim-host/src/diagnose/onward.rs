@@ -41,3 +41,6 @@ fn is_grown(search: &Search, after: &ScoredModel) -> bool {
     let less = after.fit.squares - CHANCE;
     larger.any(|fit| fit.squares < less && holds(&fit.model.ids()))
 }
+
+#[cfg(test)]
+mod tests;
