@@ -13,7 +13,8 @@ fn truth(weighing: &Weighing, rate: f64) -> Model {
     model(TRUTH).with(viscous(400.0, 0.0, (-0.2, 30.0))).with(drift)
 }
 
-/// Where the search grew nothing from what judging put first, what explains the rest beside it is grown; where the search did, nothing is.
+/// Where the search grew nothing from what judging put first, one effect more that takes away most of the rest is grown, though not always
+/// the true one; where the search knows such a model, nothing is.
 #[test]
 fn what_no_search_grew_is_grown_on() {
     let plain: Vec<Run> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
