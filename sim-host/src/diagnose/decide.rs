@@ -1,6 +1,8 @@
 //! Names what is accepted: significance on the training, gain on the validation, and at least nine tenths of the excess
 //! explained. What falls short is said to be outside the library.
 
+mod alternatives;
+
 use super::calibration::CALIBRATION;
 use super::finish::{best_of, needed, polished, refined, simplify, unbent, without};
 use super::judged::{Decision, ScoredModel};
@@ -10,17 +12,18 @@ use super::ranking::Ranking;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
-use super::standing::{Alone, LEAST_GAIN, accounted, at_bound, beyond, explains_all, is_justified, kept};
+use super::standing::{Alone, LEAST_GAIN, accounted, at_bound, beyond, is_justified, kept};
+use crate::identify::data::Channel;
 use crate::identify::fit::Fit;
 use crate::identify::model::ModelEffect;
-use crate::plant::effects::{SignalScale, Stage, entry};
+use crate::plant::effects::SignalScale;
 use crate::plant::simulate::SimulateError;
+pub(super) use alternatives::one_story;
+use alternatives::{as_exact_as_its_form, belief, differing, scatter};
 use rayon::prelude::*;
 
 /// Models of each size that are weighed on the validation.
 const JUDGED: usize = 6;
-/// Alternatives among which one may be given as the likeliest.
-const FEW: usize = 2;
 /// Probability below which a name is likelier wrong than right.
 pub(super) const EVEN: f64 = 0.5;
 /// Probability of physics outside the library where what is left follows nothing.
@@ -101,7 +104,14 @@ fn choose(before: &ScoredModel, sizes: &[Vec<ScoredModel>], alone: &Alone) -> Sc
 /// seems to gain, and no line, which stands in any noise for sure.
 fn follows_motion(before: &ScoredModel, model: &ScoredModel) -> bool {
     let line = |p: &ModelEffect| p.entry.parameters.iter().any(|p| p.signal_scale == SignalScale::Line);
-    before.hold.chi2 - model.hold.chi2 > LEAST_GAIN && !model.fit.model.effects.iter().any(line)
+    gained_of_a_channel(before, model) > LEAST_GAIN && !model.fit.model.effects.iter().any(line)
+}
+
+/// The largest share of what a model leaves of a channel that it takes away from what another leaves there: a noise that was stated too
+/// large, or of other channels, hides none of it.
+fn gained_of_a_channel(before: &ScoredModel, model: &ScoredModel) -> f64 {
+    let share = |(channel, chi2, _): (Channel, f64, usize)| Some((before.hold.chi2_of(channel)? - chi2) / chi2);
+    model.hold.counted().filter_map(share).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Weighs the accepted model against all others and against what no library holds.
@@ -168,59 +178,12 @@ pub(super) fn weigh(
         one_of_many: false,
     };
     scatter(&mut decision, if larger { quiet } else { 0.0 });
+    as_exact_as_its_form(&mut decision);
     if let Some(leader) = decision.partial.take_if(|partial| leads(&decision.stated, partial, &decision.candidates)) {
         decision.name_beside_more(&leader.added);
         decision.accepted = ScoredModel { probability: CALIBRATION.beside_more, ..leader };
     }
     Ok(decision)
-}
-
-/// Takes names back for which several others stand as well: what is missing is then not among what these data can name, unless it is
-/// explained whole. Then it is one of them. Of what is no more than noise nothing is missing.
-fn scatter(decision: &mut Decision, quiet: f64) {
-    let beliefs = decision.accepted.added.iter().map(|id| belief(id, &decision.candidates));
-    let Some(least) = beliefs.min_by(f64::total_cmp) else { return };
-    let many = least < EVEN && stories(&decision.ties, &decision.accepted.added) > FEW;
-    let one_of_many = many && !explains_all(&decision.stated, &decision.accepted, quiet);
-    if decision.unlisted || !(least < CALIBRATION.unlikely || one_of_many) {
-        return;
-    }
-    if is_negligible(&decision.stated) {
-        decision.fall_back(1.0 - least);
-        (decision.accepted, decision.more_missing, decision.in_full) = (decision.stated.clone(), false, None);
-        decision.ties.clear();
-        return;
-    }
-    decision.take_back(1.0 - least);
-    (decision.unlisted, decision.more_missing) = (true, false);
-    decision.partial = Some(std::mem::replace(&mut decision.accepted, decision.stated.clone()));
-    decision.one_of_many = one_of_many;
-}
-
-/// True where a model leaves no more than noise that is not known better, on both kinds of runs: nothing is missing there.
-fn is_negligible(judged: &ScoredModel) -> bool {
-    judged.hold.chi2.max(judged.fit.chi2()) - 1.0 < CALIBRATION.negligible
-}
-
-/// Alternatives among ties that tell another story than the accepted effects: another law of the same thing does not.
-fn stories(ties: &[Vec<&'static str>], accepted: &[&'static str]) -> usize {
-    let told = |tie: &Vec<&'static str>| {
-        let (ours, theirs): (Vec<&'static str>, Vec<&'static str>) = tie.iter().partition(|id| accepted.contains(id));
-        let of = |ids: &[&'static str], others: &[&'static str]| -> Vec<&'static str> {
-            ids.iter().copied().filter(|id| !others.iter().any(|other| kin(id, other))).collect()
-        };
-        [of(&ours, &theirs), of(&theirs, &ours)].concat()
-    };
-    let mut stories: Vec<Vec<&'static str>> = ties.iter().map(told).filter(|story| !story.is_empty()).collect();
-    stories.sort_unstable();
-    stories.dedup();
-    stories.len()
-}
-
-/// How far an effect, or another law of the same thing, is believed.
-fn belief(id: &str, candidates: &[ScoredModel]) -> f64 {
-    let with = |judged: &&ScoredModel| judged.added.iter().any(|other| *other == id || kin(id, other));
-    candidates.iter().filter(with).map(|c| c.probability).sum()
 }
 
 /// The accepted model less the names of which others of its size stand in the place, where others stand: what is missing there is
@@ -237,13 +200,6 @@ fn surer(
     let less = without(after, &doubtful, weighing)?;
     let known = candidates.iter().filter(|c| c.added == less.added).cloned();
     Ok(known.chain([less.clone()]).min_by(|a, b| a.total().total_cmp(&b.total())))
-}
-
-/// True for two laws of one thing: at one place, and one mistaken for the other by the library's own word. Sensors' faults are
-/// each their own.
-fn kin(id: &str, other: &str) -> bool {
-    let (Some(a), Some(b)) = (entry(id), entry(other)) else { return false };
-    a.stage == b.stage && a.stage != Stage::Sensor && (a.mistaken_for.contains(&b.id) || b.mistaken_for.contains(&a.id))
 }
 
 /// Whether names explain most of the mismatch and no other set of their size comes near: what they leave is then something beside
@@ -276,12 +232,7 @@ fn posterior(
         }
         judged.probability = (1.0 - unlisted) * odds(judged).min(50.0).exp() / sum;
         if judged.added != after.added && !after.added.is_empty() && odds(judged).max(open(judged)) > -CALIBRATION.tie {
-            let differ = |a: &[&'static str], b: &[&'static str]| -> Vec<&'static str> {
-                a.iter().copied().filter(|id| !b.contains(id)).collect()
-            };
-            let mut tie = differ(&after.added, &judged.added);
-            tie.extend(differ(&judged.added, &after.added));
-            ties.push(tie);
+            ties.push(differing(&after.added, &judged.added));
         }
     }
     ties

@@ -9,7 +9,7 @@ mod reading;
 mod trial;
 
 use super::calibration::CALIBRATION;
-use super::decide::EVEN;
+use super::decide::{EVEN, one_story};
 use super::far::{ValueBesideStated, fitted_beside_stated};
 use super::passes::FAR_LESS;
 use super::{Examined, SEARCHED};
@@ -73,7 +73,8 @@ pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<In
         return Ok(beside.map_or(Instead::Nothing, |reading| better(experiment, &reading)));
     };
     let found = conclusion.accepted.hold.chi2 - 1.0;
-    let no_name = conclusion.unlisted || examined.diagnosis.effects.iter().all(|effect| effect.probability < EVEN);
+    let doubtful = examined.diagnosis.effects.iter().all(|effect| effect.probability < EVEN);
+    let no_name = conclusion.unlisted || (doubtful && !one_story(&conclusion.decision));
     let as_well = found <= best.left.max(0.0) + CALIBRATION.negligible;
     let others = others(experiment, &best.fit);
     let price = CALIBRATION.parameter_price * taken(examined) as f64;

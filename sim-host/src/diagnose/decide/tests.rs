@@ -197,26 +197,85 @@ fn one_of_many_names_for_next_to_nothing_is_no_mismatch() {
         probability: 0.25,
         ..leaving(chi2, &template)
     };
-    let scattered = |chi2: f64| {
-        let names = ["gain_drift", "spring", "tilt_coupling", "mains_hum"];
-        let with = |name: &&'static str| of(&[*name], 0.9 + 0.1 * chi2);
-        let mut decision = Decision {
-            stated: of(&[], chi2),
-            accepted: of(&names[..1], 0.9 + 0.1 * chi2),
-            candidates: names.iter().map(with).chain([of(&[], chi2)]).collect(),
-            ties: names[1..].iter().map(|other| vec![names[0], *other]).collect(),
-            unlisted: false,
-            partial: None,
-            unlisted_probability: 0.0,
-            more_missing: false,
-            noise: Vec::new(),
-            in_full: None,
-            one_of_many: false,
-        };
+    let scattered = |names: [&'static str; 4], chi2: f64| {
+        let with = |name: &'static str| of(&[name], 0.9 + 0.1 * chi2);
+        let mut decision = named(names.map(with).to_vec(), of(&[], chi2));
         scatter(&mut decision, 0.0);
         decision
     };
-    let (little, more) = (scattered(1.05), scattered(1.12));
+    let strangers = ["gain_drift", "spring", "tilt_coupling", "mains_hum"];
+    let (little, more) = (scattered(strangers, 1.05), scattered(strangers, 1.12));
     assert!(!little.unlisted && little.accepted.added.is_empty() && little.partial.is_none());
     assert!(more.unlisted && more.partial.is_some_and(|partial| partial.added == ["gain_drift"]));
+}
+
+/// What explains a mismatch that is next to nothing is named where those that stand as well are what it is mistaken for: it is one of these.
+#[test]
+fn one_of_those_that_it_is_mistaken_for_is_given() {
+    let runs: Vec<Run> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let lags = ["command_delay", "valve_lag", "displacement_lag", "leakage"];
+    let others = ["command_delay", "spring", "tilt_coupling", "mains_hum"];
+    assert!(!given(lags, &template).accepted.added.is_empty());
+    assert!(given(others, &template).accepted.added.is_empty());
+}
+
+/// Of a mismatch of which both leave next to nothing, one that leaves as much more as a simple form does is not told apart; one that leaves
+/// more of it is, and one that leaves more than the noise is known by.
+#[test]
+fn what_a_simple_form_leaves_tells_nothing_apart() {
+    let runs: Vec<Run> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let of = |id: &'static str, chi2: f64| ScoredModel { added: vec![id], ..leaving(chi2, &template) };
+    let tied = |stated: f64, other: f64| {
+        let names = vec![of("command_delay", 1.0), of("valve_lag", other)];
+        let mut decision = Decision { ties: Vec::new(), ..named(names, leaving(stated, &template)) };
+        as_exact_as_its_form(&mut decision);
+        decision.ties
+    };
+    assert_eq!(tied(1.1, 1.02), [["command_delay", "valve_lag"]]);
+    assert!(tied(1.1, 1.04).is_empty(), "two fifths are left");
+    assert!(tied(2.0, 1.1).is_empty(), "no noise is known that badly");
+}
+
+/// What an effect takes away from one channel is a share of what is left there, however large the noise of another.
+#[test]
+fn a_gain_is_a_share_of_its_own_channel() {
+    let runs: Vec<Run> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let of = |displacement: f64, acceleration: f64| {
+        let mut judged = leaving(0.5 * (displacement + acceleration), &template);
+        let channels = [(Channel::Displacement, displacement), (Channel::Acceleration, acceleration)];
+        judged.hold.channels = channels.map(|(channel, chi2)| (channel, chi2, 1000)).to_vec();
+        judged
+    };
+    let gained = |acceleration: f64| gained_of_a_channel(&of(0.99, 0.75), &of(0.99, acceleration));
+    assert!(gained(0.735) > LEAST_GAIN && gained(0.745) < LEAST_GAIN);
+}
+
+/// What is said of names for a mismatch of 0.05 that stand as well as each other.
+fn given(names: [&'static str; 4], template: &ScoredModel) -> Decision {
+    let of = |id: &'static str| ScoredModel { added: vec![id], probability: 0.25, ..leaving(1.0, template) };
+    let mut decision = named(names.map(of).to_vec(), leaving(1.05, template));
+    scatter(&mut decision, 0.0);
+    decision
+}
+
+/// A decision for the first of some models that stand as well as it.
+fn named(models: Vec<ScoredModel>, stated: ScoredModel) -> Decision {
+    let accepted = models[0].clone();
+    let ties = models[1..].iter().map(|other| differing(&accepted.added, &other.added)).collect();
+    Decision {
+        accepted,
+        ties,
+        candidates: models.into_iter().chain([stated.clone()]).collect(),
+        stated,
+        unlisted: false,
+        partial: None,
+        unlisted_probability: 0.0,
+        more_missing: false,
+        noise: Vec::new(),
+        in_full: None,
+        one_of_many: false,
+    }
 }
