@@ -15,6 +15,9 @@ use crate::recording::{Experiment, GainFactors, SetUpFinding};
 /// Share of itself by which a rate may be off from what a controller's law says: a gain is found only where it is known to a fifth of what
 /// it is away from the stated one.
 const SAME: f64 = 0.2;
+/// What gains are stated wrong by, as a share: a standard deviation; and what a law's word of the clock is known to at best.
+const MISSTATED: f64 = 0.02;
+const KNOWN: f64 = 1e-4;
 
 /// Lets a search doubt the clock.
 pub(super) fn doubt(prepared: &mut Prepared, told: Option<f64>) {
@@ -33,11 +36,14 @@ pub(super) fn told(stated: &Experiment, found: &Experiment) -> Option<f64> {
 }
 
 /// What speaks against a clock at another rate, as twice a logarithm; nothing of a model without one. Where a law says the same of it the
-/// other account needs a gain that was stated wrong as well, by just as much: that is as rare.
+/// other account needs a gain that was stated wrong as well, which is as rare, and by just as much.
 pub(super) fn disbelief(stated: &Model, fitted: &Model) -> f64 {
     let placed = fitted.effects.iter().find(|p| p.entry.id == ENTRY.id);
     let rate = placed.and_then(|p| p.values.first()).map(|v| v.value);
-    let odds = |rate| if as_told(stated, rate) { -CALIBRATION.clock_odds } else { CALIBRATION.clock_odds };
+    let odds = |rate: f64| match stated.clock_told.filter(|_| as_told(stated, rate)) {
+        Some(told) => -2.0 * (MISSTATED / ((rate - told).abs() + KNOWN)).ln(),
+        None => CALIBRATION.clock_odds,
+    };
     rate.map_or(0.0, |rate| odds(rate) + (rate / CALIBRATION.clock_rate).powi(2))
 }
 
