@@ -15,8 +15,7 @@ use crate::recording::{Experiment, GainFactors, SetUpFinding};
 /// Share of itself by which a rate may be off from what a controller's law says: a gain is found only where it is known to a fifth of what
 /// it is away from the stated one.
 const SAME: f64 = 0.2;
-/// What gains are stated wrong by, as a share: a standard deviation; and what a law's word of the clock is known to at best.
-const MISSTATED: f64 = 0.02;
+/// Rate to which what a law says of the clock is known at best.
 const KNOWN: f64 = 1e-4;
 
 /// Lets a search doubt the clock.
@@ -41,7 +40,7 @@ pub(super) fn disbelief(stated: &Model, fitted: &Model) -> f64 {
     let placed = fitted.effects.iter().find(|p| p.entry.id == ENTRY.id);
     let rate = placed.and_then(|p| p.values.first()).map(|v| v.value);
     let odds = |rate: f64| match stated.clock_told.filter(|_| as_told(stated, rate)) {
-        Some(told) => -2.0 * (MISSTATED / ((rate - told).abs() + KNOWN)).ln(),
+        Some(told) => -2.0 * (CALIBRATION.misstated_gain / ((rate - told).abs() + KNOWN)).ln(),
         None => CALIBRATION.clock_odds,
     };
     rate.map_or(0.0, |rate| odds(rate) + (rate / CALIBRATION.clock_rate).powi(2))

@@ -9,9 +9,6 @@ use crate::plant::effects::{Stage, entry};
 /// Alternatives among which one may be given as the likeliest.
 const FEW: usize = 2;
 
-/// Share of what an effect explains that its form leaves in another's equation: of most effects a fiftieth to a fifth.
-const FORM: f64 = 0.3;
-
 /// Says of others of its size that explain the mismatch to the noise, as the accepted model does, that they are not told apart from it: what
 /// they leave more, on both kinds of runs, is no more than a form leaves of what it explains, and than the noise is known by.
 pub(super) fn as_exact_as_its_form(decision: &mut Decision) {
@@ -23,7 +20,7 @@ pub(super) fn as_exact_as_its_form(decision: &mut Decision) {
     let near = |other: &&ScoredModel| {
         let each = kinds(stated).into_iter().zip(kinds(accepted)).zip(kinds(other));
         let mut each = each.map(|((stated, accepted), other)| (stated - accepted, other - accepted));
-        each.all(|(explained, more)| more < CALIBRATION.negligible.min(FORM * explained))
+        each.all(|(explained, more)| more < CALIBRATION.negligible.min(CALIBRATION.form_most * explained))
     };
     let same_size = |other: &&ScoredModel| {
         other.added.len() == accepted.added.len() && other.added != accepted.added && !at_bound(other)

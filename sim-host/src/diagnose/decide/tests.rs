@@ -192,19 +192,8 @@ fn a_hollow_far_from_what_was_stated_is_not_the_last_word() {
 fn one_of_many_names_for_next_to_nothing_is_no_mismatch() {
     let runs: Vec<Run> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
     let template = judged(model(TRUTH), &runs);
-    let of = |added: &[&'static str], chi2: f64| ScoredModel {
-        added: added.to_vec(),
-        probability: 0.25,
-        ..leaving(chi2, &template)
-    };
-    let scattered = |names: [&'static str; 4], chi2: f64| {
-        let with = |name: &'static str| of(&[name], 0.9 + 0.1 * chi2);
-        let mut decision = named(names.map(with).to_vec(), of(&[], chi2));
-        scatter(&mut decision, 0.0);
-        decision
-    };
     let strangers = ["gain_drift", "spring", "tilt_coupling", "mains_hum"];
-    let (little, more) = (scattered(strangers, 1.05), scattered(strangers, 1.12));
+    let (little, more) = (scattered(strangers, 1.05, &template), scattered(strangers, 1.12, &template));
     assert!(!little.unlisted && little.accepted.added.is_empty() && little.partial.is_none());
     assert!(more.unlisted && more.partial.is_some_and(|partial| partial.added == ["gain_drift"]));
 }
@@ -216,8 +205,8 @@ fn one_of_those_that_it_is_mistaken_for_is_given() {
     let template = judged(model(TRUTH), &runs);
     let lags = ["command_delay", "valve_lag", "displacement_lag", "leakage"];
     let others = ["command_delay", "spring", "tilt_coupling", "mains_hum"];
-    assert!(!given(lags, &template).accepted.added.is_empty());
-    assert!(given(others, &template).accepted.added.is_empty());
+    assert!(!scattered(lags, 1.05, &template).accepted.added.is_empty());
+    assert!(scattered(others, 1.05, &template).accepted.added.is_empty());
 }
 
 /// Of a mismatch of which both leave next to nothing, one that leaves as much more as a simple form does is not told apart; one that leaves
@@ -253,10 +242,14 @@ fn a_gain_is_a_share_of_its_own_channel() {
     assert!(gained(0.735) > LEAST_GAIN && gained(0.745) < LEAST_GAIN);
 }
 
-/// What is said of names for a mismatch of 0.05 that stand as well as each other.
-fn given(names: [&'static str; 4], template: &ScoredModel) -> Decision {
-    let of = |id: &'static str| ScoredModel { added: vec![id], probability: 0.25, ..leaving(1.0, template) };
-    let mut decision = named(names.map(of).to_vec(), leaving(1.05, template));
+/// What is said of names that explain nine tenths of a mismatch and stand as well as each other.
+fn scattered(names: [&'static str; 4], chi2: f64, template: &ScoredModel) -> Decision {
+    let with = |id: &'static str| {
+        let left = leaving(0.9 + 0.1 * chi2, template);
+        ScoredModel { added: vec![id], probability: 0.25, ..left }
+    };
+    let stated = ScoredModel { added: Vec::new(), probability: 0.25, ..leaving(chi2, template) };
+    let mut decision = named(names.map(with).to_vec(), stated);
     scatter(&mut decision, 0.0);
     decision
 }
