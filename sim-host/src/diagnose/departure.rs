@@ -109,28 +109,27 @@ impl Departure {
     pub(super) fn none() -> Self {
         Self { away: DVector::zeros(0), spread: None, seldom: 0.0 }
     }
+
+    /// Of one value that is away by so many standard deviations, with the variance that the data leave it.
+    #[cfg(test)]
+    pub(super) fn away(by: f64, variance: f64) -> Self {
+        let spread = Some(DMatrix::from_element(1, 1, variance));
+        Self { away: DVector::from_element(1, by), spread, seldom: 0.0 }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn away(by: f64, variance: f64) -> Departure {
-        Departure {
-            away: DVector::from_element(1, by),
-            spread: Some(DMatrix::from_element(1, 1, variance)),
-            seldom: 0.0,
-        }
-    }
-
     /// Where a square counts as it is, the least is that of two parabolas: r^2 / (1 + variance).
     #[test]
     fn a_value_is_put_back_as_far_as_the_data_let_it() {
         for variance in [1e-4, 0.3, 20.0] {
-            let least = away(3.0, variance).least(|squares| squares);
+            let least = Departure::away(3.0, variance).least(|squares| squares);
             let exact = 9.0 / (1.0 + variance);
             assert!((least / exact - 1.0).abs() < 0.1 && least >= exact - 1e-9, "{variance}: {least} of {exact}");
         }
-        assert!((away(3.0, 1e-12).disbelief() - 9.0).abs() < 1e-12);
+        assert!((Departure::away(3.0, 1e-12).disbelief() - 9.0).abs() < 1e-12);
     }
 }

@@ -6,7 +6,7 @@ use super::judged::ScoredModel;
 use super::ranking::Ranking;
 use super::search::{self, CHANCE};
 use super::split::Weighing;
-use super::standing::{Alone, SURE, at_bound, is_justified, sound};
+use super::standing::{Alone, SURE, at_bound, is_justified, is_within_noise, sound};
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::Model;
 use crate::identify::stated::fit_from_near;
@@ -75,7 +75,8 @@ pub(super) fn simplify(
 }
 
 /// The accepted model, or a rival that does better with no more parameters' worth; and the rest. One whose values make sense
-/// comes before those whose do not.
+/// comes before those whose do not, but for one that alone explains the mismatch to the noise: there an end is what another form of the
+/// same physics asks for.
 pub(super) fn best_of(
     before: &ScoredModel,
     accepted: ScoredModel,
@@ -87,7 +88,9 @@ pub(super) fn best_of(
     // Nor do two effects make sense of which one is a case of the other: they stand for something beside the one.
     let redundant = |judged: &ScoredModel| judged.fit.model.is_redundant();
     let strange = all.first().is_some_and(|first| at_bound(first) || redundant(first));
-    let makes_sense = |judged: &ScoredModel| sound(before, judged) && !redundant(judged);
+    let alone = all.first().is_some_and(|first| is_within_noise(first) && !redundant(first));
+    let makes_sense =
+        |judged: &ScoredModel| sound(before, judged) && !redundant(judged) && (!alone || is_within_noise(judged));
     let first = all.iter().position(|judged| !strange || makes_sense(judged)).unwrap_or(0);
     let best = all.remove(first);
     (best, all)

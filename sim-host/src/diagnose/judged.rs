@@ -44,6 +44,14 @@ impl ScoredModel {
         if self.hold.chi2 < LITTLE_LEFT { self.hold.colour } else { 1.0 }
     }
 
+    /// What speaks against how far the stated values went, as firmly as the data hold them there: beside what a form leaves, a value that is
+    /// put back may cost next to nothing on either kind of runs.
+    pub(super) fn disbelief(&self) -> f64 {
+        let freedom = CALIBRATION.form_freedom;
+        let left = (self.fit.squares - self.fit.rows as f64).max(0.0) + freedom * self.colour_of_noise();
+        self.departure.least(|squares| 2.0 * freedom * (squares / left).ln_1p())
+    }
+
     /// The model without some of its effects, its other values as they were fitted.
     pub(super) fn model_without(&self, ids: &[&str]) -> Model {
         ids.iter().fold(self.fit.model.clone(), |model, id| model.without(id))

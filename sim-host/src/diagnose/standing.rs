@@ -57,7 +57,7 @@ pub(super) fn is_justified(before: &ScoredModel, present: &ScoredModel, larger: 
     // What values far from those stated hide on the runs fitted shows on the hold-out runs.
     let shown_there = gained > -CHANCE && better - worse > OVERWHELMING * colour;
     // One that explains as much with values near those stated stands against one that bends them.
-    let beliefs = present.departure.disbelief() - larger.departure.disbelief() - CALIBRATION.parameter_price * added;
+    let beliefs = present.disbelief() - larger.disbelief() - CALIBRATION.parameter_price * added;
     if beliefs > CHANCE && worse - better < SURE * colour {
         return true;
     }
@@ -184,10 +184,20 @@ pub(super) fn outside(before: &ScoredModel, after: &ScoredModel) -> (bool, f64) 
 /// The same where the effects account for an `excess` of chi2, and `quiet` of it is the noise of channels that follow nothing.
 pub(super) fn beyond(excess: f64, after: &ScoredModel, quiet: f64) -> (bool, f64) {
     let left = after.hold.chi2 - 1.0 - quiet;
-    let noise = CALIBRATION.negligible + blur(after.hold.samples);
+    let noise = noise(after);
     let allowed = if at_bound(after) { noise } else { noise.max((1.0 - CALIBRATION.explained) * (excess - quiet)) };
     let ratio = (left / allowed).max(1e-3);
     (left > allowed, 1.0 / (1.0 + (-3.0 * ratio.ln()).exp()) * if ratio < 0.3 { 0.5 } else { 1.0 })
+}
+
+/// Excess of chi2 that a noise which is not known better, and chance, leave at most on the stretches that weigh.
+fn noise(judged: &ScoredModel) -> f64 {
+    CALIBRATION.negligible + blur(judged.hold.samples)
+}
+
+/// True where a model leaves no more than that.
+pub(super) fn is_within_noise(judged: &ScoredModel) -> bool {
+    judged.hold.chi2 - 1.0 <= noise(judged)
 }
 
 /// True where a model explains the mismatch with values that make sense.

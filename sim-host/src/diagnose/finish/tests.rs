@@ -1,4 +1,4 @@
-use super::super::decide::tests::{judged, viscous, weighing};
+use super::super::decide::tests::{judged, leaving, viscous, weighing};
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
@@ -40,4 +40,27 @@ fn a_name_is_weighed_at_the_better_of_its_forms() {
     let both = ScoredModel { plainer: Some(Box::new(plain.clone())), ..fitted.clone() };
     let least = ranking.cost(&plain).min(ranking.cost(&fitted));
     assert!(ranking.cost(&plain) < ranking.cost(&fitted) && ranking.cost(&both) <= least);
+}
+
+/// A value at an end that means nothing speaks against a name, but not where that name alone explains the mismatch to the noise.
+#[test]
+fn what_alone_explains_to_the_noise_comes_first_at_an_end_too() {
+    let drag = model(TRUTH).with(viscous(90.0, -0.28, (-2.0, 2.0)));
+    let runs: Vec<Run> = (1..4).map(|seed| recorded(&drag, seed)).collect();
+    let bounded = judged(model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))), &runs);
+    let within =
+        ScoredModel { added: vec!["spring"], ..judged(model(TRUTH).with(viscous(90.0, 0.0, (-2.0, 2.0))), &runs) };
+    assert!(at_bound(&bounded) && !at_bound(&within));
+    let leaves = |chi2: f64, template: &ScoredModel| {
+        let mut model = leaving(chi2, template);
+        model.hold.channels.iter_mut().for_each(|(_, left, _)| *left = chi2);
+        model
+    };
+    let before = leaves(300.0, &judged(model(TRUTH), &runs));
+    let first = |at_end: f64, sensible: f64| {
+        best_of(&before, leaves(at_end, &bounded), vec![leaves(sensible, &within)]).0.added == bounded.added
+    };
+    assert!(first(1.0, 3.0), "alone within the noise");
+    assert!(!first(1.0, 1.05), "both within the noise");
+    assert!(!first(2.0, 3.0), "neither within the noise");
 }

@@ -1,4 +1,5 @@
 use super::super::decide::tests::{judged, leaving, leaving_on};
+use super::super::departure::Departure;
 use super::*;
 use crate::identify::data::Channel;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
@@ -81,6 +82,23 @@ fn a_mismatch_explained_whole_is_in_the_library() {
     assert!(!explained(250.0, 13.0, 0.0), "a twentieth is left");
     assert!(!explained(1.05, 1.0, 0.0), "hardly more than noise");
     assert!(!explained(30.0, 1.5, 0.0) && explained(30.0, 1.5, 0.45), "a channel's noise was stated too small");
+}
+
+/// A model that leaves as much with values near those stated stands against one that bends them, where the data hold the values; where the
+/// one leaves what a form does and the data hardly hold them, they may be put back and nothing speaks for the other.
+#[test]
+fn a_value_that_the_data_hardly_hold_speaks_for_nothing() {
+    let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let stands = |chi2: f64, variance: f64| {
+        let before = leaving(400.0, &template);
+        let departure = Departure::away(12.0, variance);
+        let bent = ScoredModel { added: vec!["oil_compliance"], departure, ..leaving(chi2, &template) };
+        let near = ScoredModel { added: vec!["oil_compliance", "supply_droop"], ..leaving(chi2, &template) };
+        is_justified(&before, &bent, &near, false)
+    };
+    assert!(stands(1.0, 1e-5) && stands(3.0, 1e-5), "held to a three hundredth");
+    assert!(!stands(3.0, 10.0), "hardly held beneath a rest");
 }
 
 #[test]
