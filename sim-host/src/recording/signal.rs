@@ -208,11 +208,16 @@ impl Sine {
     pub(crate) fn best(samples: &[f64], dt: f64, frequencies: impl Iterator<Item = f64>) -> Option<Self> {
         let fit = |frequency: f64| {
             let (mut matrix, mut right) = (Matrix2::zeros(), Vector2::zeros());
-            for (k, x) in samples.iter().enumerate().filter(|(_, x)| x.is_finite()) {
-                let (sine, cosine) = (TAU * frequency * k as f64 * dt).sin_cos();
-                let row = Vector2::new(sine, cosine);
-                matrix += row * row.transpose();
-                right += row * *x;
+            // Turned on from sample to sample: in a million of them the rounding adds up to a part in ten thousand millions.
+            let (mut sine, mut cosine) = (0.0, 1.0);
+            let (step_sine, step_cosine) = (TAU * frequency * dt).sin_cos();
+            for x in samples {
+                if x.is_finite() {
+                    let row = Vector2::new(sine, cosine);
+                    matrix += row * row.transpose();
+                    right += row * *x;
+                }
+                (sine, cosine) = (sine * step_cosine + cosine * step_sine, cosine * step_cosine - sine * step_sine);
             }
             let weights: Vector2<f64> = matrix.try_inverse()? * right;
             Some((weights.dot(&right), Self { frequency, sine: weights[0], cosine: weights[1] }))

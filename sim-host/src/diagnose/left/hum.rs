@@ -7,6 +7,7 @@ use crate::identify::model::Model;
 use crate::plant::effects::mains_hum;
 use crate::recording::check::{fold, mains_lines};
 use crate::recording::{Doubt, SetUpFinding};
+use realfft::num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// How far from its nominal frequency the mains may be, Hz.
@@ -17,6 +18,8 @@ const STEPS: f64 = 4.0;
 const BESIDE: std::ops::Range<f64> = 0.5..2.5;
 /// Frequencies on either side that say what is usual.
 const USUAL: usize = 24;
+/// Longest block of samples that are summed before lines beside a frequency are looked for, s: over it the farthest turns by a twentieth.
+const BLOCK: f64 = 0.02;
 /// Fewest samples of a run.
 const FEWEST: usize = 256;
 
@@ -62,64 +65,87 @@ impl Line {
     }
 }
 
-/// What a model leaves of a channel in a run, beside a frequency of the mains.
-struct Beside<'a> {
-    left: &'a [f64],
+/// What a model leaves of a channel in a run around a frequency, which lies at none here: sums over blocks that are short beside the offsets
+/// at which lines are looked for.
+struct Around {
+    blocks: Vec<Complex64>,
+    /// Length of a block, s.
+    length: f64,
+    /// Samples that are finite.
+    count: f64,
     dt: f64,
-    /// Mean power on either side of the frequency.
+    /// Where the sampling folds the frequency to, Hz.
+    seen: f64,
+    /// Mean power on either side.
     usual: f64,
 }
 
 /// The strongest line near a frequency of the mains; none where the sampling folds it to where nothing is to be said.
 fn strongest(left: &[(Vec<f64>, f64)], mains: f64) -> Option<Line> {
-    let beside = |(left, dt): &(Vec<f64>, f64)| {
-        let seen = fold(mains, 1.0 / dt);
-        let clear = BESIDE.end..0.5 / dt - BESIDE.end;
-        clear.contains(&seen).then(|| beside(left, *dt, seen))
-    };
-    let usual = left.iter().map(|run| (run, beside(run)));
-    let runs: Vec<Beside> =
-        usual.filter_map(|((left, dt), usual)| Some(Beside { left, dt: *dt, usual: usual? })).collect();
-    let longest = runs.iter().map(|run| run.left.len() as f64 * run.dt).fold(0.0, f64::max);
+    let runs: Vec<Around> = left.iter().filter_map(|(left, dt)| Around::of(left, *dt, mains)).collect();
+    let longest = runs.iter().map(|run| run.blocks.len() as f64 * run.length).fold(0.0, f64::max);
     let steps = (STEPS * AROUND * longest).ceil().max(1.0) as i32;
     let near = (-steps..=steps).map(|i| mains + AROUND * f64::from(i) / f64::from(steps));
     near.filter_map(|frequency| at(&runs, frequency)).max_by(|a, b| a.stands_out.total_cmp(&b.stands_out))
 }
 
 /// The line at a frequency.
-fn at(runs: &[Beside], frequency: f64) -> Option<Line> {
+fn at(runs: &[Around], frequency: f64) -> Option<Line> {
     let (mut stands_out, mut amplitude) = (0.0, 0.0);
-    for Beside { left, dt, usual } in runs {
-        let line = power(left, fold(frequency, 1.0 / dt) * dt);
-        stands_out += line / usual;
-        amplitude += (line - usual).max(0.0) * 4.0 / left.len() as f64;
+    for run in runs {
+        let line = run.power(fold(frequency, 1.0 / run.dt) - run.seen);
+        stands_out += line / run.usual;
+        amplitude += (line - run.usual).max(0.0) * 4.0 / run.count;
     }
     let count = runs.len();
     (count > 0).then(|| Line { stands_out, runs: count, amplitude: (amplitude / count as f64).sqrt() })
 }
 
-/// Mean power on either side of a frequency.
-fn beside(left: &[f64], dt: f64, seen: f64) -> f64 {
-    let width = (BESIDE.end - BESIDE.start) / USUAL as f64;
-    let away = (0..USUAL).map(|i| BESIDE.start + width * (i as f64 + 0.5));
-    let both = away.flat_map(|away| [seen - away, seen + away]).map(|f| power(left, dt * f));
-    (both.sum::<f64>() / (2 * USUAL) as f64).max(f64::MIN_POSITIVE)
-}
-
-/// Squared amplitude at so many turns a sample, times the samples, over four; of white noise of unit variance one on average.
-fn power(left: &[f64], turns: f64) -> f64 {
-    let (mut re, mut im, mut count) = (0.0, 0.0, 0.0_f64);
-    let (step_sine, step_cosine) = (TAU * turns).sin_cos();
-    let (mut sine, mut cosine) = (0.0, 1.0);
-    for x in left {
-        if x.is_finite() {
-            re += x * cosine;
-            im += x * sine;
-            count += 1.0;
+impl Around {
+    /// Of residuals `dt` (s) apart.
+    fn of(left: &[f64], dt: f64, mains: f64) -> Option<Self> {
+        let seen = fold(mains, 1.0 / dt);
+        if !(BESIDE.end..0.5 / dt - BESIDE.end).contains(&seen) {
+            return None;
         }
-        (sine, cosine) = (sine * step_cosine + cosine * step_sine, cosine * step_cosine - sine * step_sine);
+        let block = ((BLOCK / dt) as usize).max(1);
+        let step = Complex64::cis(-TAU * seen * dt);
+        let mut turned = Complex64::ONE;
+        let mut sum = |part: &[f64]| {
+            let mut sum = Complex64::ZERO;
+            for x in part {
+                if x.is_finite() {
+                    sum += turned * x;
+                }
+                turned *= step;
+            }
+            sum
+        };
+        let blocks = left.chunks(block).map(&mut sum).collect();
+        let count = left.iter().filter(|x| x.is_finite()).count().max(1) as f64;
+        let around = Self { blocks, length: block as f64 * dt, count, dt, seen, usual: 1.0 };
+        Some(Self { usual: around.beside(), ..around })
     }
-    (re * re + im * im) / count.max(1.0)
+
+    /// Mean power on either side.
+    fn beside(&self) -> f64 {
+        let width = (BESIDE.end - BESIDE.start) / USUAL as f64;
+        let away = (0..USUAL).map(|i| BESIDE.start + width * (i as f64 + 0.5));
+        let both = away.flat_map(|away| [-away, away]).map(|offset| self.power(offset));
+        (both.sum::<f64>() / (2 * USUAL) as f64).max(f64::MIN_POSITIVE)
+    }
+
+    /// Squared amplitude at an offset (Hz), times the samples, over four; of white noise of unit variance one on average.
+    fn power(&self, offset: f64) -> f64 {
+        let step = Complex64::cis(-TAU * offset * self.length);
+        let mut turned = Complex64::ONE;
+        let mut sum = Complex64::ZERO;
+        for block in &self.blocks {
+            sum += turned * block;
+            turned *= step;
+        }
+        sum.norm_sqr() / self.count
+    }
 }
 
 #[cfg(test)]
@@ -137,6 +163,22 @@ mod tests {
             ((0..6000).map(|k| gauss(&mut noise) + hum(k)).collect(), 2e-3)
         };
         (0..count).map(run).collect()
+    }
+
+    /// Sums over blocks leave a line near the frequency, and the power of noise beside it, as they are.
+    #[test]
+    fn blocks_are_short_beside_the_offsets() {
+        let runs = runs(1, 0.5);
+        let (left, dt) = &runs[0];
+        let around = Around::of(left, *dt, 50.0).unwrap();
+        assert_eq!(around.blocks.len(), 600);
+        let exactly = |frequency: f64| {
+            let turned = |(k, x): (usize, &f64)| Complex64::cis(-TAU * frequency * dt * k as f64) * x;
+            left.iter().enumerate().map(turned).sum::<Complex64>().norm_sqr() / left.len() as f64
+        };
+        let (line, exact) = (around.power(-0.03), exactly(49.97));
+        assert!((line / exact - 1.0).abs() < 1e-3, "{line} {exact}");
+        assert!((0.6..1.6).contains(&around.usual), "{}", around.usual);
     }
 
     /// A hum that no run shows for certain is certain over eight, with its amplitude; noise alone is none.
