@@ -6,6 +6,7 @@ pub(super) mod page;
 mod place;
 mod set_up;
 mod term;
+mod ties;
 mod unfit;
 
 use super::output::{Outputs, print, write_whole};
@@ -125,8 +126,8 @@ fn summary(diagnosis: &Diagnosis, examined: &Examined) -> String {
         let _ = writeln!(text, "\n  {}\n    removes {:.0} % of the misfit", term.words, 100.0 * term.share);
     }
     text.push_str(&findings(&diagnosis.findings));
-    for tie in &diagnosis.indistinguishable {
-        let _ = writeln!(text, "\n  not told apart by these runs: {}", tie.join(", "));
+    for tie in ties::ties(diagnosis) {
+        let _ = writeln!(text, "\n  not told apart by these runs: {tie}");
     }
     if let Some(instead) = set_up::instead(diagnosis) {
         let _ = writeln!(text, "\n  {instead}");

@@ -23,6 +23,9 @@ pub struct Quantity {
     pub unit: &'static str,
 }
 
+/// Least standard deviation of a value, over the value, that can be an error: less is rounding, of a simulation whose derivatives run away.
+const EXACT: f64 = 1e-10;
+
 /// Every shared value of a fitted model by name, with intervals.
 pub(crate) fn quantities(fit: &Fit) -> BTreeMap<String, Quantity> {
     let model = &fit.model;
@@ -33,7 +36,7 @@ pub(crate) fn quantities(fit: &Fit) -> BTreeMap<String, Quantity> {
     let units = own.chain(scale).chain(effects.map(|p| if rigid { p.rigid_unit } else { p.unit }));
     let rows = model.names().into_iter().zip(model.values()).zip(fit.deviations()).zip(units);
     rows.map(|(((name, value), deviation), unit)| {
-        let std = deviation.is_finite().then_some(deviation);
+        let std = (deviation.is_finite() && deviation > EXACT * value.value.abs()).then_some(deviation);
         let edge = |sign: f64| {
             std.map(|s| {
                 if value.positive {
