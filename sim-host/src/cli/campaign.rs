@@ -29,7 +29,7 @@ pub(crate) struct Args {
     #[arg(value_name = "CAMPAIGN.toml")]
     campaign: PathBuf,
     /// Folder of the results, one file a test.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = super::places::folder())]
     out: PathBuf,
     /// One piece of several.
     #[arg(long, value_name = "I/N")]

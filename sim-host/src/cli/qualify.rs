@@ -46,10 +46,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", value_parser = place(), conflicts_with = "record")]
     synthesise: Option<PathBuf>,
     /// Its margin: reached over required where that is least [default: 1.05].
-    #[arg(long, value_name = "RATIO", requires = "synthesise")]
+    #[arg(long, value_name = "RATIO", requires = "synthesise", conflicts_with = "record")]
     margin: Option<f64>,
     /// Its seed [default: 1]; axes of one test take different ones.
-    #[arg(long, value_name = "N", requires = "synthesise")]
+    #[arg(long, value_name = "N", requires = "synthesise", conflicts_with = "record")]
     seed: Option<u64>,
     #[command(flatten)]
     within: within_limits::Kept,

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::failure::first_given;
 use super::output::tell;
-use crate::files::layout::{Decimal, Delimiter, Stated};
+use crate::files::layout::{Decimal, Delimiter, Stated, is_unit};
 use crate::motion::read::Options;
 use crate::motion::{Motion, Record, STANDARD_GRAVITY, generate, peak, read};
 use crate::recording::Experiment;
@@ -47,8 +47,16 @@ pub(crate) struct Text {
     #[arg(long, value_name = "NAME")]
     decimal: Option<Decimal>,
     /// Columns of text: unit of each column in order, such as s,mm,g; empty for one without.
-    #[arg(long, value_name = "UNIT,...", value_delimiter = ',')]
+    #[arg(long, value_name = "UNIT,...", value_delimiter = ',', value_parser = unit)]
     units: Option<Vec<String>>,
+}
+
+/// Reads the unit of a column; empty for one without.
+fn unit(text: &str) -> Result<String, String> {
+    if text.is_empty() || is_unit(text) {
+        return Ok(text.to_owned());
+    }
+    Err("is no unit; write mm, m/s2, g, V or the like, nothing for a column without".into())
 }
 
 impl Text {

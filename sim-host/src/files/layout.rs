@@ -284,11 +284,22 @@ fn choose(lines: &[&str], found: Vec<Layout>, readings: &[Reading], stated: &Sta
     Err(Unclear { line: Some(first.first_row), reason })
 }
 
+/// What is wrong with stated units of which the header says otherwise.
+fn misstated(stated: &[String], names: &[String]) -> Option<String> {
+    let both = stated.iter().zip(names).filter(|(unit, _)| !unit.is_empty());
+    let mut said = both.filter_map(|(unit, name)| Some((unit, name, units::of_name(name)?)));
+    let (unit, name, _) = said.find(|(unit, _, own)| !units::is_same(unit, own))?;
+    Some(format!("--units says {unit} of the column `{name}`; leave its place empty, or correct the header"))
+}
+
 /// Refuses a header that names fewer or more columns than the rows have, and stated units of another number.
 fn checked(lines: &[&str], layout: Layout, stated: &Stated) -> Result<Layout, Unclear> {
     if let Some(units) = stated.units.as_ref().filter(|units| units.len() != layout.width) {
         let reason = format!("--units names {} units, the rows have {} columns", units.len(), layout.width);
         return Err(Unclear { line: Some(layout.first_row), reason });
+    }
+    if let Some(reason) = stated.units.as_ref().and_then(|stated| misstated(stated, &layout.names)) {
+        return Err(Unclear { line: layout.header, reason });
     }
     let above = (0..layout.first_row).rev().find(|&i| !passed_over(lines[i]));
     let Some(above) = above.filter(|_| layout.header.is_none()) else { return Ok(layout) };

@@ -3,6 +3,7 @@
 use super::fit::Fit;
 use super::interval::{Interval, profiles};
 use super::judge::{Score, score};
+use super::model::Value;
 use super::prepare::{PrepareError, Prepared, prepare};
 use super::quantity::{Quantity, profiled, stated_as};
 use super::starts;
@@ -13,6 +14,8 @@ use crate::recording::check::{Fault, Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, without_clipped};
 use std::collections::BTreeMap;
 
+/// Squares that a tenth less of a value at an end would cost, from which the fit wants to go beyond it.
+const PUSHED: f64 = 9.0;
 /// An interval wider than this factor tells hardly more than the order of magnitude.
 const WIDE: f64 = 3.0;
 
@@ -92,8 +95,29 @@ impl Identified {
 
     /// What these runs do not say, one sentence each.
     pub fn doubts(&self) -> Vec<String> {
-        self.quantities.iter().filter_map(|(name, q)| doubt(name, q)).collect()
+        let ended = self.ended();
+        let of = |(name, q): (&String, &Quantity)| {
+            let ended = ended.iter().find(|(of, _)| of == name);
+            ended.map(|(_, value)| end_of_range(name, value, q.unit)).or_else(|| doubt(name, q))
+        };
+        self.quantities.iter().filter_map(of).collect()
     }
+
+    /// Values that the fit would take beyond the end of the range that it looks in. A limit that is never met goes to its end by itself.
+    fn ended(&self) -> Vec<(String, Value)> {
+        let model = &self.fit.model;
+        let all = model.names().into_iter().zip(model.values()).zip(self.fit.pushed());
+        let beyond = all.filter(|((name, _), cost)| *cost > PUSHED && name != "velocity_limit");
+        beyond.map(|((name, value), _)| (name, *value)).collect()
+    }
+}
+
+fn end_of_range(name: &str, value: &Value, unit: &str) -> String {
+    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    let [at, low, high] = [value.value, value.low, value.high].map(digits::three);
+    format!(
+        "{name}: the fit went to {at}{unit}, the end of the range it looks in ({low} to {high}), and would go on; state a value nearer to the truth"
+    )
 }
 
 fn doubt(name: &str, q: &Quantity) -> Option<String> {
@@ -125,6 +149,13 @@ fn doubt(name: &str, q: &Quantity) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_end_of_the_range_is_no_word_of_the_data() {
+        let value = Value { value: 576.5, low: 5.765, high: 576.5, positive: true, free: true, prior: None };
+        let said = end_of_range("a1", &value, "1/s");
+        assert!(said.contains("went to 577 1/s") && said.contains("(5.77 to 577)"), "{said}");
+    }
 
     #[test]
     fn what_is_not_known_is_said() {

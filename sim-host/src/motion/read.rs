@@ -14,6 +14,7 @@ mod peer;
 mod recorded;
 mod text;
 
+pub(crate) use columns::STEPS;
 pub use error::{LEAST_SAMPLES, Problem, ReadError};
 pub use text::SIZE_LIMIT;
 

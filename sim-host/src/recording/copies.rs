@@ -1,4 +1,4 @@
-//! One recording under two names: what is fitted may not judge itself, whatever its file is called.
+//! One recording under two names: what is fitted may not judge itself, nor count twice, whatever its file is called.
 
 use super::error::{Place, Problem, RecordingError};
 use super::run::{Run, Use};
@@ -9,25 +9,30 @@ const LEAST: usize = 16;
 /// Difference of two steps, as a share, that is the rounding of their stamps.
 const ROUNDING: f64 = 1e-6;
 
-/// Refuses an experiment that fits and holds out the same samples: those of one file, of a copy, or of parts that overlap.
+/// Refuses an experiment that has the same samples in two runs: those of one file, of a copy, or of parts that overlap.
 ///
 /// `places` are those of the runs' files in the experiment, in the order of the runs.
 pub(super) fn refuse(runs: &[Run], places: &[Place]) -> Result<(), RecordingError> {
     for (k, (run, place)) in runs.iter().zip(places).enumerate() {
-        let Some(first) = runs[..k].iter().find(|first| first.purpose != run.purpose && shares(first, run)) else {
-            continue;
-        };
+        let Some(first) = runs[..k].iter().find(|first| shares(first, run)) else { continue };
         let said = |run: &Run| if run.purpose == Use::Fit { "fitted" } else { "held out" };
         let whose = if first.path == run.path {
             "the same file is".to_owned()
         } else {
             format!("{} holds the same samples as {}, which is", run.name, first.name)
         };
-        let problem = format!(
-            "{whose} {} above and {} here, so that it would judge itself; split it with `from_s` and `to_s`, or name another",
-            said(first),
-            said(run)
-        );
+        let problem = if first.purpose == run.purpose {
+            format!(
+                "{whose} {} above already, so that its samples would count twice; leave one out, or part them with `from_s` and `to_s`",
+                said(run)
+            )
+        } else {
+            format!(
+                "{whose} {} above and {} here, so that it would judge itself; split it with `from_s` and `to_s`, or name another",
+                said(first),
+                said(run)
+            )
+        };
         return Err(place.clone().refuse(Problem::Contradiction(problem)));
     }
     Ok(())

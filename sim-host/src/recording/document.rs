@@ -94,10 +94,11 @@ impl<'a> Section<'a> {
     /// The key that stands here in place of a missing one, where one is near enough.
     pub(crate) fn misspelt(&self, key: &'static str) -> Option<RecordingError> {
         let asked = self.asked.borrow();
-        let found = self.table.iter().find(|(name, _)| {
+        let near = self.table.iter().filter(|(name, _)| {
             let name = name.get_ref().as_ref();
             !asked.contains(&name) && nearest(name, [key]).is_some()
-        })?;
+        });
+        let found = near.min_by_key(|(name, _)| !name.get_ref().eq_ignore_ascii_case(key))?;
         let place = self.source.place(found.0.span().start, &self.path_of(found.0.get_ref()));
         Some(place.refuse(Problem::UnknownKey { suggestion: Some(key.to_owned()), known: key.to_owned() }))
     }

@@ -95,6 +95,10 @@ impl RecordedLaw {
     fn gains(section: &Section<'_>) -> Result<Self, RecordingError> {
         let kind = section.get("kind");
         let name = kind.as_ref().map_or(Ok("pi"), Entry::string)?;
+        // Whatever else may stand here is no misspelt `kp`.
+        for key in ["ki", "kv", "kvf", "kdp", "notch"] {
+            section.get(key);
+        }
         let kp = section.required("kp", "write the proportional gain, or leave `controller` out where none ran")?;
         let gain = |entry: &Entry<'_>| {
             let value = entry.number()?;

@@ -1,7 +1,7 @@
 //! The page of a diagnosis: what differs, where, what it is, how much better the model with it predicts.
 
 use super::super::traces::{self, left, over_frequency, over_time};
-use super::{change, next, place, set_up, term, unfit};
+use super::{change, next, place, set_up, term, ties, unfit};
 use crate::diagnose::remainder::ResidualCurve;
 use crate::diagnose::result::{NamedEffect, Verdict};
 use crate::diagnose::{Diagnosis, Examined};
@@ -96,8 +96,10 @@ fn advice(diagnosis: &Diagnosis) -> Vec<String> {
     let modelled = diagnosis.remainder.is_some() || diagnosis.term.is_some();
     let found = modelled || diagnosis.effects.iter().any(|effect| effect.id != "unlisted");
     if diagnosis.verdict == Verdict::Mismatch && found {
-        advice.push("Write the model with what was found, `shakedown diagnose EXPERIMENT.toml --model table.toml`, and fit records and gains to it: \
-                     `shakedown modify RECORD --table table.toml`, `shakedown design table.toml`.".into());
+        let write = "Write the model with what was found, `shakedown diagnose EXPERIMENT.toml --model table.toml`";
+        // Without a loop there is nothing to fit a record to.
+        let fit = ", and fit records and gains to it: `shakedown modify RECORD --table table.toml`, `shakedown design table.toml`";
+        advice.push(format!("{write}{}.", if diagnosis.model.contains_key("b0") { fit } else { "" }));
     }
     if let Some(test) = &diagnosis.next_test {
         advice.push(format!("Next test: {}; {}.", test.record, test.why));
@@ -182,8 +184,8 @@ fn verdict(examined: &Examined) -> Section {
         items.push(Item::Text(format!("{}: {}", effect.id, effect.equation)));
         items.extend(parameters(effect).map(Item::Table));
     }
-    for tie in &diagnosis.indistinguishable {
-        items.push(Item::Note(format!("These runs cannot tell apart: {}.", tie.join(", "))));
+    for tie in ties::ties(diagnosis) {
+        items.push(Item::Note(format!("These runs cannot tell {tie}.")));
     }
     let own = refitted(examined);
     if !own.is_empty() {

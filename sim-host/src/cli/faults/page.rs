@@ -55,6 +55,9 @@ pub(super) fn sections(summary: &Summary, beside: Beside) -> Vec<Section> {
     vec![Section { heading: "Faults".into(), items }]
 }
 
+/// The class without a fault, of which nothing has to be reported.
+const NONE: &str = "none";
+
 fn classes(summary: &Summary) -> Table {
     let columns = [
         "class",
@@ -85,7 +88,7 @@ fn cells(row: &Row) -> Vec<String> {
     let front = vec![
         row.class.to_owned(),
         row.runs.to_string(),
-        row.visible.to_string(),
+        if row.class == NONE { String::new() } else { row.visible.to_string() },
         row.reported.to_string(),
         row.bound_s.map(millis).unwrap_or_default(),
     ];

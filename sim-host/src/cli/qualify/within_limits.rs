@@ -15,22 +15,22 @@ use std::path::PathBuf;
 #[group(skip)]
 pub(super) struct Kept {
     /// The motion keeps this speed, m/s [default: the table's].
-    #[arg(long, value_name = "M/S", requires = "synthesise")]
+    #[arg(long, value_name = "M/S", requires = "synthesise", conflicts_with = "record")]
     velocity: Option<f64>,
     /// The motion keeps this displacement to either side, m [default: the table's, else 0.12].
-    #[arg(long, value_name = "M", requires = "synthesise")]
+    #[arg(long, value_name = "M", requires = "synthesise", conflicts_with = "record")]
     stroke: Option<f64>,
     /// The motion keeps this acceleration, m/s2.
-    #[arg(long, value_name = "M/S2", requires = "synthesise")]
+    #[arg(long, value_name = "M/S2", requires = "synthesise", conflicts_with = "record")]
     acceleration: Option<f64>,
     /// Load at which the flow stalls, as table acceleration, m/s2: the motion keeps v^2 / V^2 + |a| / stall below 1.
-    #[arg(long, value_name = "M/S2", requires = "synthesise")]
+    #[arg(long, value_name = "M/S2", requires = "synthesise", conflicts_with = "record")]
     stall: Option<f64>,
     /// The table's file, which states what the options do not.
-    #[arg(long, value_name = "TABLE.toml", requires = "synthesise")]
+    #[arg(long, value_name = "TABLE.toml", requires = "synthesise", conflicts_with = "record")]
     table: Option<PathBuf>,
     /// The motion begins from this record, whose character it keeps where it can.
-    #[arg(long, value_name = "FILE", requires = "synthesise")]
+    #[arg(long, value_name = "FILE", requires = "synthesise", conflicts_with = "record")]
     from: Option<PathBuf>,
     #[command(flatten)]
     pub(super) shape: Shape,

@@ -82,6 +82,18 @@ fn what_is_stated_goes_before_what_is_found() {
     assert!(find(&["a", "b"], &Stated::default()).is_err());
 }
 
+/// A unit that the header contradicts is refused; another spelling of the same and nothing are not.
+#[test]
+fn stated_units_agree_with_the_header() {
+    let lines = ["time [s],a (m/s²)", "0,1", "1,2"];
+    let with = |units: [&str; 2]| {
+        let units = Some(units.map(str::to_owned).to_vec());
+        find(&lines, &Stated { units, ..Stated::default() }).map_err(|unclear| unclear.reason)
+    };
+    assert!(with(["s", "m/s^2"]).is_ok() && with(["", ""]).is_ok());
+    assert!(with(["s", "g"]).unwrap_err().contains("says g of the column `a (m/s²)`"));
+}
+
 proptest! {
     #[test]
     fn no_text_crashes_it(text in "[xt,; \t\n\r\"0-9.eN\\-\\[\\]#]{0,200}", skip in 0..20usize) {

@@ -10,9 +10,24 @@ const UNITS: [&str; 58] = [
 
 /// True for a unit, in brackets or without: `mm`, `[m/s²]`, `(g)`.
 pub(crate) fn is_unit(text: &str) -> bool {
-    let plain = text.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim();
-    let plain = plain.replace('²', "2").replace("**2", "2").replace("^2", "2").replace("/sec", "/s").replace('µ', "u");
+    let plain = plain(text);
     UNITS.iter().any(|unit| unit.eq_ignore_ascii_case(&plain))
+}
+
+/// True for two spellings of one unit.
+pub(super) fn is_same(a: &str, b: &str) -> bool {
+    plain(a).eq_ignore_ascii_case(&plain(b))
+}
+
+/// The unit that a name ends with in brackets, as in `acceleration [g]`.
+pub(super) fn of_name(name: &str) -> Option<&str> {
+    let from = name.rfind(['[', '('])?;
+    Some(&name[from..]).filter(|unit| is_unit(unit))
+}
+
+fn plain(text: &str) -> String {
+    let plain = text.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim();
+    plain.replace('²', "2").replace("**2", "2").replace("^2", "2").replace("/sec", "/s").replace('µ', "u")
 }
 
 #[cfg(test)]

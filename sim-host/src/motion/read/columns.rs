@@ -177,7 +177,7 @@ pub(super) fn mean_step(time: &[f64]) -> f64 {
 }
 
 /// Steps of a record, s: 20 kHz to 5 Hz. Beyond them a time column is in another unit than its header says.
-const STEPS: std::ops::RangeInclusive<f64> = 4.9e-5..=0.21;
+pub(crate) const STEPS: std::ops::RangeInclusive<f64> = 4.9e-5..=0.21;
 
 /// The sampling interval, s.
 fn interval(block: &Block, table: &Table, time: Option<usize>, options: &Options) -> Result<f64, ReadError> {

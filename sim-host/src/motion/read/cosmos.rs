@@ -5,7 +5,7 @@
 
 use super::super::{AccelerationUnit, Fact, Format, Record};
 use super::Channel;
-use super::csmip::select;
+use super::csmip::{first_of, select};
 use super::error::{Problem, ReadError};
 use super::peer::interval_in_range;
 use super::text::{Block, after, excerpt, first_number, signed_peak};
@@ -36,6 +36,7 @@ pub(super) fn read(block: &Block, channel: &Channel) -> Result<Record, ReadError
     check(&part, data_line, &header, (&values, dt))?;
     let mut facts = facts(&part);
     facts.push(Fact { key: "unit", value: unit.symbol().into(), line: part.number(data_line) });
+    facts.extend(first_of(&labels, channel));
     Ok(Record {
         name: block.name(),
         dt,

@@ -27,6 +27,7 @@ pub(super) fn read(block: &Block, channel: &Channel) -> Result<Record, ReadError
     let data = accelerations(&part)?;
     let mut facts = facts(&part);
     facts.push(Fact { key: "unit", value: data.unit.symbol().into(), line: part.number(data.line) });
+    facts.extend(first_of(&labels, channel));
     Ok(Record {
         name: block.name(),
         dt: data.dt,
@@ -71,6 +72,14 @@ pub(super) fn select(block: &Block, labels: &[String], channel: &Channel) -> Res
     found
         .filter(|&i| i < labels.len())
         .ok_or_else(|| block.at(0, Problem::NoChannel { asked: channel.to_string(), available: listed(labels) }))
+}
+
+/// What is said where the first of several components was taken because nobody named one.
+pub(super) fn first_of(labels: &[String], channel: &Channel) -> Option<Fact> {
+    let several = *channel == Channel::First && labels.len() > 1;
+    let value =
+        || format!("the first of {} components is taken: {}; --channel names another", labels.len(), listed(labels));
+    several.then(|| Fact { key: "layout", value: value(), line: 1 })
 }
 
 /// One channel's acceleration, in the file's unit.

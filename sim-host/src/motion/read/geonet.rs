@@ -3,7 +3,7 @@
 
 use super::super::{AccelerationUnit, Fact, Format, Record};
 use super::Channel;
-use super::csmip::select;
+use super::csmip::{first_of, select};
 use super::error::{Problem, ReadError};
 use super::peer::interval_in_range;
 use super::text::{Block, Stated, after, excerpt, first_number, signed_peak};
@@ -25,6 +25,7 @@ pub(super) fn read(block: &Block, channel: &Channel) -> Result<Record, ReadError
     let values = blocks(&part, count_line, count as usize)?;
     let mut facts = facts(&part);
     facts.push(Fact { key: "unit", value: unit.symbol().into(), line: part.number(unit_line) });
+    facts.extend(first_of(&labels, channel));
     Ok(Record {
         name: block.name(),
         dt,

@@ -71,10 +71,12 @@ fn finding(run: &Run, channel: Channel) -> Option<Finding> {
         Channel::Acceleration | Channel::SpecimenAcceleration => " m/s2",
         _ => "",
     };
-    Some(Finding::whole(run, channel, Fault::Hum, Severity::Remark).saying(
-        format!("{channel} carries hum at {folded}, amplitude {:.2e}{unit}", line.amplitude),
-        "check shields and earths, filter before sampling, or let the model carry `mains_hum`",
-    ))
+    let remedy = match channel {
+        Channel::Acceleration => "check shields and earths, filter before sampling, or let the model carry `mains_hum`",
+        _ => "check shields and earths, or filter before sampling",
+    };
+    let problem = format!("{channel} carries hum at {folded}, amplitude {:.2e}{unit}", line.amplitude);
+    Some(Finding::whole(run, channel, Fault::Hum, Severity::Remark).saying(problem, remedy))
 }
 
 /// Frequencies of the mains and of their harmonics, Hz.

@@ -1,7 +1,9 @@
 //! From the files of `[[runs]]` to runs in SI on an even grid.
 
 use super::{ChannelSource, LEAST_SAMPLES, Origin, RunEntry};
+use crate::digits;
 use crate::files::layout::Stated;
+use crate::motion::read::STEPS;
 use crate::recording::channel::{Channel, PerChannel};
 use crate::recording::clock::{self, Clock, Grid, NoGrid};
 use crate::recording::error::{Place, Problem, RecordingError};
@@ -111,6 +113,13 @@ fn run(
         return Err(entry.place.clone().refuse(Problem::TooShort { found: to - from, least: LEAST_SAMPLES, place }));
     }
     let grid = clock::lay(&stamps[from..to]).map_err(|e| no_grid(e, path))?;
+    if !STEPS.contains(&grid.dt) {
+        let (step, rate) = (digits::stated(grid.dt), digits::stated(1.0 / grid.dt));
+        let problem = format!(
+            "steps of {step} s are {rate} Hz, where a recording has 5 Hz to 20 kHz; correct the unit of the time column"
+        );
+        return Err(Place::file(path).refuse(Problem::Contradiction(problem)));
+    }
     let mut channels = PerChannel::default();
     let mut noise = PerChannel::default();
     for (&Wanted { channel, unit, differentiate, .. }, column) in wanted.iter().zip(&table.columns) {

@@ -89,13 +89,25 @@ fn a_recording_does_not_judge_itself_under_another_name() {
     assert_eq!(of(&recording(40), [fit, held]), seen);
     let later = (0..60).map(|k| format!("{},{k},{},0.5\n", 7.0 + f64::from(k) * 0.01, 2 * k)).collect::<String>();
     assert_eq!(of(&("time,reference [mm],displacement,acceleration\n".to_owned() + &later), [fit, held]), seen);
-    // Two that are fitted judge nothing, and one digit makes another recording.
-    assert_eq!(of(&copy, [fit, "use = \"fit\""]), Ok(()));
+    // Two that are fitted count twice, and one digit makes another recording.
+    assert!(of(&copy, [fit, "use = \"fit\""]).unwrap_err().contains("is fitted above already"));
     assert_eq!(of(&copy.replace(",48,", ",48.1,"), [fit, held]), Ok(()));
     // Parts of one file may not overlap.
     let parts = "[[runs]]\nfile = \"a.csv\"\ncontroller = { kp = 1 }\nto_s = 0.4\nuse = \"fit\"\n\
                  [[runs]]\nfile = \"./a.csv\"\ncontroller = { kp = 1 }\nfrom_s = 0.2\nuse = \"holdout\"\n";
     assert!(load(&[MODEL, CHANNELS, parts].concat()).unwrap_err().contains("it would judge itself"));
+}
+
+#[test]
+fn milliseconds_are_not_taken_as_seconds() {
+    let folder = TempDir::new().unwrap();
+    let rows = (0..60).map(|k| format!("{},{k},{},0.5\n", 10 * k, 2 * k)).collect::<String>();
+    fs::write(folder.path().join("a.csv"), "time,reference [mm],displacement,acceleration\n".to_owned() + &rows)
+        .unwrap();
+    let path = folder.path().join("e.toml");
+    fs::write(&path, [MODEL, CHANNELS, RUN].concat()).unwrap();
+    let refused = Experiment::load(&path).unwrap_err().to_string();
+    assert!(refused.contains("steps of 10 s are 0.1 Hz") && refused.contains("unit of the time column"), "{refused}");
 }
 
 #[test]
