@@ -5,6 +5,7 @@ use super::shard::Shard;
 use super::{Failure, failure, progress, run};
 use crate::closed_loop::scenario::Scenario;
 use crate::files::bounded;
+use crate::motion::condition::peak_acceleration;
 use crate::report::{Item, Matrix, Page, Section, Table};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -101,12 +102,16 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if failed.is_empty() { Ok(()) } else { Err(Failure::Work(format!("campaign: {} tests failed", failed.len()))) }
 }
 
-/// Runs a test and stores its result.
-fn done(cell: &Cell) -> Result<(), String> {
-    let words = |e: Failure| match e {
+/// What a failure says.
+fn words(failure: Failure) -> String {
+    match failure {
         Failure::Input(text) | Failure::Work(text) => text,
         Failure::Cut => "cut".into(),
-    };
+    }
+}
+
+/// Runs a test and stores its result.
+fn done(cell: &Cell) -> Result<(), String> {
     let mut value = run::result(cell.scenario.clone()).map_err(words)?;
     if let Some(object) = value.as_object_mut() {
         // A speed is no result: the same test gives the same file.
@@ -141,6 +146,12 @@ fn cells(args: &Args) -> Result<(Vec<Cell>, Vec<PathBuf>), Failure> {
     let Some(records) = records else {
         return Err(refuse("`records` is missing: name the files, records = [\"a.AT2\"]".into()));
     };
+    if let Some(twice) = records.iter().enumerate().find_map(|(i, name)| records[..i].contains(name).then_some(name)) {
+        return Err(refuse(format!("`records`: {twice} is named twice")));
+    }
+    if document.get("scale").is_some_and(toml::Value::is_array) {
+        return Err(refuse("`scale` is one factor; a list of them is `scales = [...]`".into()));
+    }
     let scales = scales.unwrap_or_else(|| vec![toml::Value::Float(1.0)]);
     let rest = toml::to_string(&document).map_err(|e| refuse(e.to_string()))?;
     let base = Scenario::from_text(&args.campaign, &rest).map_err(|e| Failure::Input(e.to_string()))?;
@@ -170,11 +181,14 @@ fn cells(args: &Args) -> Result<(Vec<Cell>, Vec<PathBuf>), Failure> {
     for record in &records {
         let name = string(record, "records").map_err(refuse)?;
         let file = folder.join(&name);
-        let hash = sha256(&file)?;
+        let hash = sha256(&file).map_err(|e| refuse(format!("`records`: {}", words(e))))?;
         inputs.push(file.clone());
         for scale in &scales {
             let (factor, peak) = match scale {
-                toml::Value::String(text) => (None, Some(text.clone())),
+                toml::Value::String(text) => {
+                    peak_acceleration(text).map_err(|e| refuse(format!("`scales`: {e}")))?;
+                    (None, Some(text.clone()))
+                }
                 toml::Value::Float(x) => (Some(*x), None),
                 toml::Value::Integer(x) => (Some(*x as f64), None),
                 other => return Err(refuse(format!("`scales`: {other} is no factor and no peak such as \"0.4g\""))),

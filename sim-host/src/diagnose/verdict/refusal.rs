@@ -18,6 +18,9 @@ use serde::Serialize;
 const CHANCE: f64 = 4.0;
 /// R2 of a channel, its noise apart, that a model must reach for names to be believed.
 const LEAST_SKILL: f64 = 0.5;
+/// R2 of the command below which a model is another machine's: noise that the loop passes on leaves about none, a prediction that is wrong by
+/// more than all there is less.
+const ANOTHER: f64 = -1.0;
 /// Share of a channel's power from which it is too noisy to be asked.
 const NOISY: f64 = 0.5;
 /// Deviations that an effect's size must be away from none.
@@ -111,6 +114,11 @@ pub(super) fn refusal(
         if noise < NOISY && lack > 1.0 - LEAST_SKILL {
             return Some(Refusal::NoSkill { channel: channel.name(), r2: 1.0 - found * found });
         }
+    }
+    // What predicts the command far worse than nothing would is the model of another machine, whatever its names explain.
+    let commanded = nrmse(&named.hold, Channel::Command).map(|found| 1.0 - found * found);
+    if let Some(r2) = commanded.filter(|r2| *r2 < ANOTHER) {
+        return Some(Refusal::NoSkill { channel: Channel::Command.name(), r2 });
     }
     if !rest_beyond_noise(before) {
         return None;

@@ -284,3 +284,15 @@ fn a_channel_that_is_hardly_explained_is_more_that_is_missing() {
     assert!(!follows(certain).leaves_a_channel(&with(50.0, 56.5), &after), "nine tenths are explained");
     assert!(!follows(certain).leaves_a_channel(&with(2.4, 56.5), &with(2.2, 1.0)), "noise may be as large");
 }
+
+/// A model that predicts the command far worse than nothing would is another machine's.
+#[test]
+fn a_command_out_of_all_proportion_refuses_names() {
+    let truth = with_viscous(90.0);
+    let Conclusion { stated, accepted: mut named, judging, .. } = concluded(&truth, &truth, with_viscous(50.0));
+    assert_eq!(refusal(&stated, &named, &judging, false), None);
+    named.hold.nrmse.retain(|(channel, _)| *channel != Channel::Command);
+    named.hold.nrmse.push((Channel::Command, 3.9));
+    let refused = refusal(&stated, &named, &judging, false);
+    assert!(matches!(refused, Some(Refusal::NoSkill { channel: "command", .. })), "{refused:?}");
+}

@@ -141,10 +141,15 @@ pub(super) fn check(run: &Run, sources: &PerChannel<ChannelSource>, baseline: &B
     let all = repairs(&signals, sources);
     let mended = (0..=LAST_KIND).find_map(|kind| {
         let of_kind = all.iter().filter(|r| r.kind() == kind).cloned();
-        of_kind.filter_map(mends).min_by(|a, b| a.1.total_cmp(&b.1))
+        let mended: Vec<(Repair, f64)> = of_kind.filter_map(mends).collect();
+        let best = mended.iter().min_by(|a, b| a.1.total_cmp(&b.1))?.clone();
+        Some((best, mended))
     });
     match mended {
-        Some((repair, _)) => vec![repair.finding(run, &evidence(&broken))],
+        Some((best, others)) => match undecided(run, &best, &others, &evidence(&broken)) {
+            Some(finding) => vec![finding],
+            None => vec![best.0.finding(run, &evidence(&broken))],
+        },
         // The controller alone out of step is the replay's to explain.
         None if broken.iter().all(|l| l.about == About::Controller) => Vec::new(),
         None if broken.iter().all(|l| matches!(l.state, State::Off(_))) => vec![off(run, first, &evidence(&broken))],
@@ -408,6 +413,30 @@ impl Repair {
             ),
         }
     }
+}
+
+/// A unit that is wrong where several others would do as well, as where the size of a channel is all that speaks.
+fn undecided(run: &Run, best: &(Repair, f64), others: &[(Repair, f64)], evidence: &str) -> Option<Finding> {
+    let (Repair::Unit { channels, stated, .. }, least) = best else { return None };
+    let mut units: Vec<Unit> = Vec::new();
+    for (other, distance) in others {
+        if let Repair::Unit { channels: of, recorded, .. } = other
+            && of == channels
+            && *distance < least + ACCURATE
+            && units.iter().all(|unit| unit.factor != recorded.factor)
+        {
+            units.push(*recorded);
+        }
+    }
+    if units.len() < 2 {
+        return None;
+    }
+    let names = channels.iter().map(|c| c.name()).collect::<Vec<_>>().join(" and ");
+    let possible = units.iter().map(|unit| unit.symbol).collect::<Vec<_>>().join(", ");
+    Some(Finding::whole(run, channels[0], Fault::WrongUnit, Severity::BadData).saying(
+        format!("{names}: not recorded in {} as stated: {evidence}; of {possible} each is possible", stated.symbol),
+        format!("write the unit that the recorder used for {names}"),
+    ))
 }
 
 /// A factor that no unit explains: what a sensor, or physics, may do is left to the diagnosis.

@@ -447,6 +447,23 @@ fn a_channel_in_si_that_is_stated_in_g_is_named() {
     assert!(finding.problem.starts_with("acceleration: recorded in m/s2, not in g as stated"), "{}", finding.problem);
 }
 
+/// Where the size is all that speaks, more than one unit is possible, and none is named.
+#[test]
+fn a_unit_that_the_size_alone_speaks_against_is_asked_for() {
+    let mut run = CLEAN.run();
+    let mut lengths = PerChannel::default();
+    for channel in [Channel::Reference, Channel::Displacement] {
+        lengths.set(channel, run.channel(channel).unwrap().iter().map(|x| 1e3 * x).collect());
+    }
+    (run.channels, run.law) = (lengths, RecordedLaw::Open);
+    let finding = &check_run(&run, &sources(), &BASELINE)[0];
+    assert_eq!(finding.fault, Fault::WrongUnit);
+    for said in ["not recorded in m as stated", "cm, mm"] {
+        assert!(finding.problem.contains(said), "{}", finding.problem);
+    }
+    assert_eq!(finding.remedy, "write the unit that the recorder used for reference and displacement");
+}
+
 #[test]
 fn what_can_be_physics_is_only_remarked() {
     let remark = |bench: Bench| -> Vec<Fault> { findings(&bench.run()).iter().map(|f| f.fault).collect() };
