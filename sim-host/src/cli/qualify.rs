@@ -71,6 +71,11 @@ pub(crate) struct Args {
 /// Reads or makes the motion, judges it and says what came out.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     within("--margin", args.margin.unwrap_or(1.05), 0.1, 10.0, "")?;
+    if let Some(option) = args.within.shape.given().filter(|_| args.record.is_some()) {
+        return Err(Failure::Input(format!(
+            "{option} describes the drive that --synthesise writes; RECORD is judged as it is"
+        )));
+    }
     let demanded = args.demand.demanded()?;
     let demanded = demanded.ok_or_else(|| Failure::Input("--standard NAME: which standard?".into()))?;
     if args.within.asked() {

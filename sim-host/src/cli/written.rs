@@ -33,6 +33,19 @@ pub(crate) struct Shape {
     sixteen_bit: bool,
 }
 
+impl Shape {
+    /// The first option given.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        first_given([
+            ("--drive", self.drive.is_some()),
+            ("--drive-unit", self.drive_unit.is_some()),
+            ("--volts-per-metre", self.volts_per_metre.is_some()),
+            ("--rate", self.rate.is_some()),
+            ("--sixteen-bit", self.sixteen_bit),
+        ])
+    }
+}
+
 /// What is written where.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {

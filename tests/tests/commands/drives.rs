@@ -342,6 +342,10 @@ fn a_record_is_fitted_to_a_required_spectrum() {
         ("modify near-field-moderate --objective spectrum --standard own", "--rrs FILE"),
         ("modify near-field-moderate --objective spectrum --standard own --rrs floor.csv --band 0.1,0.5", "--band"),
         ("qualify a.rpc", "--standard"),
+        // A record is judged, not a motion of the command's own.
+        ("qualify none.AT2 --standard own --rrs floor.csv --velocity 1", "cannot be used with"),
+        ("qualify a.rpc --standard own --rrs floor.csv --seed 2", "cannot be used with"),
+        ("qualify a.rpc --standard own --rrs floor.csv --drive-unit V", "is judged as it is"),
     ] {
         let refused = run(at, line);
         let message = String::from_utf8_lossy(&refused.stderr).into_owned();
