@@ -14,9 +14,25 @@ pub(crate) fn is_unit(text: &str) -> bool {
     UNITS.iter().any(|unit| unit.eq_ignore_ascii_case(&plain))
 }
 
+/// Names that one unit has beside its own.
+const ALSO: [(&str, &str); 8] = [
+    ("sec", "s"),
+    ("g's", "g"),
+    ("gal", "cm/s2"),
+    ("m/s/s", "m/s2"),
+    ("cm/s/s", "cm/s2"),
+    ("mm/s/s", "mm/s2"),
+    ("-", "1"),
+    ("none", "1"),
+];
+
 /// True for two spellings of one unit.
 pub(super) fn is_same(a: &str, b: &str) -> bool {
-    plain(a).eq_ignore_ascii_case(&plain(b))
+    let usual = |text: &str| {
+        let plain = plain(text).to_ascii_lowercase();
+        ALSO.iter().find(|(also, _)| *also == plain).map_or(plain, |(_, usual)| (*usual).to_owned())
+    };
+    usual(a) == usual(b)
 }
 
 /// The unit that a name ends with in brackets, as in `acceleration [g]`.
@@ -40,5 +56,14 @@ mod tests {
             assert!(is_unit(unit), "{unit}");
         }
         assert!(!is_unit("time") && !is_unit("1944 B") && !is_unit(""));
+    }
+
+    /// One unit under two names is no contradiction, another of its kind is.
+    #[test]
+    fn a_unit_has_more_than_one_name() {
+        for (a, b) in [("s", "[sec]"), ("gal", "(cm/s^2)"), ("m/s2", "[m/s/s]"), ("1", "[-]"), ("kN", "[kn]")] {
+            assert!(is_same(a, b) && is_same(b, a), "{a} {b}");
+        }
+        assert!(!is_same("gal", "g") && !is_same("mm", "[m]") && !is_same("s", "[ms]"));
     }
 }
