@@ -36,6 +36,7 @@ mod next_test;
 mod noise;
 mod onward;
 mod options;
+mod outdone;
 mod overstated;
 mod passes;
 pub(crate) mod planned;

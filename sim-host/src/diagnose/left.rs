@@ -39,13 +39,13 @@ pub(super) fn report(
     channels.retain(|channel| *channel != Channel::SupplyPressure);
     let open = conclusion.unlisted || conclusion.more_missing;
     let follows = |channel| of_channel(looks.iter().copied(), channel).is_some_and(Structure::is_certain);
-    for channel in channels {
+    for &channel in &channels {
         let Some(noise) = noise_of(whole, channel) else { continue };
         noise::report(experiment, &looks, (channel, noise), || open || follows(channel), findings);
         saw_tooth::report(&looks, (channel, noise), findings);
         if !open {
             hum::report(&looks, (channel, noise), &conclusion.accepted.fit.model, findings);
-            spikes::report(&looks, channel, findings);
+            spikes::report(&looks, channel, &channels, findings);
         }
     }
     if !open {

@@ -7,7 +7,7 @@ use super::options::Options;
 use super::split::{Split, Weighing, reopened, split};
 use super::term::Modelled;
 use super::verdict::Conclusion;
-use super::{SEARCHED, beside, clock, decide, overstated, region, reject_for_curve, search, term, verdict};
+use super::{SEARCHED, beside, clock, decide, outdone, overstated, region, reject_for_curve, search, term, verdict};
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::prepare::Prepared;
@@ -148,7 +148,10 @@ pub(super) fn select(weighing: &Weighing, options: &Options) -> Result<Selected,
     let decision = decide::decide(weighing, &search)?;
     options.say("looking for effects that act in a part of time or state", 0.92);
     let mut decision = region::region(weighing, &search, decision)?;
-    let modelled = reject_for_curve::reject_for_curve(weighing, &mut decision)?;
+    let mut modelled = reject_for_curve::reject_for_curve(weighing, &mut decision)?;
+    if modelled.is_none() {
+        modelled = outdone::reject_for_valve(weighing, &mut decision)?;
+    }
     Ok(Selected { decision, modelled })
 }
 

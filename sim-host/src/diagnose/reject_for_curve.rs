@@ -45,4 +45,4 @@ pub(super) fn reject_for_curve(
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -86,6 +86,8 @@ const FINALISTS: usize = 3;
 /// How far.
 const LOOK: Effort = Effort { steps: 4, tolerance: 1e-3 };
 const FULL: Effort = Effort { steps: 12, tolerance: 1e-4 };
+/// Share of what a name explains that a linear step must promise of an equation in its place.
+const PROMISING: f64 = 0.5;
 /// Share of what is left that an equation must take away on the validation, and one more term of it.
 const WORTH: f64 = 0.3;
 const MORE: f64 = 0.35;
@@ -107,7 +109,7 @@ pub(super) fn unlisted(
 ) -> Result<Option<Modelled>, SimulateError> {
     let curve = remainder(weighing, before, beside)?;
     let parents = [beside, before].into_iter().take(if beside.added.is_empty() { 1 } else { 2 });
-    let mut found = parents.map(|parent| equation(weighing, parent)).collect::<Result<Vec<_>, _>>()?;
+    let mut found = parents.map(|parent| equation(weighing, parent, &|_| true)).collect::<Result<Vec<_>, _>>()?;
     let alone = found.last().and_then(|f| f.as_ref()).map_or_else(|| before.clone(), |f| f.judged.clone());
     found.sort_by(|a, b| chi2(a.as_ref()).total_cmp(&chi2(b.as_ref())));
     let Some(term) = found.into_iter().flatten().next() else { return Ok(curve.map(Into::into)) };
@@ -128,15 +130,36 @@ pub(super) fn alone(weighing: &Weighing, before: &ScoredModel) -> Result<Option<
         let judged = term.judged.clone();
         Modelled { remainder: None, term: Some(term), judged, names_needed: false, rival: None }
     };
-    Ok(equation(weighing, before)?.map(modelled))
+    Ok(equation(weighing, before, &|_| true)?.map(modelled))
+}
+
+/// Models it by an equation of the valve beside the effects of a model, where a linear step promises at least half of what `named`, which
+/// has one effect more, explains.
+pub(super) fn of_the_valve(
+    weighing: &Weighing,
+    less: &ScoredModel,
+    named: &ScoredModel,
+) -> Result<Option<Modelled>, SimulateError> {
+    let explained = (less.fit.squares - named.fit.squares) / (less.fit.squares - less.fit.rows as f64).max(1e-9);
+    let likely = |c: &Candidate| c.piece.term.is_of_the_valve() && c.promised > PROMISING * explained;
+    let modelled = |term: Found| {
+        let judged = term.judged.clone();
+        let names_needed = !judged.added.is_empty();
+        Modelled { remainder: None, term: Some(term), judged, names_needed, rival: None }
+    };
+    Ok(equation(weighing, less, &likely)?.map(modelled))
 }
 
 fn chi2(found: Option<&Found>) -> f64 {
     found.map_or(f64::INFINITY, |f| f.judged.hold.chi2)
 }
 
-/// The equation that predicts best beside a model; none where none is worth it.
-fn equation(weighing: &Weighing, parent: &ScoredModel) -> Result<Option<Found>, SimulateError> {
+/// The equation that predicts best beside a model, begun with a term that is `likely`; none where none is worth it.
+fn equation(
+    weighing: &Weighing,
+    parent: &ScoredModel,
+    likely: &dyn Fn(&Candidate) -> bool,
+) -> Result<Option<Found>, SimulateError> {
     let mut best: Option<Found> = None;
     loop {
         let base = best.as_ref().map_or(parent, |found| &found.judged);
@@ -146,7 +169,7 @@ fn equation(weighing: &Weighing, parent: &ScoredModel) -> Result<Option<Found>, 
         let candidates = screen(&base.fit, weighing, sense)?;
         let new = |c: &Candidate| {
             let known = pieces.iter().any(|p| p.term == c.piece.term);
-            !known && used + c.piece.term.parameters() <= MOST
+            !known && used + c.piece.term.parameters() <= MOST && (best.is_some() || likely(c))
         };
         let candidates: Vec<Candidate> = candidates.into_iter().filter(new).take(FITTED).collect();
         let share = if best.is_some() { MORE } else { WORTH };

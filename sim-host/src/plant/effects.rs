@@ -300,7 +300,7 @@ impl<S: Scalar> Compliance<S> {
 const LEAST_LOAD: f64 = 1e-6;
 
 /// Which hooks an effect uses, so that a simulation calls no other.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Hooks {
     /// [`Effect::command`].
     pub command: bool,

@@ -52,7 +52,7 @@ impl Stepped {
 
     /// What the valve sees of `command` before anything moves.
     fn seen(&self, command: f64) -> f64 {
-        if self.direct { command } else { self.state.spool }
+        if self.direct { self.dynamics.opened(command) } else { self.state.spool }
     }
 }
 

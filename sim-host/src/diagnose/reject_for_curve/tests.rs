@@ -6,11 +6,15 @@ use crate::identify::fit::tests::{TRUTH, model, recorded};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::plant::effects::entry;
 
-/// Runs of a truth, the stated model and one that names viscous friction on them, decided for the name.
+/// The same with viscous friction named.
 fn named(truth: &Model) -> (Weighing, Decision) {
+    decided_for(truth, viscous(90.0, 0.0, (-0.2, 2.0)))
+}
+
+/// Runs of a truth, the stated model and one that names an effect on them, decided for the name.
+pub(in super::super) fn decided_for(truth: &Model, name: ModelEffect) -> (Weighing, Decision) {
     let runs: Vec<Run> = (1..4).map(|seed| recorded(truth, seed)).collect();
-    let (before, after) =
-        (judged(model(TRUTH), &runs), judged(model(TRUTH).with(viscous(90.0, 0.0, (-0.2, 2.0))), &runs));
+    let (before, after) = (judged(model(TRUTH), &runs), judged(model(TRUTH).with(name), &runs));
     let candidates: Vec<ScoredModel> = vec![ScoredModel { probability: 0.8, ..after.clone() }];
     let decision = Decision {
         stated: before,

@@ -225,6 +225,12 @@ impl Term {
         !self.follows.grows() && self.sense != Sense::Acceleration
     }
 
+    /// True where it bends what the valve is asked for or lets through, and is no force in another place.
+    pub(super) fn is_of_the_valve(self) -> bool {
+        let by_command = self.sense == Sense::Command && self.follows == Follows::Command;
+        by_command || (self.sense == Sense::Gain && self.follows != Follows::Velocity)
+    }
+
     /// True where the library has the same under a name of its own.
     fn is_listed(self) -> bool {
         let force = matches!(self.sense, Sense::Force | Sense::ForcePerMass);

@@ -33,6 +33,8 @@ const HALVES: usize = 30;
 pub(super) struct Candidate {
     /// The term with the values that the regression gives it.
     pub(super) piece: Piece,
+    /// Share of what is left beyond the noise that it takes away, by one linear step.
+    pub(super) promised: f64,
     /// Share of random halves of the training in which the best term is at its place.
     pub(super) stability: f64,
 }
@@ -78,7 +80,8 @@ pub(super) fn screen(fit: &Fit, weighing: &Weighing, sense: Option<Sense>) -> Re
             taken.push(key);
             let share = stability.iter().find(|(s, _)| *s == key.0).map_or(0.0, |(_, share)| *share);
             let piece = Piece { term: column.term, coefficients: column.values, shape: column.shape };
-            chosen.push(Candidate { piece, stability: share });
+            let promised = column.gain / (fit.squares - fit.rows as f64).max(f64::MIN_POSITIVE);
+            chosen.push(Candidate { piece, promised, stability: share });
         }
     }
     Ok(chosen)

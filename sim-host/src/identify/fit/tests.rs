@@ -1,7 +1,7 @@
 use super::*;
 use crate::identify::data::{Channel, Measured};
 use crate::identify::evaluate::predict;
-use crate::identify::model::{ModelEffect, SignalScales, Value};
+use crate::identify::model::{ModelEffect, Prior, SignalScales, Value};
 use crate::plant::effects::entry;
 use crate::plant::model::Kind;
 use crate::plant::simulate::SimulatedLaw;
@@ -123,11 +123,18 @@ fn a_limit_that_nothing_reaches_is_brought_down_to_where_it_binds() {
     };
     let truth = [0.93 * fastest(1.0), 0.93 * fastest(-1.0)];
     let runs = [recorded(&model(TRUTH).with(limits(truth[0], truth[1])), 1)];
-    let mut fit = Fit::begin(model(TRUTH).with(limits(truth[0], 1.12 * truth[1])), &runs).unwrap();
-    assert!(fit.chi2() > 1.3, "the limit shows: chi2 {}", fit.chi2());
-    fit.improve(&runs, Effort::FULL).unwrap();
-    let found = fit.model.effects[0].values[1].value;
-    assert!((found / truth[1] - 1.0).abs() < 5e-3, "{found} for {}, chi2 {}", truth[1], fit.chi2());
+    // What was known of it beforehand, loosely, is no slope that leads there.
+    for known in [false, true] {
+        let mut stated = limits(truth[0], 1.12 * truth[1]);
+        for value in stated.values.iter_mut().filter(|_| known) {
+            value.prior = Some(Prior { mean: value.coordinate(), std: 0.25, lent: false });
+        }
+        let mut fit = Fit::begin(model(TRUTH).with(stated), &runs).unwrap();
+        assert!(fit.chi2() > 1.3, "the limit shows: chi2 {}", fit.chi2());
+        fit.improve(&runs, Effort::FULL).unwrap();
+        let found = fit.model.effects[0].values[1].value;
+        assert!((found / truth[1] - 1.0).abs() < 5e-3, "{found} for {}, chi2 {}", truth[1], fit.chi2());
+    }
 }
 
 /// The limit is fitted a hair too high: every share that is tried at once is too low, and worse.

@@ -95,6 +95,8 @@ pub(super) enum Regime {
 pub(super) struct EffectInstance<S> {
     pub(super) effect: Box<dyn Effect<S>>,
     hooks: Hooks,
+    /// It is at the valve and has no state there: what passes it stays the same over a step.
+    opens: bool,
     pub(super) first: usize,
     pub(super) last: usize,
 }
@@ -113,14 +115,26 @@ impl<S: Scalar> EffectInstance<S> {
             let unknown = || SimulateError::UnknownEffect { id: id.to_owned(), count: parameters.len() };
             let effect = build(id, &parameters).ok_or_else(unknown)?;
             effect.yields(&mut compliance);
-            mounted.push(Self { hooks: effect.hooks(), effect, first: 0, last: 0 });
+            mounted.push(Self { hooks: effect.hooks(), effect, opens: false, first: 0, last: 0 });
         }
         let mut end = first(&compliance);
         for m in &mut mounted {
             (m.first, m.last) = (end, end + m.effect.states());
             end = m.last;
         }
+        let behind_states = |m: &Self| m.hooks.valve && m.last > m.first;
+        mounted.iter_mut().take_while(|m| !behind_states(m)).for_each(Self::open);
         if end > most { Err(SimulateError::TooManyStates { states: end }) } else { Ok((mounted, end, compliance)) }
+    }
+
+    /// Takes what it does at the valve out of the equations of a step: no state is behind it.
+    fn open(&mut self) {
+        if self.hooks.valve {
+            let others = Hooks { valve: false, command: false, ..self.hooks };
+            self.opens = true;
+            self.hooks.valve = false;
+            self.hooks.linear = others == Hooks::default();
+        }
     }
 }
 
@@ -268,13 +282,19 @@ impl<S: Scalar> Dynamics<S> {
 
     /// Takes the command through what has memory, for a step of `h` seconds.
     pub(in crate::plant) fn begin_step(&mut self, state: &mut State<S>, h: f64) {
-        state.spool = state.command;
         if self.any.observes {
+            state.spool = self.opened(state.command);
             self.observe(state);
         }
-        for m in self.mounted.iter_mut().filter(|m| m.hooks.command) {
-            state.spool = m.effect.command(state.spool, h);
-        }
+        let with = self.mounted.iter_mut().filter(|m| m.hooks.command);
+        let spool = with.fold(state.command, |spool, m| m.effect.command(spool, h));
+        state.spool = self.opened(spool);
+    }
+
+    /// What the valve makes of a command before any state of its own.
+    #[inline]
+    pub(in crate::plant) fn opened(&self, command: S) -> S {
+        self.mounted.iter().filter(|m| m.opens).fold(command, |spool, m| m.effect.valve(spool, &[], &mut []))
     }
 
     /// Shows the motion to what changes with it from step to step.

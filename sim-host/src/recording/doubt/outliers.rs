@@ -27,6 +27,9 @@ const AROUND: usize = 12;
 /// Largest share of a run's samples that are single errors; with more it is something else.
 const MOST: f64 = 0.01;
 
+/// Samples after a wrong displacement in which what answers it through the loop is no error of another sensor.
+const ANSWERS: usize = 3;
+
 /// Standard errors by which the speed at what looks wrong is another than at all samples, for it to be the motion's.
 const FOLLOWS: f64 = 4.0;
 
@@ -35,6 +38,7 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
     const SENSORS: [Channel; 4] =
         [Channel::Displacement, Channel::Acceleration, Channel::Velocity, Channel::PressureDifference];
     let mut findings = Vec::new();
+    let mut fed_back: Vec<Vec<usize>> = vec![Vec::new(); experiment.runs.len()];
     for channel in SENSORS {
         let far = if channel == Channel::Displacement { FAR_OF_PLACE } else { FAR };
         let places = |run: &Run| run.channel(channel).map_or_else(Vec::new, |samples| outliers(samples, far));
@@ -42,16 +46,23 @@ pub(super) fn doubt(experiment: &mut Experiment) -> Vec<SetUpFinding> {
         if channel == Channel::Acceleration && follow_motion(&experiment.runs, &wrong) {
             continue;
         }
-        for (run, wrong) in experiment.runs.iter_mut().zip(wrong).filter(|(_, wrong)| !wrong.is_empty()) {
-            let Some(samples) = run.channel(channel) else { continue };
+        for ((run, wrong), fed_back) in experiment.runs.iter_mut().zip(&wrong).zip(&fed_back) {
+            let Some(samples) = run.channel(channel).filter(|_| !wrong.is_empty()) else { continue };
             let mut kept = samples.to_vec();
-            let count = wrong.len() as f64;
-            for k in wrong {
+            for &k in wrong {
                 kept[k] = f64::NAN;
             }
             run.channels.set(channel, kept);
-            let finding = SetUpFinding::new(Doubt::Outliers, count, "samples").against(0.0);
-            findings.push(finding.of_run(&run.name).of_channel(channel));
+            // What a wrong displacement makes a loop do, the table does, and the other sensors are right to show it.
+            let own =
+                wrong.iter().filter(|&k| !fed_back.iter().any(|from| (*from..=from + ANSWERS).contains(k))).count();
+            if own > 0 {
+                let finding = SetUpFinding::new(Doubt::Outliers, own as f64, "samples").against(0.0);
+                findings.push(finding.of_run(&run.name).of_channel(channel));
+            }
+        }
+        if channel == Channel::Displacement {
+            fed_back = wrong;
         }
     }
     findings
@@ -123,6 +134,28 @@ mod tests {
     fn smooth(n: usize) -> Vec<f64> {
         let noise = |k: usize| ((k * 7919 % 1000) as f64 / 1000.0 - 0.5) * 1e-3;
         (0..n).map(|k| (0.05 * k as f64).sin() + noise(k)).collect()
+    }
+
+    /// A wrong displacement makes the loop move the table, which the accelerometer shows: one error, of one sensor.
+    #[test]
+    fn what_answers_a_wrong_displacement_is_no_error() {
+        let found = |late: usize| {
+            let law = RecordedLaw::ProportionalIntegral { kp: 20.0, ki: 0.0 };
+            let mut experiment = experiment(&law, Shaping::default(), 1);
+            let run = &mut experiment.runs[0];
+            let n = run.len();
+            let with = |mut samples: Vec<f64>, at: usize| {
+                samples[at] += 0.5;
+                samples
+            };
+            run.channels.set(Channel::Displacement, with(smooth(n), 701));
+            run.channels.set(Channel::Acceleration, with(smooth(n), 701 + late));
+            let said = doubt(&mut experiment);
+            let masked = experiment.runs[0].channel(Channel::Acceleration).unwrap()[701 + late].is_nan();
+            (said.iter().filter_map(|f| f.channel).collect::<Vec<_>>(), masked)
+        };
+        assert_eq!(found(1), (vec!["displacement"], true));
+        assert_eq!(found(9), (vec!["displacement", "acceleration"], true));
     }
 
     #[test]

@@ -14,7 +14,7 @@ impl<S: Scalar> Dynamics<S> {
             return Err(SimulateError::TooManyStates { states: last });
         }
         self.any = self.any.or(effect.hooks());
-        self.mounted.push(EffectInstance { hooks: effect.hooks(), effect, first, last });
+        self.mounted.push(EffectInstance { hooks: effect.hooks(), effect, opens: false, first, last });
         self.used = last;
         Ok(())
     }
