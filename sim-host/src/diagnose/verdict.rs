@@ -4,6 +4,7 @@
 mod refusal;
 
 use super::calibration::CALIBRATION;
+use super::decide::EVEN;
 use super::judged::{Decision, ScoredModel};
 use super::leftover::{Followed, more_is_missing};
 use super::split::Test;
@@ -16,7 +17,7 @@ use crate::identify::judge::{score, score_beside, score_from};
 use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 pub(crate) use refusal::Refusal;
-use refusal::{refusal, rest_beyond_noise, untold};
+use refusal::{Before, refusal, rest_beyond_noise, untold};
 
 /// How far the last fit goes: it starts from the values found on two thirds of its samples.
 const LAST: Effort = Effort { steps: 12, tolerance: 1e-6 };
@@ -102,9 +103,12 @@ pub(super) fn verdict(
     // Names that stand beside a curve are judged with it, and where that fails without it: the curve may be what fails.
     let beside = modelled.filter(|_| decision.more_missing && selected.is_none());
     let with_curve = if beside.is_some() { curve.clone() } else { None };
-    let beside_more = decision.more_missing;
+    let known = Before {
+        beside_more: decision.more_missing,
+        doubtful: selected.as_ref().is_some_and(|names| names.probability < EVEN),
+    };
     let refused = |named: &ScoredModel| -> Result<Option<Refusal>, SimulateError> {
-        let failed = refusal(&stated, named, &judging, beside_more);
+        let failed = refusal(&stated, named, &judging, known);
         if failed.is_some() { Ok(failed) } else { untold(&stated, named, whole, &judging) }
     };
     let (mut named, mut refusal) = (selected.or(with_curve), None);

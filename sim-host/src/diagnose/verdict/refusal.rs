@@ -78,13 +78,22 @@ pub(super) fn rest_beyond_noise(judged: &ScoredModel) -> bool {
     judged.hold.chi2 - 1.0 > CALIBRATION.negligible + blur
 }
 
+/// What is known of names before they are judged.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Before {
+    /// More is missing beside them.
+    pub(super) beside_more: bool,
+    /// They are likelier wrong than right.
+    pub(super) doubtful: bool,
+}
+
 /// Why these names cannot stand; those beside which more is missing, or of which enough is left to hide it, need to explain the larger part
-/// alone, or nearly all of one channel.
+/// alone, or nearly all of one channel; doubtful ones that leave more than any noise need to explain most.
 pub(super) fn refusal(
     before: &ScoredModel,
     named: &ScoredModel,
     judging: &[Run],
-    beside_more: bool,
+    Before { beside_more, doubtful }: Before,
 ) -> Option<Refusal> {
     let channel_explained =
         explains_a_channel(before, named).filter(|_| beside_more && named.hold.chi2 < before.hold.chi2);
@@ -130,7 +139,11 @@ pub(super) fn refusal(
     let share_left = channel_explained.map_or(in_all, |(_, left)| left.min(in_all));
     // Where what is left could hide another effect the names have to explain the larger part.
     let hides = left > CALIBRATION.hidden;
-    let most_left = if beside_more || hides { LARGER_PART } else { 1.0 - CALIBRATION.credible };
+    let most_left = match beside_more || hides {
+        true if doubtful && named.hold.chi2 > CALIBRATION.modest => 1.0 - CALIBRATION.most,
+        true => LARGER_PART,
+        false => 1.0 - CALIBRATION.credible,
+    };
     (share_left > most_left).then_some(Refusal::NoGain { share_left })
 }
 
@@ -178,3 +191,6 @@ fn indistinct(named: &ScoredModel) -> Vec<&'static str> {
     };
     named.added.iter().copied().filter(|id| !told(id)).collect()
 }
+
+#[cfg(test)]
+pub(super) mod tests;
