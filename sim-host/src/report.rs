@@ -71,7 +71,17 @@ pub struct Table {
     pub caption: String,
 }
 
-/// A table of numbers in two directions, each cell shaded by its share of its row: a confusion matrix.
+/// What a cell of a matrix is shaded by.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Shade {
+    /// Its share of its row, as of a confusion matrix.
+    #[default]
+    OfRow,
+    /// Its share of the largest value.
+    OfLargest,
+}
+
+/// A table of numbers in two directions, each cell shaded.
 #[derive(Debug, Clone, Default)]
 pub struct Matrix {
     /// What it shows.
@@ -84,6 +94,8 @@ pub struct Matrix {
     pub columns: Vec<String>,
     /// Name of each row and one value a column; NaN leaves a cell empty.
     pub rows: Vec<(String, Vec<f64>)>,
+    /// What a cell is shaded by.
+    pub shade: Shade,
 }
 
 /// A figure: curves over one abscissa.

@@ -6,7 +6,7 @@ use super::{Failure, failure, progress, run};
 use crate::closed_loop::scenario::Scenario;
 use crate::files::bounded;
 use crate::motion::condition::peak_acceleration;
-use crate::report::{Item, Matrix, Page, Section, Table};
+use crate::report::{Item, Matrix, Page, Section, Shade, Table};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
@@ -268,11 +268,14 @@ fn page(campaign: &Path, lead: String, results: &[(&Cell, Value)], table: Table)
         }
     }
     let matrix = Matrix {
-        caption: "E_a by record, scale and controller".into(),
+        caption:
+            "E_a, the norm of the acceleration's error over that of what was asked for, by record, scale and controller"
+                .into(),
         rows_are: "motion".into(),
         columns_are: "controller".into(),
         columns: controllers.into_iter().map(String::from).collect(),
         rows,
+        shade: Shade::OfLargest,
     };
     let name = campaign.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     Page {

@@ -2,7 +2,7 @@
 
 use super::gates::{Gate, Limit, SECONDS};
 use super::summary::{Beside, Confusion, Coverage, Row, Summary};
-use crate::report::{Axis, Item, Matrix, Page, Plot, Section, Series, Style, Table};
+use crate::report::{Axis, Item, Matrix, Page, Plot, Section, Series, Shade, Style, Table};
 
 /// The page of a campaign.
 pub fn page(summary: &Summary) -> Page {
@@ -179,6 +179,7 @@ pub(super) fn matrix(confusion: &Confusion) -> Matrix {
             .iter()
             .map(|(truth, cells)| (truth.clone(), cells.iter().map(|n| *n as f64).collect()))
             .collect(),
+        shade: Shade::OfRow,
     }
 }
 

@@ -1,10 +1,10 @@
 //! A matrix of counts or shares as a shaded table.
 
-use super::Matrix;
 use super::escape::text;
+use super::{Matrix, Shade};
 use std::fmt::Write as _;
 
-/// Writes the matrix; a cell's shade is its share of its row.
+/// Writes the matrix.
 pub(crate) fn write(out: &mut String, matrix: &Matrix) {
     let caption = text(&matrix.caption);
     let region = format!("<div class=\"table\" role=\"region\" aria-label=\"{caption}\" tabindex=\"0\">");
@@ -19,8 +19,13 @@ pub(crate) fn write(out: &mut String, matrix: &Matrix) {
         let _ = write!(out, "<th scope=\"col\"><span>{}</span></th>", text(column));
     }
     out.push_str("</tr></thead>\n<tbody>\n");
+    let sizes = |values: &[f64]| values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).collect::<Vec<f64>>();
+    let largest = matrix.rows.iter().flat_map(|(_, values)| sizes(values)).fold(0.0, f64::max);
     for (name, values) in &matrix.rows {
-        let total: f64 = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).sum();
+        let total = match matrix.shade {
+            Shade::OfRow => sizes(values).iter().sum(),
+            Shade::OfLargest => largest,
+        };
         let _ = write!(out, "<tr><th scope=\"row\">{}</th>", text(name));
         for value in values {
             cell(out, *value, total);
@@ -40,4 +45,22 @@ fn cell(out: &mut String, value: f64, total: f64) {
     let shown = if value.fract() == 0.0 { format!("{value:.0}") } else { format!("{value:.3}") };
     let shown = if value == 0.0 { "\u{b7}".to_owned() } else { shown };
     let _ = write!(out, "<td class=\"{class}\" style=\"--share:{share}%\">{shown}</td>");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One controller fills every row; what is worst is shaded whole all the same, and what is not less.
+    #[test]
+    fn errors_are_shaded_by_the_largest() {
+        let shares = |shade| {
+            let rows = vec![("weak".to_owned(), vec![0.1]), ("strong".to_owned(), vec![0.4])];
+            let mut out = String::new();
+            write(&mut out, &Matrix { columns: vec!["tracking".into()], rows, shade, ..Matrix::default() });
+            [25, 100].map(|share| out.matches(&format!("--share:{share}%")).count())
+        };
+        assert_eq!(shares(Shade::OfRow), [0, 2]);
+        assert_eq!(shares(Shade::OfLargest), [1, 1]);
+    }
 }

@@ -3,7 +3,7 @@
 use super::{HELD, HOW, quartiles, sensed, three};
 use crate::closed_loop::bench::figures::Figure;
 use crate::closed_loop::bench::{Bench, Row};
-use crate::report::{Item, Matrix, Page, Section};
+use crate::report::{Item, Matrix, Page, Section, Shade};
 
 /// The page; the sections of single tables are folded.
 pub(super) fn page(held: &[Figure], benches: &[Bench], rows: &[Row], sections: Vec<Section>) -> Page {
@@ -69,5 +69,6 @@ fn glance(benches: &[Bench], rows: &[Row]) -> Matrix {
             .into_iter()
             .map(|name| (name.clone(), benches.iter().map(|bench| value(&name, bench)).collect()))
             .collect(),
+        shade: Shade::OfLargest,
     }
 }

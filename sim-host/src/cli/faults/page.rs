@@ -46,7 +46,7 @@ pub(super) fn sections(summary: &Summary, beside: Beside) -> Vec<Section> {
     };
     let room = 1e3 * (STROKE - MARGIN);
     let note = format!(
-        "An excursion is a table more than {room:.0} mm from the middle, the stroke less the margin, whether promised or not. {tables}"
+        "An excursion is a table more than {room:.0} mm from the middle, the stroke less the margin, whether promised or not. {tables} A fault shows in a run once it reaches a signal or the table; a class with a promised time must then be reported within it, any other may pass unreported as long as what the hazard table promises of the table holds."
     );
     let mut items = vec![Item::Tiles(tiles), Item::Note(note), Item::Table(classes(summary))];
     if !summary.failed.is_empty() {
@@ -62,7 +62,7 @@ fn classes(summary: &Summary) -> Table {
     let columns = [
         "class",
         "runs",
-        "detection required",
+        "shows in",
         "reported",
         "promised [ms]",
         "median [ms]",
