@@ -112,6 +112,15 @@ impl Decision {
         self.unlisted_probability = self.unlisted_probability.max(belief);
     }
 
+    /// Takes all names back, the nearest that the library has staying as `partial`: the mismatch is unlisted, believed at least as much as this.
+    pub(super) fn give_up_names(&mut self, belief: f64, partial: Option<ScoredModel>) {
+        self.take_back(belief);
+        self.unlisted = true;
+        self.accepted = self.stated.clone();
+        self.partial = partial;
+        self.ties.clear();
+    }
+
     /// Moves the belief in names to those of them that are left, where these were weighed.
     pub(super) fn pass_on(&mut self, names: &[&'static str], left: &[&'static str]) {
         if names == left || !self.candidates.iter().any(|c| c.added == left) {

@@ -7,17 +7,12 @@
 
 use super::finish::without;
 use super::judged::{Decision, ScoredModel};
+use super::reject_for_curve::{BELIEF, outdoes};
 use super::split::Weighing;
 use super::standing::{is_justified, is_within_noise};
 use super::term::{self, Modelled};
 use crate::plant::effects::{Stage, entry};
 use crate::plant::simulate::SimulateError;
-
-/// Share of what names leave beyond the noise that an equation may leave in the place of one of them, on the validation and on the
-/// training.
-const OUTDONE: f64 = 0.3;
-/// Belief in what lies outside the library where an equation outdoes a name.
-const BELIEF: f64 = 0.9;
 
 /// Takes back the name that an equation of the valve outdoes, and gives the equation, with the other names beside it.
 pub(super) fn reject_for_valve(
@@ -28,15 +23,12 @@ pub(super) fn reject_for_valve(
     if decision.unlisted || is_within_noise(named) {
         return Ok(None);
     }
-    let leaves = |chi2: f64, named: f64| chi2 - 1.0 < OUTDONE * (named - 1.0);
-    let outdoes = |modelled: &Modelled| {
-        let judged = &modelled.judged;
-        leaves(judged.hold.chi2, named.hold.chi2) && leaves(judged.fit.chi2(), named.fit.chi2())
-    };
     let mut best: Option<(ScoredModel, Modelled)> = None;
     for id in named.added.iter().filter(|id| is_beyond_the_valve(id)) {
         let less = without(named, &[*id], weighing)?;
-        let Some(modelled) = term::of_the_valve(weighing, &less, named)?.filter(outdoes) else { continue };
+        let Some(modelled) = term::of_the_valve(weighing, &less, named)?.filter(|m| outdoes(m, named)) else {
+            continue;
+        };
         if best.as_ref().is_none_or(|(_, best)| modelled.judged.hold.chi2 < best.judged.hold.chi2) {
             best = Some((less, modelled));
         }
@@ -45,14 +37,11 @@ pub(super) fn reject_for_valve(
     let modelled = with_needed(weighing, &decision.stated, modelled)?;
     let added = &modelled.judged.added;
     let less = if less.added == *added { less } else { without(&less, &beside(&less.added, added), weighing)? };
-    decision.take_back(BELIEF);
-    (decision.unlisted, decision.more_missing, decision.in_full) = (true, false, None);
-    decision.ties.clear();
-    decision.accepted = decision.stated.clone();
+    (decision.more_missing, decision.in_full) = (false, None);
     if !less.added.is_empty() && decision.weighed(&less.added).next().is_none() {
         decision.candidates.push(less.clone());
     }
-    decision.partial = Some(less).filter(|less| !less.added.is_empty());
+    decision.give_up_names(BELIEF, Some(less).filter(|less| !less.added.is_empty()));
     Ok(Some(modelled))
 }
 

@@ -1,7 +1,7 @@
 //! Whether a curve or an equation that knows no physics outdoes the effects that were named: what they leave is then not the
 //! difference between two forms of the same physics, and the names are not what it is.
 
-use super::judged::Decision;
+use super::judged::{Decision, ScoredModel};
 use super::remainder::remainder;
 use super::split::Weighing;
 use super::term::{self, Modelled};
@@ -13,9 +13,9 @@ const DOUBTFUL: f64 = 1.3;
 /// its shape.
 const SHARE: f64 = 0.03;
 /// Share of what they leave that a curve or an equation may leave to outdo them, on the hold-out runs and on those fitted.
-const OUTDONE: f64 = 0.3;
-/// Belief in what lies outside the library where a curve outdoes it.
-const BELIEF: f64 = 0.9;
+pub(super) const OUTDONE: f64 = 0.3;
+/// Belief in what lies outside the library where a curve or an equation outdoes it.
+pub(super) const BELIEF: f64 = 0.9;
 
 /// Calls the mismatch unlisted, and gives the curve or the equation, where one outdoes the effects named.
 pub(super) fn reject_for_curve(
@@ -30,18 +30,17 @@ pub(super) fn reject_for_curve(
     let library = decision.in_full.as_ref().unwrap_or(&decision.accepted);
     let curve = remainder(weighing, &decision.stated, &decision.stated)?.map(Modelled::from);
     let equation = term::alone(weighing, &decision.stated)?;
-    let leaves = |chi2: f64, named: f64| chi2 - 1.0 < OUTDONE * (named - 1.0);
-    let outdoes = |modelled: &Modelled| {
-        let judged = &modelled.judged;
-        leaves(judged.hold.chi2, library.hold.chi2) && leaves(judged.fit.chi2(), library.fit.chi2())
-    };
-    let best = [curve, equation].into_iter().flatten().filter(outdoes);
+    let best = [curve, equation].into_iter().flatten().filter(|modelled| outdoes(modelled, library));
     let Some(best) = best.min_by(|a, b| a.judged.hold.chi2.total_cmp(&b.judged.hold.chi2)) else { return Ok(None) };
-    decision.take_back(BELIEF);
-    decision.unlisted = true;
-    decision.partial = Some(std::mem::replace(&mut decision.accepted, decision.stated.clone()));
-    decision.ties.clear();
+    decision.give_up_names(BELIEF, Some(decision.accepted.clone()));
     Ok(Some(best))
+}
+
+/// Whether a curve or an equation leaves far less than names, on both kinds of runs.
+pub(super) fn outdoes(modelled: &Modelled, named: &ScoredModel) -> bool {
+    let leaves = |chi2: f64, named: f64| chi2 - 1.0 < OUTDONE * (named - 1.0);
+    let judged = &modelled.judged;
+    leaves(judged.hold.chi2, named.hold.chi2) && leaves(judged.fit.chi2(), named.fit.chi2())
 }
 
 #[cfg(test)]

@@ -18,11 +18,11 @@ const MOST: f64 = 0.002;
 /// Samples within which two sensors are wrong together: then it is what both of them measure.
 const TOGETHER: usize = 2;
 
-/// Adds the wrong samples of each run of which none are said yet; `others` are the channels beside this one.
-pub(super) fn report(looks: &[Look], channel: Channel, others: &[Channel], findings: &mut Vec<SetUpFinding>) {
+/// Adds the wrong samples of each run of which none are said yet, but for those that another of the `channels` judged shows too.
+pub(super) fn report(looks: &[Look], channel: Channel, channels: &[Channel], findings: &mut Vec<SetUpFinding>) {
     for (run, predicted) in looks {
         let Some(left) = residual(run, predicted, channel) else { continue };
-        let elsewhere = others.iter().filter(|other| **other != channel);
+        let elsewhere = channels.iter().filter(|other| **other != channel);
         let elsewhere: Vec<usize> =
             elsewhere.filter_map(|other| Some(wrong(&residual(run, predicted, *other)?))).flatten().collect();
         let alone = |k: &usize| !elsewhere.iter().any(|other| other.abs_diff(*k) <= TOGETHER);

@@ -1,3 +1,4 @@
+use super::super::reject_for_curve::OUTDONE;
 use super::super::reject_for_curve::tests::decided_for;
 use super::super::term::tests::placed;
 use super::*;

@@ -1,5 +1,4 @@
 use super::super::decide::tests::{judged, viscous, weighing};
-use super::super::judged::ScoredModel;
 use super::*;
 use crate::identify::data::Run;
 use crate::identify::fit::tests::{TRUTH, model, recorded};
