@@ -167,6 +167,7 @@ fn clouds() -> Section {
             ("coulomb_friction".into(), vec![1.0, 17.0, 2.0, 0.0]),
             ("valve_deadband".into(), vec![0.0, 3.0, 15.0, f64::NAN]),
         ],
+        ..Matrix::default()
     };
     Section { heading: "Where it comes from".into(), items: vec![Item::Plot(plot), Item::Matrix(matrix)] }
 }

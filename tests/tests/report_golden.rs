@@ -44,6 +44,7 @@ fn small_page() -> Page {
         columns_are: "answer".into(),
         columns: strings(["a", "b"]),
         rows: vec![("a".into(), vec![3.0, 1.0]), ("b".into(), vec![0.0, f64::NAN])],
+        ..Matrix::default()
     };
     let items = vec![
         Item::Text("One.\n\nTwo, with `code`.".into()),
