@@ -25,6 +25,7 @@ mod clock;
 pub(crate) mod decide;
 mod departure;
 mod far;
+mod few;
 mod finish;
 mod instead;
 pub(crate) mod judged;
@@ -64,9 +65,10 @@ use crate::plant::simulate::SimulateError;
 use crate::recording::check::{Finding, check, is_bad_data};
 use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
 use calibration::CALIBRATION;
+use few::conclude_by_few;
 use instead::Instead;
 pub use options::{Options, Progress};
-use passes::{Concluded, End, Reopening, conclude};
+use passes::{Concluded, End, Reopening};
 pub use result::{Diagnosis, Verdict};
 use split::{Split, split};
 use std::path::Path;
@@ -215,7 +217,7 @@ fn once(
             clock::doubt(prepared, told);
         }
     }
-    let concluded = match conclude(whole, seen, options, reopening)? {
+    let concluded = match conclude_by_few(whole, seen, options, reopening)? {
         End::Concluded(concluded) => *concluded,
         End::Clock(finding) => return Ok(Once::Clock(finding)),
     };

@@ -5,7 +5,7 @@ use super::calibration::CALIBRATION;
 use super::finish::simplify;
 use super::judged::ScoredModel;
 use super::ranking::Ranking;
-use super::search::{CHANCE, MOST, Search, grow_beside_in_detail};
+use super::search::{CHANCE, MOST, Search, grow_onward};
 use super::split::Weighing;
 use super::standing::kept;
 use crate::plant::simulate::SimulateError;
@@ -25,7 +25,7 @@ pub(super) fn onward(
     if little || !most || after.added.len() >= MOST || is_grown(search, after) {
         return Ok(Vec::new());
     }
-    let grown = grow_beside_in_detail(&after.fit, weighing.fitted(), &search.signal_scales)?;
+    let grown = grow_onward(&after.fit, search, weighing.fitted())?;
     let judged = grown.into_par_iter().take(count).map(|fit| ScoredModel::of(fit, weighing));
     let mut judged = judged.collect::<Result<Vec<_>, _>>()?;
     simplify(before, &mut judged, weighing)?;

@@ -9,7 +9,7 @@ use super::finish::without;
 use super::judged::{Decision, ScoredModel};
 use super::reject_for_curve::{BELIEF, outdoes};
 use super::split::Weighing;
-use super::standing::{is_justified, is_within_noise};
+use super::standing::{is_justified, is_within_noise, leaves_next_to_nothing};
 use super::term::{self, Modelled};
 use crate::plant::effects::{Stage, entry};
 use crate::plant::simulate::SimulateError;
@@ -20,7 +20,7 @@ pub(super) fn reject_for_valve(
     decision: &mut Decision,
 ) -> Result<Option<Modelled>, SimulateError> {
     let named = decision.in_full.as_ref().unwrap_or(&decision.accepted);
-    if decision.unlisted || is_within_noise(named) {
+    if decision.unlisted || is_within_noise(named) || leaves_next_to_nothing(&decision.stated, named) {
         return Ok(None);
     }
     let mut best: Option<(ScoredModel, Modelled)> = None;

@@ -19,7 +19,7 @@ use super::judged::{Decision, ScoredModel};
 use super::ranking::Ranking;
 use super::search::Search;
 use super::split::Weighing;
-use super::standing::{is_justified, outside};
+use super::standing::{is_justified, leaves_next_to_nothing, outside};
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::ModelEffect;
 use crate::plant::effects::regional::{Along, form};
@@ -32,6 +32,8 @@ use rayon::prelude::*;
 /// where they belong may be the double of the same along another.
 const FINISHED: usize = 3;
 const VARIABLES: usize = 2;
+/// How many times as much as what was accepted a form may leave once it was looked at, for finishing it to matter.
+const FINISHING: f64 = 3.0;
 /// How far a form is taken from its start.
 const LOOK: Effort = Effort { steps: 8, tolerance: 1e-4 };
 
@@ -51,6 +53,9 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     let fits = starts.into_par_iter().map(|placed| fitted(weighing, &search.baseline, placed));
     let mut fits = fits.collect::<Result<Vec<_>, _>>()?;
     keep_best(&mut fits);
+    let beyond = |fit: &Fit| fit.chi2() - 1.0;
+    let within_reach = FINISHING * beyond(&decision.accepted.fit).max(CALIBRATION.hidden);
+    fits.retain(|fit| beyond(fit) < within_reach);
     let best = fits.into_par_iter().map(|fit| finished(weighing, fit));
     let mut found = best.collect::<Result<Vec<_>, _>>()?;
     let ranking = Ranking::new(&decision.stated, &found);
@@ -78,10 +83,14 @@ fn keep_best(fits: &mut Vec<Fit>) {
     });
 }
 
-/// False where several names leave nothing, or one so little that nothing else could be seen beneath it.
+/// False where several names leave next to nothing of the mismatch, or one so little that nothing else could be seen beneath it.
 fn is_open(decision: &Decision) -> bool {
-    let nothing = if decision.accepted.added.len() > 1 { 0.0 } else { CALIBRATION.hidden };
-    decision.unlisted || decision.more_missing || left(&decision.accepted) > nothing
+    let accepted = &decision.accepted;
+    let nothing = match accepted.added.len() {
+        0 | 1 => left(accepted) <= CALIBRATION.hidden,
+        _ => leaves_next_to_nothing(&decision.stated, accepted),
+    };
+    decision.unlisted || decision.more_missing || !nothing
 }
 
 /// True where one name, or none, is enough.

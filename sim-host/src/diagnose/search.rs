@@ -16,7 +16,7 @@ use crate::identify::fit::{Effort, Fit};
 use crate::identify::model::{Model, ModelEffect, SignalScales};
 use crate::identify::stated::{fit_from_near, fit_near, fit_stated};
 use crate::plant::simulate::SimulateError;
-pub(super) use brief::{beginning, brief};
+pub(super) use brief::{beginning, beginnings, brief};
 pub(super) use candidate_starts::{CandidateStart, candidate_starts};
 use candidate_starts::{screen_by_fit, screen_by_secant};
 use details::detail;
@@ -197,13 +197,11 @@ pub(super) fn grow_beside(parent: &Fit, runs: &[Run], signal_scales: &SignalScal
     grow(std::slice::from_ref(parent), &[], runs, signal_scales)
 }
 
-/// The same, with the details of the forms of those that promise most fitted too, best first.
-pub(super) fn grow_beside_in_detail(
-    parent: &Fit,
-    runs: &[Run],
-    signal_scales: &SignalScales,
-) -> Result<Vec<Fit>, SimulateError> {
-    let mut grown = vec![grow_beside(parent, runs, signal_scales)?];
+/// The same as the search grows a model, from what is known of single effects, with the details of the forms of those that promise most
+/// fitted too, best first.
+pub(super) fn grow_onward(parent: &Fit, search: &Search, runs: &[Run]) -> Result<Vec<Fit>, SimulateError> {
+    let singles = search.grown.first().map_or(&[][..], Vec::as_slice);
+    let mut grown = vec![grow(std::slice::from_ref(parent), singles, runs, &search.signal_scales)?];
     detail(&mut grown, runs)?;
     Ok(grown.pop().unwrap_or_default())
 }

@@ -16,6 +16,8 @@ const OVERWHELMING: f64 = 600.0;
 const LOST: f64 = 0.5;
 /// Excess of chi2 on the runs fitted that speaks for itself where the hold-out runs are silent.
 const SHOWN: f64 = 1.0;
+/// Share of the mismatch that a stand-in of what is missing, or several, leave at least.
+const SLIGHT: f64 = 0.005;
 /// Least gain of chi2 for a further effect: less than this is not distinguished from noise that is not quite white.
 pub(super) const LEAST_GAIN: f64 = 0.015;
 
@@ -126,6 +128,11 @@ fn all((before, after): (f64, f64), floor: f64, samples: usize) -> bool {
     let (blur, excess) = (blur(samples), before - floor);
     blur < (1.0 - CALIBRATION.explained) * excess
         && after - floor < (1.0 - CALIBRATION.explained).powi(2) * excess + blur
+}
+
+/// True where names leave so little of the mismatch on the stretches that weigh that nothing else looks so much like them.
+pub(super) fn leaves_next_to_nothing(before: &ScoredModel, after: &ScoredModel) -> bool {
+    after.hold.chi2 - 1.0 < SLIGHT * (before.hold.chi2 - 1.0)
 }
 
 /// What chance makes of the chi2 of so many samples, three standard deviations.

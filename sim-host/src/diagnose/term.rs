@@ -142,6 +142,10 @@ pub(super) fn of_the_valve(
 ) -> Result<Option<Modelled>, SimulateError> {
     let explained = (less.fit.squares - named.fit.squares) / (less.fit.squares - less.fit.rows as f64).max(1e-9);
     let likely = |c: &Candidate| c.piece.term.is_of_the_valve() && c.promised > PROMISING * explained;
+    // Terms of the valve alone are a part of all; where none of them is likely, the others need not be looked at.
+    if !screen(&less.fit, weighing, &|term| term.is_of_the_valve())?.iter().any(likely) {
+        return Ok(None);
+    }
     let modelled = |term: Found| {
         let judged = term.judged.clone();
         let names_needed = !judged.added.is_empty();
@@ -166,7 +170,7 @@ fn equation(
         let pieces = best.as_ref().map_or_else(Vec::new, |found| found.pieces.clone());
         let used: usize = pieces.iter().map(|p| p.term.parameters()).sum();
         let sense = pieces.first().map(|p| p.term.sense);
-        let candidates = screen(&base.fit, weighing, sense)?;
+        let candidates = screen(&base.fit, weighing, &|term| sense.is_none_or(|sense| term.sense == sense))?;
         let new = |c: &Candidate| {
             let known = pieces.iter().any(|p| p.term == c.piece.term);
             !known && used + c.piece.term.parameters() <= MOST && (best.is_some() || likely(c))

@@ -27,8 +27,18 @@ const AMPLE: f64 = 30.0;
 
 /// The beginning of each run that shows what this fit leaves; none where the runs are short or what is left is little.
 pub(in crate::diagnose) fn brief(fit: &Fit, runs: &[Run]) -> Result<Option<Vec<Run>>, SimulateError> {
+    beginnings(fit, runs, SAMPLES, SHARE)
+}
+
+/// The same of so many samples and this share of a run at least.
+pub(in crate::diagnose) fn beginnings(
+    fit: &Fit,
+    runs: &[Run],
+    least: f64,
+    share: f64,
+) -> Result<Option<Vec<Run>>, SimulateError> {
     let samples = runs.iter().map(Run::len).sum::<usize>() as f64;
-    let share = (SAMPLES / samples).max(SHARE);
+    let share = (least / samples).max(share);
     if share > WORTH || fit.squares - (fit.rows as f64) < AMPLE * CHANCE {
         return Ok(None);
     }

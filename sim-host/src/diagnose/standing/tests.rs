@@ -107,3 +107,13 @@ fn an_effect_that_alone_explains_much_is_not_told_apart() {
     assert!(alone.tell_apart(&["command_delay"], &["command_delay", "null_bias"]));
     assert!(!alone.tell_apart(&["command_delay"], &["command_delay", "valve_lag"]));
 }
+
+/// A two hundredth of the mismatch is next to nothing, of whatever size that is.
+#[test]
+fn a_two_hundredth_of_the_mismatch_is_next_to_nothing() {
+    let runs: Vec<_> = (1..4).map(|seed| recorded(&model(TRUTH), seed)).collect();
+    let template = judged(model(TRUTH), &runs);
+    let before = leaving(1001.0, &template);
+    assert!(leaves_next_to_nothing(&before, &leaving(5.9, &template)));
+    assert!(!leaves_next_to_nothing(&before, &leaving(6.1, &template)));
+}

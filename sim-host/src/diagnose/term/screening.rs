@@ -49,15 +49,18 @@ struct Column {
     values: Vec<f64>,
 }
 
-/// The terms that would explain most beside a fitted model, best first; all of one `sense` where it is given.
-pub(super) fn screen(fit: &Fit, weighing: &Weighing, sense: Option<Sense>) -> Result<Vec<Candidate>, SimulateError> {
+/// The terms of those `here` that would explain most beside a fitted model, best first.
+pub(super) fn screen(
+    fit: &Fit,
+    weighing: &Weighing,
+    here: &dyn Fn(&Term) -> bool,
+) -> Result<Vec<Candidate>, SimulateError> {
     let reach = reach(weighing);
     let (runs, locals) = telling(fit, weighing.fitted())?;
     let fit = Fit::resume(fit.model.clone(), locals, &runs)?;
     let tangents = Tangents::of(&fit, &runs)?;
-    let here = |term: &Term| sense.is_none_or(|sense| term.sense == sense);
     let kind = fit.model.kind;
-    let asked: Vec<Term> = Term::plain(kind).into_iter().chain(Term::turning(kind)).filter(here).collect();
+    let asked: Vec<Term> = Term::plain(kind).into_iter().chain(Term::turning(kind)).filter(|term| here(term)).collect();
     let mut additions = Vec::new();
     let mut columns = regressed(&tangents, &fit.model, &asked, &reach, &mut additions)?;
     sort(&mut columns);
@@ -68,7 +71,8 @@ pub(super) fn screen(fit: &Fit, weighing: &Weighing, sense: Option<Sense>) -> Re
         }
     }
     let known = |term: &Term| columns.iter().any(|column| column.term == *term);
-    let richer: Vec<Term> = groups.into_iter().flat_map(Term::richer).filter(|term| !known(term)).collect();
+    let richer = groups.into_iter().flat_map(Term::richer).filter(|term| here(term) && !known(term));
+    let richer: Vec<Term> = richer.collect();
     columns.extend(regressed(&tangents, &fit.model, &richer, &reach, &mut additions)?);
     sort(&mut columns);
     let stability = stabilities(&tangents, &additions, &columns);
