@@ -54,7 +54,8 @@ pub(super) fn region(weighing: &Weighing, search: &Search, decision: Decision) -
     let mut fits = fits.collect::<Result<Vec<_>, _>>()?;
     keep_best(&mut fits);
     let beyond = |fit: &Fit| fit.chi2() - 1.0;
-    let within_reach = FINISHING * beyond(&decision.accepted.fit).max(CALIBRATION.hidden);
+    let accepted = beyond(&decision.accepted.fit).max(left(&decision.accepted));
+    let within_reach = FINISHING * accepted.max(CALIBRATION.hidden);
     fits.retain(|fit| beyond(fit) < within_reach);
     let best = fits.into_par_iter().map(|fit| finished(weighing, fit));
     let mut found = best.collect::<Result<Vec<_>, _>>()?;
