@@ -16,7 +16,7 @@
 //! the training and grows it by effects of the library; `decide` weighs every survivor on the validation, names what
 //! is accepted, says what it is mistaken for and what no effect explains; `verdict` fits what was selected to all that may be
 //! fitted, consumes the test and judges. `locate` looks at the residual without the library; `change` says what it means
-//! for who runs the table. `passes` goes through these in order. Out comes a [`Diagnosis`].
+//! for who runs the table. `passes` goes through these in order; `few` lets it see the beginnings of long recordings first. Out comes a [`Diagnosis`].
 
 mod beside;
 mod calibration;

@@ -16,7 +16,7 @@ const OVERWHELMING: f64 = 600.0;
 const LOST: f64 = 0.5;
 /// Excess of chi2 on the runs fitted that speaks for itself where the hold-out runs are silent.
 const SHOWN: f64 = 1.0;
-/// Share of the mismatch that a stand-in of what is missing, or several, leave at least.
+/// Share of the mismatch that a stand-in for what is missing leaves at least.
 const SLIGHT: f64 = 0.005;
 /// Least gain of chi2 for a further effect: less than this is not distinguished from noise that is not quite white.
 pub(super) const LEAST_GAIN: f64 = 0.015;

@@ -13,7 +13,7 @@ use crate::plant::simulate::{SimulateError, SimulatedLaw};
 /// Trials of a gain, as shares of it: the first two on either side of what was stated, the others from a parabola.
 const TRIALS: usize = 6;
 const TRIAL: f64 = 0.05;
-/// Share of what is left by the stated gain that another that explains it leaves at most where the first parabola puts it.
+/// Share of what the stated gain leaves beyond which a gain that a parabola finds explains too little for another trial.
 const HALF: f64 = 0.5;
 /// Share by which a gain may be stated wrong without a unit or a digit being the likelier fault.
 const SLIP: f64 = 0.3;
@@ -114,7 +114,7 @@ pub(super) fn gain(base: &Base<'_>, examined: &Examined) -> Result<Option<Tried>
             break;
         }
         let trial = at(share)?;
-        // A gain that is wrong explains nearly all, and a parabola finds most of it at once.
+        // Where the gain is what is wrong, another explains nearly all, and a parabola finds most of that at once.
         if beyond(&trial) > HALF * as_stated {
             break;
         }
