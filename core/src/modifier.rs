@@ -123,6 +123,11 @@ impl Modifier {
         )
     }
 
+    /// Ticks by which what it lets through is late.
+    pub(crate) fn delay(&self) -> u32 {
+        if let Self::Preview(config) = self { config.delay() } else { 0 }
+    }
+
     /// One tick: reference (m) and the velocity limit now in force (m/s) in, modified reference (m) out.
     pub(crate) fn advance(&self, state: &mut ModifierState, reference: f32, velocity_limit: f32) -> f32 {
         match (self, state) {

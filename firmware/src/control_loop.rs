@@ -14,6 +14,7 @@ mod orders;
 mod outcome;
 mod prepared;
 mod rehearsed;
+mod stream;
 
 pub use open_relay::OpenRelay;
 pub use outcome::{Codes, Events, Notifications, Outcome};
@@ -22,6 +23,7 @@ pub use prepared::Prepared;
 use crate::input_scaling::InputScaling;
 use crate::output::ZeroFlow;
 use crate::queues::{LoopEnd, TestStatus};
+use stream::{Braking, Stream};
 
 /// Most ticks after which the board is given something to do even when there is no news, to tell the others and to feed its
 /// watchdog: as many as a frame of telemetry has records. And the longest time, s, well within the watchdog's.
@@ -60,6 +62,8 @@ pub struct ControlLoop<'a> {
     /// Control rate, Hz.
     rate: f32,
     zero_flow: ZeroFlow,
+    stream: Stream,
+    braking: Braking,
     /// The table that a rehearsal moves.
     rehearsal: Rehearsal,
 }
@@ -98,6 +102,8 @@ impl<'a> ControlLoop<'a> {
             every: setup.telemetry_every,
             rate: setup.control.rate,
             zero_flow: ZeroFlow::new(setup),
+            stream: Stream::RESTING,
+            braking: Braking::of(&setup.control),
             rehearsal: Rehearsal::new(setup.control.rate, Behind::of(&setup.control)),
         }
     }
@@ -199,25 +205,6 @@ impl<'a> ControlLoop<'a> {
         }
         sample.reference = if wires.streamed { self.next_point() } else { wires.read(wires.reference, reference) };
         sample
-    }
-
-    /// The next point of a streamed reference, m. Its end, and its absence, fade the test out.
-    #[inline]
-    fn next_point(&mut self) -> f32 {
-        if self.controller.state() != State::Running {
-            return self.reference;
-        }
-        match self.queues.points.dequeue() {
-            Some(point) => point.displacement().unwrap_or_else(|| self.end_of_stream(None)),
-            None => self.end_of_stream(Some(StopCause::Underrun)),
-        }
-    }
-
-    #[inline(never)]
-    fn end_of_stream(&mut self, cause: Option<StopCause>) -> f32 {
-        self.attribute_trip(cause);
-        let _ = self.controller.request(OperatorRequest::Stop);
-        self.reference
     }
 
     /// Keeps what the board, the stream or a refusal has to say, and has it told.

@@ -1,8 +1,8 @@
 //! The end of a program that has failed, on any board: the relay opens, the output goes to what stops the oil, then the failure is
 //! logged, and the watchdog resets the processor. The reset is told apart from others, and the device starts tripped.
 //!
-//! The relay comes first, whatever failed: before any log, which may be what failed. How it is opened is the board's to say, and so is
-//! which interrupts end here.
+//! Interrupts end first, for a tick would close the relay again. The relay comes next, whatever failed: before any log, which may be
+//! what failed. How it is opened is the board's to say, and so is which interrupts end here.
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -24,10 +24,11 @@ pub fn prepare(zero_flow: ZeroFlow, put_last: PutLast) {
     interrupt::free(|free| LAST.borrow(free).set(Some((zero_flow, put_last))));
 }
 
-/// The end: opens the relay, puts on the output what stops the oil, and logs.
+/// The end: stops the ticks, opens the relay, puts on the output what stops the oil, and logs.
 pub fn end(open_relay: fn(), log: impl FnOnce()) -> ! {
-    open_relay();
+    // A tick between the two would close the relay again.
     interrupt::disable();
+    open_relay();
     if let Some((zero_flow, put_last)) = interrupt::free(|free| LAST.borrow(free).get()) {
         put_last(zero_flow);
     }

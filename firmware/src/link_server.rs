@@ -239,10 +239,12 @@ impl<'a> LinkServer<'a> {
             self.credit_due = true;
             return self.credit();
         }
-        if points.points.iter().any(|&point| Point::new(point).is_none()) {
+        // What the gate would not believe is not begun with: nothing would come after it that it could believe.
+        let farthest = self.setup.control.ranges.reference;
+        if points.points.iter().any(|&point| Point::within(point, farthest).is_none()) {
             return Report::Refused(RefusedBecause::Setup);
         }
-        for point in points.points.iter().filter_map(|&point| Point::new(point)) {
+        for point in points.points.iter().filter_map(|&point| Point::within(point, farthest)) {
             let _ = self.queues.points.enqueue(point);
         }
         if points.last {

@@ -137,6 +137,11 @@ impl Point {
         displacement.is_finite().then_some(Self(displacement))
     }
 
+    /// The same of at most `farthest` (m) either way; none for what is beyond.
+    pub fn within(displacement: f32, farthest: f32) -> Option<Self> {
+        Self::new(displacement).filter(|_| displacement.abs() <= farthest)
+    }
+
     /// The displacement, m; none at the end of the record.
     #[inline]
     pub fn displacement(self) -> Option<f32> {

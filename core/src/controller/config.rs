@@ -35,6 +35,11 @@ impl ModeConfig {
         }
     }
 
+    /// Whether it is the same mode as another, of whatever parts.
+    pub(super) fn is_of_kind(&self, other: &Self) -> bool {
+        core::mem::discriminant(self) == core::mem::discriminant(other)
+    }
+
     /// The three-variable law, where it commands the valve.
     pub(super) fn three_variable(&self) -> Option<&ThreeVariable> {
         match self {

@@ -55,6 +55,15 @@ impl Default for WitnessSettings {
     }
 }
 
+impl WitnessSettings {
+    /// What delay, step of the zero and noise explain of the innovation on a table of `velocity_limit` (m/s) at ticks of `dt` (s), m.
+    pub(crate) fn explained(&self, velocity_limit: f32, dt: f32) -> [f32; 3] {
+        let p = TAU * self.frequency;
+        let of_noise = 6.0 * self.noise * math::sqrt(0.1875 * dt / p) / (p * p);
+        [self.delay * velocity_limit, 0.27 * self.bias / (p * p), of_noise]
+    }
+}
+
 /// The witness's configuration.
 ///
 /// ```
@@ -97,13 +106,13 @@ impl DisplacementWitness {
         let s = settings;
         let frequency = require("guard.witness.frequency", s.frequency, 0.1, highest_frequency(dt))?;
         let p = TAU * frequency;
-        let delay = require("guard.witness.delay", s.delay, 0.0, 1.0)?;
-        let bias = require("guard.witness.bias", s.bias, 0.0, 100.0)?;
-        let noise = require("guard.witness.noise", s.noise, 0.0, 100.0)?;
-        let of_noise = 6.0 * noise * math::sqrt(0.1875 * dt / p) / (p * p);
+        require("guard.witness.delay", s.delay, 0.0, 1.0)?;
+        require("guard.witness.bias", s.bias, 0.0, 100.0)?;
+        require("guard.witness.noise", s.noise, 0.0, 100.0)?;
+        let [of_delay, of_bias, of_noise] = s.explained(velocity_limit, dt);
         Ok(Self {
             observer: MotionObserver::crossover(frequency, dt)?,
-            fixed: delay * velocity_limit + 0.27 * bias / (p * p) + of_noise,
+            fixed: of_delay + of_bias + of_noise,
             scale: require("guard.witness.scale", s.scale, 0.0, 1.0)?,
             keep: 1.0 - (0.2 * p * dt).min(1.0),
             per_velocity: 0.231 / p,

@@ -26,8 +26,8 @@ pub enum HostRequest {
     Identify,
     /// Answered by [`Report::Setup`](super::Report::Setup).
     ReadSetup,
-    /// Takes effect whole, between two ticks, without a bump. The wiring and the rate change only while the test is off
-    /// or tripped.
+    /// Takes effect whole, between two ticks, without a bump. The wiring, the rate and what says what the output is wired to, the mode and the
+    /// inner loop, change only while the relay is open; the law and a preview's delay only while no test is under way.
     WriteSetup(Setup),
     /// Keeps the setup now in force over a reset. Only while off or tripped: the ticks stop for a second or two.
     Save,
@@ -48,7 +48,8 @@ pub enum HostRequest {
     /// Points of the reference, ahead of time. Answered by [`Report::Credit`](super::Report::Credit), whether they were taken or not: they are
     /// not when `first` is not the next point wanted, or when they do not all fit.
     Reference(Points),
-    /// Puts a code on the output, for commissioning: only while off, and until the next request that is not this one.
+    /// Puts a code on the output, for commissioning: only while off, and until arming, or any change of the test's state, is asked for, or the
+    /// wiring changes.
     Probe(u16),
     /// Answered by [`Report::Vitals`](super::Report::Vitals).
     ReadVitals,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::guard::InputSettings;
-use crate::settings::{Mode, Settings, SettingsError};
+use crate::settings::{Mode, ReferenceRates, Settings, SettingsError, VelocitySource};
 use crate::units::Scale;
 
 /// Where the reference comes from.
@@ -191,15 +191,29 @@ impl Setup {
             return Err(SetupError::Lease { given: self.lease_ms });
         }
         self.control.validate_for_device().map_err(SetupError::Control)?;
-        let inputs = self.control.guard.map(|guard| guard.inputs).unwrap_or_default();
-        if inputs != InputSettings::default() {
-            let with = "a wiring, which has no such inputs yet";
-            return Err(SetupError::Control(SettingsError::Contradiction { field: "guard.inputs", with }));
-        }
+        self.check_inputs()?;
         self.check_wiring()?;
         self.check_stroke()?;
         self.check_ranges()?;
         self.check_zero_flow()
+    }
+
+    /// What the settings read beside the wiring's four inputs: without a wire it would read zero for ever, and be believed.
+    fn check_inputs(&self) -> Result<(), SetupError> {
+        let control = &self.control;
+        let guard = control.guard.unwrap_or_default();
+        let unwired = [
+            (guard.inputs != InputSettings::default(), "guard.inputs"),
+            (guard.envelope.force.is_some(), "guard.envelope.force"),
+            (control.velocity_source == VelocitySource::Sensor, "velocity_source"),
+            (control.reference_rates == ReferenceRates::Supplied, "reference_rates"),
+            (control.tracking.is_some_and(|tracking| tracking.pressure.is_some()), "tracking.pressure"),
+        ];
+        let with = "a wiring, which has no such input yet";
+        match unwired.into_iter().find(|(unwired, _)| *unwired) {
+            Some((_, field)) => Err(SetupError::Control(SettingsError::Contradiction { field, with })),
+            None => Ok(()),
+        }
     }
 
     /// Every line of the wiring by itself.

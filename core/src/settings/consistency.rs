@@ -3,6 +3,7 @@
 
 use super::{Mode, Settings, SettingsError};
 use crate::guard::GuardSettings;
+use crate::math::max;
 
 /// Share of the stroke that the table may cover at full speed without being observed, 1.
 const BLIND_SHARE: f32 = 0.1;
@@ -37,10 +38,24 @@ impl Settings {
         let Some(guard) = &self.guard else {
             return Err(SettingsError::Contradiction { field: "guard", with: "a device that moves a table" });
         };
+        self.check_ramps(guard)?;
         self.check_stopping(guard)?;
         self.check_envelope(guard)?;
         self.check_sensors(guard)?;
         self.check_valve(guard)
+    }
+
+    /// The fade of a test. A reference that stands d from the table is faded in by a smooth step, 1.5 d / test at its steepest.
+    fn check_ramps(&self, guard: &GuardSettings) -> Result<(), SettingsError> {
+        Rule {
+            field: "guard.ramps.test",
+            value: guard.ramps.test,
+            low: 1.5 * self.blind_time(),
+            high: 1000.0,
+            because: "a reference a tenth of the stroke away would be faded in faster than velocity_limit",
+            remedy: "lengthen it to a second or two",
+        }
+        .check()
     }
 
     /// The way to stop. A command that is ramped linearly to zero over `safe`, through a valve of time constant `lag`, moves
@@ -84,6 +99,15 @@ impl Settings {
             low: 0.0,
             high: self.ranges.acceleration,
             because: "a reading beyond ranges.acceleration is not used, so the limit cannot trip",
+            remedy: "set it to what specimen and table may feel",
+        }
+        .check()?;
+        Rule {
+            field: "guard.envelope.jerk",
+            value: e.jerk,
+            low: 0.0,
+            high: 2.0 * self.ranges.acceleration * self.rate,
+            because: "a reading within ranges.acceleration never changes faster, so the limit cannot trip",
             remedy: "set it to what specimen and table may feel",
         }
         .check()?;
@@ -141,7 +165,34 @@ impl Settings {
         for (field, value, high, because, remedy) in rules {
             Rule { field, value, low: 0.0, high, because, remedy }.check()?;
         }
-        Ok(())
+        self.check_witness(guard)
+    }
+
+    /// What the stated errors of LVDT and accelerometer explain, in all no more than half the stroke; the largest of them is named.
+    fn check_witness(&self, guard: &GuardSettings) -> Result<(), SettingsError> {
+        let w = &guard.witness;
+        let [of_delay, of_bias, of_noise] = w.explained(self.velocity_limit, 1.0 / self.rate);
+        let of_all = of_delay + of_bias + of_noise;
+        let (field, value, most) = if of_delay > of_bias && of_delay > of_noise {
+            ("guard.witness.delay", w.delay, of_delay)
+        } else if of_bias > of_noise {
+            ("guard.witness.bias", w.bias, of_bias)
+        } else {
+            ("guard.witness.noise", w.noise, of_noise)
+        };
+        let room = max(0.5 * self.stroke - (of_all - most), 0.0);
+        let high = if most > room { value * (room / most) } else { f32::INFINITY };
+        let because = "LVDT and accelerometer may then contradict each other by more than half the stroke";
+        Rule { field, value, low: 0.0, high, because, remedy: "state what the sensors' sheets say" }.check()?;
+        Rule {
+            field: "guard.witness.scale",
+            value: w.scale,
+            low: 0.0,
+            high: 0.5,
+            because: "an accelerometer that shows nothing would hardly contradict an LVDT that moves",
+            remedy: "calibrate the two sensors against each other",
+        }
+        .check()
     }
 
     fn check_valve(&self, guard: &GuardSettings) -> Result<(), SettingsError> {

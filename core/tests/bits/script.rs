@@ -72,6 +72,8 @@ const ACTS: &[(u32, OperatorRequest)] = &[
     (4310, OperatorRequest::Arm),
 ];
 
+/// When it is off.
+const OFF: u32 = 4305;
 /// How long it takes.
 const TICKS: u32 = 4500;
 
@@ -93,17 +95,21 @@ fn spoil(k: u32, sample: &mut Sample) {
     }
 }
 
-/// Goes through the script under `settings`, exchanged for `other` from 1900 to 2300, and notes all that can be seen.
+/// Goes through the script under `settings`, exchanged for `other` from 1900 to 2300, where a running test lets them be, and while off from
+/// [`OFF`] on, and notes all that can be seen.
 pub(crate) fn play(tape: &mut Tape, settings: &Settings, other: &Settings) {
     let mut controller = Controller::new(settings).unwrap();
     let mut table = Table { x: 0.002, v: 0.0, a: 0.0, limit: 0.2, stuck: None, noise: Noise::new(103) };
-    let mut before = 0.0;
+    let (mut before, mut now) = (0.0, settings);
     for k in 0..TICKS {
         for (_, request) in ACTS.iter().filter(|(at, _)| *at == k) {
             tape.word(&controller.request(*request));
         }
-        if k == 1900 || k == 2300 {
-            tape.word(&controller.retune(if k == 1900 { other } else { settings }));
+        if matches!(k, 1900 | 2300 | OFF) {
+            let next = if k == 2300 { settings } else { other };
+            let taken = controller.retune(next);
+            tape.word(&taken);
+            now = if taken.is_ok() { next } else { now };
         }
         if k == 3000 || k == 3290 {
             table.stuck = (k == 3000).then_some(0.06);
@@ -114,7 +120,6 @@ pub(crate) fn play(tape: &mut Tape, settings: &Settings, other: &Settings) {
         spoil(k, &mut sample);
         let command = controller.step(&sample);
         note(tape, &controller, &command);
-        let now = if (1900..2300).contains(&k) { other } else { settings };
         table.advance(answer(now, command.valve, &table), command.status.relay);
     }
 }

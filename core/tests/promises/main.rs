@@ -8,6 +8,8 @@ mod blocks;
 #[cfg(test)]
 mod creep;
 #[cfg(test)]
+mod exchange;
+#[cfg(test)]
 mod guard;
 #[cfg(test)]
 mod guard_limits;

@@ -1,7 +1,9 @@
 //! Wiring: what a code stands for, what no converter can have, and a device that does not run without a guard.
 
 use shakedown_core::link::{Scale, Setup, SetupError, Source, Wiring};
-use shakedown_core::settings::{Finding, GuardSettings, InnerLoop};
+use shakedown_core::settings::{
+    Finding, ForceSettings, GuardSettings, InnerLoop, PressureSettings, ReferenceRates, VelocitySource,
+};
 use shakedown_core::{Mode, Settings, SettingsError};
 
 fn setup() -> Setup {
@@ -109,7 +111,7 @@ fn fields_that_do_not_go_together_are_refused_with_a_remedy() {
         setup.control.guard.as_mut().unwrap()
     }
     type Change = fn(&mut Setup);
-    let cases: [(&str, Change); 19] = [
+    let cases: [(&str, Change); 25] = [
         ("displacement", |s| s.control.stroke = 10.0),
         ("displacement", |s| s.control.stroke = 0.1525),
         // 2047 codes reach one way, and with one to spare 2046 the other.
@@ -140,12 +142,19 @@ fn fields_that_do_not_go_together_are_refused_with_a_remedy() {
         ("guard.plausibility.disagreement", |s| guard(s).plausibility.disagreement = 0.013),
         ("guard.valve.mismatch", |s| guard(s).valve.mismatch = 0.07),
         ("guard.valve.memory", |s| guard(s).valve.memory = 0.01),
+        ("guard.ramps.test", |s| guard(s).ramps.test = 0.07),
+        ("guard.envelope.jerk", |s| guard(s).envelope.jerk = 2.1e6),
+        ("guard.witness.delay", |s| guard(s).witness.delay = 0.24),
+        ("guard.witness.bias", |s| guard(s).witness.bias = 2.2),
+        ("guard.witness.noise", |s| guard(s).witness.noise = 13.0),
+        ("guard.witness.scale", |s| guard(s).witness.scale = 0.6),
     ];
     for (k, (name, change)) in cases.iter().enumerate() {
         let (field, text) = refusal(|setup| {
             if *name == "displacement" {
                 setup.control.ranges.displacement = 20.0;
                 setup.control.ranges.reference = 20.0;
+                guard(setup).ramps.test = 10.0;
             }
             change(setup);
         });
@@ -155,6 +164,32 @@ fn fields_that_do_not_go_together_are_refused_with_a_remedy() {
     let (_, text) = refusal(|s| guard(s).ramps.safe = 10.0);
     assert!(text.starts_with("control.guard.envelope.stopping_latency is 0.05, not within 5.01"), "{text}");
     assert!(text.ends_with("shorten guard.ramps.safe, or plan for a longer stop"), "{text}");
+}
+
+/// An input that no board reads would read zero for ever, and be believed: a velocity that never trips, a pressure that never does.
+#[test]
+fn what_no_wire_carries_is_not_read() {
+    let pressure = PressureSettings { area_per_mass: 1e-6, gain: 0.1, corner: 1.0 };
+    let cases: [(&str, &dyn Fn(&mut Settings)); 5] = [
+        ("velocity_source", &|s| s.velocity_source = VelocitySource::Sensor),
+        ("reference_rates", &|s| s.reference_rates = ReferenceRates::Supplied),
+        ("tracking.pressure", &|s| s.tracking.get_or_insert_default().pressure = Some(pressure)),
+        ("guard.envelope.force", &|s| {
+            let guard = s.guard.as_mut().unwrap();
+            guard.envelope.force = Some(ForceSettings { limit: 280e3, piston_area: 0.024 });
+        }),
+        ("guard.inputs", &|s| s.guard.as_mut().unwrap().inputs.limit_switches = true),
+    ];
+    for (field, change) in cases {
+        let mut unwired = setup();
+        change(&mut unwired.control);
+        assert_eq!(unwired.control.validate_for_device(), Ok(()), "{field}");
+        let refused = unwired.validate();
+        assert!(
+            matches!(refused, Err(SetupError::Control(SettingsError::Contradiction { field: of, .. })) if of == field),
+            "{field}: {refused:?}"
+        );
+    }
 }
 
 #[test]

@@ -14,6 +14,7 @@ impl ControlLoop<'_> {
             Some(code) if self.controller.state() == State::Off => self.wires.output.nearest(code),
             _ => self.wires.output.code(command.valve),
         };
+        self.forget_broken_off();
         let (ticks, _) = self.counts();
         self.report(ticks.wrapping_sub(1), inputs.each(), command, output);
         let changes = u16::from(self.controller.changes());

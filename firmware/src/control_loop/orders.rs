@@ -52,10 +52,9 @@ impl ControlLoop<'_> {
         } else if self.controller.exchange(&prepared.tuning).is_err() {
             Verdict::NotTaken
         } else {
-            (self.every, self.zero_flow) = (prepared.every, prepared.zero_flow);
-            match open {
-                Some(open) => self.rewire(wires, rate, &open),
-                None => self.wires.guards = wires.guards,
+            (self.every, self.zero_flow, self.braking) = (prepared.every, prepared.zero_flow, prepared.braking);
+            if let Some(open) = open {
+                self.rewire(wires, rate, &open);
             }
             self.rehearsal.rewire(behind);
             self.record_at = self.counts().0;
@@ -67,8 +66,12 @@ impl ControlLoop<'_> {
         taken
     }
 
-    /// Changes what the codes mean and how fast the ticks come: never with oil behind the valve. A rehearsal's table begins anew.
+    /// Changes what the codes mean and how fast the ticks come: never with oil behind the valve. A rehearsal's table begins anew, and
+    /// neither a probe nor a reference that was read by other wires is one under these.
     fn rewire(&mut self, wires: InputScaling, rate: f32, _: &OpenRelay) {
+        if !wires.same_board(&self.wires) {
+            (self.probe, self.reference) = (None, 0.0);
+        }
         self.wires = wires;
         self.rate = rate;
         self.round = round(rate);
@@ -91,7 +94,9 @@ impl ControlLoop<'_> {
             _ => return,
         };
         self.attribute_trip(Some(StopCause::HostSilent));
-        let _ = self.controller.request(request);
+        if self.controller.request(request).is_ok() {
+            self.stream_for(request);
+        }
     }
 
     fn ask(&mut self, request: OperatorRequest) {
@@ -99,9 +104,7 @@ impl ControlLoop<'_> {
         match self.controller.request(request) {
             Ok(()) => {
                 self.attribute_trip((request == OperatorRequest::Trip).then_some(StopCause::Asked));
-                if matches!(request, OperatorRequest::Arm | OperatorRequest::Stop) {
-                    while self.queues.points.dequeue().is_some() {}
-                }
+                self.stream_for(request);
             }
             // A trip that stands has its cause already.
             Err(Refused::Cause(trip)) if self.controller.state() == State::Off => {

@@ -55,8 +55,11 @@ impl LinkServer<'_> {
     /// Hands a setup to the loop, which takes it or not. What is refused here would be refused there: the loop knows the relay,
     /// and the server only what was published last.
     pub(super) fn write(&mut self, setup: &Setup, state: State) -> Result<(), RefusedBecause> {
-        let same_board = setup.wiring == self.setup.wiring && setup.control.rate == self.setup.control.rate;
-        if !at_rest(state) && !same_board {
+        let wired = |setup: &Setup| {
+            let control = &setup.control;
+            (setup.wiring, control.rate, control.mode, control.inner_loop)
+        };
+        if !at_rest(state) && wired(setup) != wired(&self.setup) {
             return Err(RefusedBecause::State(state));
         }
         self.limits.check(setup)?;

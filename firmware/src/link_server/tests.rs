@@ -2,7 +2,9 @@ use super::*;
 use crate::defaults;
 use crate::queues::{LoopEnd, Queues, Verdict};
 use proptest::prelude::*;
+use shakedown_core::Mode;
 use shakedown_core::link::{Assembler, MAX_POINTS};
+use shakedown_core::settings::InnerLoop;
 
 fn seen(state: State) -> LoopStatus {
     LoopStatus { standing: TestStatus { state, cause: None }, ticks: 0, dropped: 0, cause: None }
@@ -125,6 +127,39 @@ fn a_trip_is_not_cleared_while_its_cause_stands() {
     });
 }
 
+/// A point that the gate would not believe trips the test and leaves a device that cannot be armed: it is refused, with its frame.
+#[test]
+fn a_point_beyond_what_is_believed_is_refused() {
+    with_server(|server, decide| {
+        let farthest = defaults::setup().control.ranges.reference;
+        let frame = |last: f32| {
+            let points = [0.0, last].into_iter().collect();
+            HostRequest::Reference(Points { first: 0, points, last: false })
+        };
+        for beyond in [1.001 * farthest, -1.001 * farthest, f32::NAN, f32::INFINITY] {
+            let refused = Report::Refused(RefusedBecause::Setup);
+            assert_eq!(report(server, frame(beyond), State::Ready, 0), refused, "{beyond}");
+            assert!(!decide.points.ready());
+        }
+        assert!(matches!(report(server, frame(-farthest), State::Ready, 0), Report::Credit { next: 2, .. }));
+    });
+}
+
+/// What says what the output is wired to is wiring.
+#[test]
+fn mode_and_inner_loop_change_only_at_rest() {
+    with_server(|server, _| {
+        let (mut guard, mut hardwired) = (defaults::setup(), defaults::setup());
+        guard.control.mode = Mode::Guard;
+        hardwired.control.inner_loop = InnerLoop::Hardwired;
+        for other in [guard, hardwired] {
+            let running = Report::Refused(RefusedBecause::State(State::Running));
+            assert_eq!(report(server, HostRequest::WriteSetup(other), State::Running, 0), running);
+        }
+        assert_eq!(server.take(HostRequest::WriteSetup(guard), seen(State::Off), 0), Action::Wait);
+    });
+}
+
 proptest! {
     /// Whatever is lost, repeated or sent in the wrong order, the loop gets the record's points in order, each once.
     #[test]
@@ -133,7 +168,7 @@ proptest! {
             let mut wanted = 0;
             for (guess, length) in frames {
                 let first = if guess % 3 == 0 { guess } else { wanted };
-                let points = (first..first + length as u32).map(|index| index as f32).collect();
+                let points = (first..first + length as u32).map(|index| index as f32 * 1e-6).collect();
                 let request = HostRequest::Reference(Points { first, points, last: false });
                 match report(server, request, State::Running, 0) {
                     Report::Credit { next, .. } => wanted = next,
@@ -142,7 +177,7 @@ proptest! {
             }
             let mut next = 0;
             while let Some(point) = decide.points.dequeue() {
-                assert_eq!(point.displacement(), Some(next as f32));
+                assert_eq!(point.displacement(), Some(next as f32 * 1e-6));
                 next += 1;
             }
             assert_eq!(next, wanted);
