@@ -1047,10 +1047,12 @@ fn the_hazard_table_names_real_tests() {
     let of_the_image =
         ["faults.rs", "device.rs", "shorts.rs"].map(|file| root.join("../tests/replay/tests").join(file));
     let live = root.join("../tests/tests/live.rs");
+    let of_the_firmware = ["control_loop/stream/tests.rs", "link_server/tests.rs"];
+    let of_the_firmware = of_the_firmware.map(|file| root.join("../firmware/src").join(file));
     let sources: String = here
         .iter()
         .chain([&explored, &parts, &live])
-        .chain(&of_the_image)
+        .chain(of_the_image.iter().chain(&of_the_firmware))
         .map(|file| std::fs::read_to_string(file).unwrap())
         .collect();
     let mut named = 0;
