@@ -59,6 +59,22 @@ fn table(path: Option<&std::path::Path>) -> Result<crate::closed_loop::twin::Twi
     })
 }
 
+/// The speed that a motion keeps, m/s: as `stated` by `--velocity`, else the table's, whose file has to state one.
+fn velocity_limit(
+    stated: Option<f64>,
+    twin: &crate::closed_loop::twin::Twin,
+    path: Option<&std::path::Path>,
+) -> Result<f64, Failure> {
+    let limit = stated.unwrap_or_else(|| twin.velocity_limit());
+    if stated.is_some() || limit.is_finite() {
+        return Ok(limit);
+    }
+    let place = path.map_or_else(|| "the table".to_owned(), |path| path.display().to_string());
+    Err(Failure::Input(format!(
+        "{place}: [model] states no velocity_limit; state it there, in m/s, or give --velocity"
+    )))
+}
+
 /// Firmware, control core and host tool for hydraulic shake tables.
 #[derive(Debug, Parser)]
 #[command(version, about, propagate_version = true)]

@@ -61,7 +61,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "K", conflicts_with_all = ["runs", "out", "run", "class", "guard_alone", "second_sensor"])]
     #[arg(value_parser = clap::value_parser!(u64).range(1..))]
     healthy: Option<u64>,
-    /// Searches for the worst case of every class instead (cross-entropy), with so many runs each; resumable with --out.
+    /// Searches for the worst case of every class instead (cross-entropy), with so many runs each, rounded up to generations of 200;
+    /// resumable with --out.
     #[arg(long, value_name = "K", conflicts_with_all = ["runs", "run", "healthy"])]
     #[arg(value_parser = clap::value_parser!(u64).range(1..))]
     adversary: Option<u64>,

@@ -175,6 +175,12 @@ fn summary(proposal: &Proposal, path: &Path) -> String {
         let mark = if choice.doubtful { "  CONFIRM" } else { "" };
         let _ = writeln!(text, "  {:<22} [{unit}]  {}{mark}", choice.channel.name(), choice.evidence.join("; "));
     }
+    let free = |column: usize| proposal.choices.iter().all(|choice| choice.column != column);
+    let unused = proposal.facts.iter().enumerate().filter(|(column, _)| free(*column));
+    let unused: Vec<&str> = unused.map(|(_, fact)| fact.heading.text.as_str()).collect();
+    if !unused.is_empty() {
+        let _ = writeln!(text, "Columns that are not used: {}", unused.join(", "));
+    }
     for note in &proposal.notes {
         let _ = writeln!(text, "Found: {note}");
     }

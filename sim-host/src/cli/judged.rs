@@ -75,8 +75,14 @@ fn lead(answer: &Answer) -> String {
     } else {
         format!("The motion does not satisfy {}: {}.", answer.standard.title, broken.join(", "))
     };
+    let alone = if answer.judged.axes > 1 {
+        " Spectrum, peak and duration are the first axis's alone, and of the others only how independent each two are: judge each of them in \
+         a run of its own, against its own spectrum."
+    } else {
+        ""
+    };
     format!(
-        "{verdict} This is an analysis and no certificate; rules marked so were not checked against the standard's text."
+        "{verdict}{alone} This is an analysis and no certificate; rules marked so were not checked against the standard's text."
     )
 }
 

@@ -103,6 +103,17 @@ const AS_IT_IS: &str = "none";
 
 impl Args {
     fn check(&self) -> Result<(), Failure> {
+        if let Some(path) = self.from.as_ref().filter(|path| !path.is_file()) {
+            return Err(Failure::Input(format!(
+                "{}: no such file; name a drive that `learn --out` wrote",
+                path.display()
+            )));
+        }
+        let Outputs { json, report, figures } = &self.outputs;
+        if self.check.is_some() && (json.is_some() || report.is_some() || figures.is_some()) {
+            let why = "--check writes a motion to play and has no result: leave --json, --report and --figures out";
+            return Err(Failure::Input(why.to_owned()));
+        }
         within("--runs", self.runs as f64, 1.0, 50.0, "")?;
         within("--band", self.band, 0.5, 50.0, "Hz")?;
         within("--stroke", self.stroke.unwrap_or(0.1), 0.001, 10.0, "m")?;
@@ -111,12 +122,12 @@ impl Args {
     }
 
     /// The limits, from the options, else the table.
-    fn limits(&self, described: &Found, table: &Twin) -> Limits {
-        Limits {
+    fn limits(&self, described: &Found, table: &Twin) -> Result<Limits, Failure> {
+        Ok(Limits {
             displacement: self.stroke.or(described.table.stroke).unwrap_or(described::STROKE),
-            velocity: self.velocity.unwrap_or_else(|| table.velocity_limit()),
+            velocity: super::velocity_limit(self.velocity, table, described.path.as_deref())?,
             acceleration: self.acceleration.or(described.table.acceleration).unwrap_or(15.0),
-        }
+        })
     }
 
     /// What is written by the option `out`: as asked for, else as the table's drives are.
@@ -147,7 +158,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
     let described = described::found(args.table.as_deref())?;
     let table = super::table(described.path.as_deref())?;
-    let limits = args.limits(&described, &table);
+    let limits = args.limits(&described, &table)?;
     if let Some(path) = &args.check {
         return check(path, &args.plan("--check", path, &described, &limits)?, &limits);
     }
@@ -192,7 +203,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     args.outputs.write_json(page::json(&learned, checked.as_ref()), &inputs)?;
     let mut page = page::page(&learned, &record.name, section, checked.as_ref());
-    args.outputs.write_report(&mut page, &inputs)
+    args.outputs.write_report(&mut page, &inputs)?;
+    if learned.rounds.is_empty() {
+        return Err(Failure::Work(format!(
+            "{}: refused, and nothing was run: --fit brings it within the limits",
+            record.name
+        )));
+    }
+    Ok(())
 }
 
 /// What a learnt drive is true for: of another motion, table or controller it is stale.

@@ -294,7 +294,7 @@ impl Args {
     /// What is asked for, and what a table's model file says of the rest.
     fn limits(&self) -> Result<Limits, Failure> {
         let table = super::table(self.table.as_deref())?;
-        let velocity = self.velocity.unwrap_or_else(|| table.velocity_limit());
+        let velocity = super::velocity_limit(self.velocity, &table, self.table.as_deref())?;
         for (name, value, low, high, unit) in [
             ("--velocity", Some(velocity), 1e-3, 20.0, "m/s"),
             ("--stroke", Some(self.stroke()), 1e-4, 5.0, "m"),

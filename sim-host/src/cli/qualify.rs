@@ -38,7 +38,7 @@ pub(crate) struct Args {
     record: Option<PathBuf>,
     #[command(flatten)]
     demand: Demand,
-    /// Another axis of the same test; may be given twice.
+    /// Another axis of the same test, held against the others for independence alone; may be given twice.
     #[arg(long, value_name = "FILE", conflicts_with = "synthesise")]
     axis: Vec<PathBuf>,
     /// Makes a motion that satisfies the standard and writes it: .csv (time and acceleration) or .AT2; within limits a drive, .csv,

@@ -91,6 +91,14 @@ impl Args {
         if let Some(folder) = self.write.as_ref().filter(|folder| folder.exists() && !folder.is_dir()) {
             return Err(Failure::Input(format!("--write {}: is a file; name a folder", folder.display())));
         }
+        if let Some(there) =
+            self.write.as_ref().map(|folder| folder.join("experiment.toml")).filter(|file| file.exists())
+        {
+            return Err(Failure::Input(format!(
+                "--write: {} is there already and is not written over; name another folder, or remove it",
+                there.display()
+            )));
+        }
         if wanted(What::Bode) || wanted(What::Mass) {
             self.bode.grid()?;
             self.bode.stable()?;
@@ -105,7 +113,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(folder) = &args.write {
         let experiment = sweep_recording::write(folder, Paper::default(), args.noise_seed)
             .map_err(|e| Failure::Work(e.to_string()))?;
-        print(&format!("{0}\n\nNext: shakedown identify {0}\n", experiment.display()));
+        print(&format!(
+            "{}\n\nNext: shakedown identify {}\n",
+            experiment.display(),
+            super::asked::quoted(&experiment.display().to_string())
+        ));
         return Ok(());
     }
     let mut page = Page { title: "Sweep".into(), ..Page::default() };

@@ -68,8 +68,8 @@ pub(crate) fn findings(findings: &[Finding]) -> Table {
     table(&["run", "channel", "problem", "from [s]", "to [s]", "remedy"], rows.collect(), "What the recordings show")
 }
 
-/// Where a residual lies: in time, in frequency, along a quantity.
-pub(crate) fn location(location: &Location) -> [Table; 3] {
+/// Where a residual lies: in time, in frequency, along a quantity, as far as any of it was seen.
+pub(crate) fn location(location: &Location) -> Vec<Table> {
     let share = |part: f64| format!("{:.0}", 100.0 * part);
     let time = location
         .time
@@ -82,7 +82,7 @@ pub(crate) fn location(location: &Location) -> [Table; 3] {
     // Where an effect's window is all that is known of a quantity, no share was seen along it.
     let seen = |s: &StateShare| if s.profile.is_empty() { "\u{2013}".into() } else { share(s.strength) };
     let state = location.state.iter().map(|s| vec![s.variable.to_owned(), s.place.clone(), seen(s)]);
-    [
+    let all = [
         table(
             &["run", "from [s]", "to [s]", "share of excess [%]"],
             time.collect(),
@@ -94,7 +94,8 @@ pub(crate) fn location(location: &Location) -> [Table; 3] {
             state.collect(),
             "Along which quantity, cross-validated; the window of an effect first",
         ),
-    ]
+    ];
+    all.into_iter().filter(|table| !table.rows.is_empty()).collect()
 }
 
 /// A table.

@@ -126,14 +126,14 @@ impl Twin {
     }
 }
 
-/// A stated effect with its parameters in the library's order; a run's own (phases) are zero.
+/// A stated effect with its parameters in the library's order; a run's own (phases) are zero, and so is what sums them up.
 fn placed(stated: &recording::StatedEffect) -> Result<EffectParameters<f64>, TwinError> {
     use crate::plant::effects::{Role, SignalScale};
     let unknown = || SimulateError::UnknownEffect { id: stated.id.clone(), count: stated.parameters.len() };
     let entry = regional::stated(&stated.id, stated.parameters.keys().map(String::as_str)).ok_or_else(unknown)?;
     let value = |parameter: &crate::plant::effects::Parameter| match stated.parameters.get(parameter.key) {
         Some(&value) => Ok(value),
-        None if parameter.role == Role::PerRun => Ok(0.0),
+        None if matches!(parameter.role, Role::PerRun | Role::Size) => Ok(0.0),
         // A detail of a form that is not stated is its plainest.
         None if parameter.role == Role::Refined
             && (parameter.signal_scale == SignalScale::One || parameter.starts.first() == Some(&0.0)) =>

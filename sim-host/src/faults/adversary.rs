@@ -20,7 +20,7 @@ use std::path::Path;
 /// Numbers of a case that the search chooses: more than any class deals.
 const NUMBERS: usize = 36;
 /// Cases of a generation, and how many of them the next is dealt from.
-const GENERATION: u64 = 200;
+pub const GENERATION: u64 = 200;
 const WORST: usize = 20;
 /// How far a mean and a deviation move in a generation, and the least deviation that stays.
 const STEP: f64 = 0.7;

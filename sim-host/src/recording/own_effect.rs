@@ -26,6 +26,7 @@ pub fn load(path: &Path) -> Result<(Vec<&'static effects::Entry>, Vec<RecordingE
     let (mut entries, mut errors) = (Vec::new(), Vec::new());
     for item in &list {
         match one(item) {
+            Ok(entry) if is_there(&entries, entry) => errors.push(item.place().refuse(twice(entry))),
             Ok(entry) => entries.push(entry),
             Err(error) => errors.push(error),
         }
@@ -56,12 +57,20 @@ pub(super) fn read(
         entries.push(one(item)?);
     }
     for (i, entry) in entries.iter().enumerate() {
-        if entries[..i].iter().any(|other| other.id == entry.id) {
-            let problem = format!("the effect `{}` is stated twice; state it once", entry.id);
-            return Err(root.place().refuse(Problem::Contradiction(problem)));
+        if is_there(&entries[..i], entry) {
+            return Err(root.place().refuse(twice(entry)));
         }
     }
     Ok(entries.into_iter().map(|entry| entry.id).collect())
+}
+
+/// Whether an effect of this name was stated before.
+fn is_there(before: &[&'static effects::Entry], entry: &effects::Entry) -> bool {
+    before.iter().any(|other| other.id == entry.id)
+}
+
+fn twice(entry: &effects::Entry) -> Problem {
+    Problem::Contradiction(format!("the effect `{}` is stated twice; state it once", entry.id))
 }
 
 fn one(item: &Entry<'_>) -> Result<&'static effects::Entry, RecordingError> {

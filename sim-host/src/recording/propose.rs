@@ -76,15 +76,17 @@ fn reasons(left_out: &[(String, String)]) -> String {
 struct Recording {
     headings: Vec<Heading>,
     table: Table,
+    /// Columns that are not numbers throughout: where each fails, in words.
+    unreadable: Vec<String>,
 }
 
-/// The columns of a file that are numbers throughout, and what is wrong with the last of the others.
+/// The columns of a file that are numbers throughout, and what is wrong with the others.
 #[derive(Default)]
 struct Numeric {
     kept: Vec<Heading>,
     columns: Vec<Vec<f64>>,
     notes: Vec<String>,
-    error: Option<RecordingError>,
+    errors: Vec<RecordingError>,
 }
 
 /// Looks at the recordings of a folder and proposes an experiment.
@@ -120,7 +122,8 @@ pub(crate) fn propose_as(folder: &Path, stated: &Stated) -> Result<Proposal, Pro
     units::settle(&mut choices, &facts);
     let inner = control::inner(&choices, &facts);
     let control = control::find(&choices, &facts).or_else(|| inner.as_ref().and_then(control::stated));
-    let open = write::open_questions(&choices, control.as_ref());
+    let unusable = [recording.unreadable, columns::misfits(&facts, &choices)].concat();
+    let open = write::open_questions(&choices, control.as_ref(), &unusable);
     let mut text = write::experiment(folder, &files, &left_out, &facts, &choices, control.as_ref(), &open);
     if let Some(inner) = &inner {
         write::inner_loop(&mut text, inner);
@@ -216,7 +219,7 @@ fn first_readable(
 ) -> Result<Recording, ProposeError> {
     while let Some(name) = files.first().cloned() {
         let path = folder.join(&name);
-        let Numeric { mut kept, mut columns, notes, error } = numeric_columns(&path, headings, stated);
+        let Numeric { mut kept, mut columns, notes, errors } = numeric_columns(&path, headings, stated);
         // A file of variables also holds single numbers: gains, a date.
         let longest = columns.iter().map(Vec::len).max().unwrap_or(0);
         let whole: Vec<bool> = columns.iter().map(|c| c.len() == longest).collect();
@@ -225,21 +228,23 @@ fn first_readable(
         columns.retain(|c| c.len() == longest);
         if longest >= super::experiment::LEAST_SAMPLES && columns.len() >= 2 {
             let table = Table { headings: kept.clone(), columns, notes };
-            return Ok(Recording { headings: kept, table });
+            let unreadable = errors.iter().map(|error| format!("a column is left out: {error}")).collect();
+            return Ok(Recording { headings: kept, table, unreadable });
         }
-        let reason = error.map_or_else(|| format!("{}: holds too few numbers", path.display()), |e| e.to_string());
+        let reason =
+            errors.last().map_or_else(|| format!("{}: holds too few numbers", path.display()), ToString::to_string);
         left_out.push((name, reason));
         files.remove(0);
     }
     Err(ProposeError::NoRecordings { path: folder.to_path_buf(), left_out: std::mem::take(left_out) })
 }
 
-/// The columns that are numbers throughout, and what is wrong with the last of the others.
+/// The columns that are numbers throughout, and what is wrong with the others.
 fn numeric_columns(path: &Path, headings: &[Heading], stated: &Stated) -> Numeric {
     let named: Vec<&Heading> = headings.iter().filter(|h| !h.text.is_empty()).take(MOST_COLUMNS).collect();
     let all: Vec<&str> = named.iter().map(|h| h.text.as_str()).collect();
     if let Ok(Table { headings: kept, columns, notes }) = file::read_as(path, &all, stated) {
-        return Numeric { kept, columns, notes, error: None };
+        return Numeric { kept, columns, notes, errors: Vec::new() };
     }
     let mut found = Numeric::default();
     for heading in named {
@@ -249,7 +254,7 @@ fn numeric_columns(path: &Path, headings: &[Heading], stated: &Stated) -> Numeri
                 found.kept.push(heading.clone());
                 found.notes = table.notes;
             }
-            Err(e) => found.error = Some(e),
+            Err(e) => found.errors.push(e),
         }
     }
     found

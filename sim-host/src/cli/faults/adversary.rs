@@ -2,7 +2,7 @@
 
 use super::super::{Failure, present, progress};
 use super::Args;
-use crate::faults::adversary::{Search, search};
+use crate::faults::adversary::{GENERATION, Search, search};
 use crate::faults::{Beside, CLASSES, Case, Class, Motions};
 use crate::files::json;
 use crate::report::{Item, Page, Section, Table};
@@ -11,6 +11,7 @@ use std::path::Path;
 
 /// Searches and shows what was found.
 pub(super) fn adversary(args: &Args, runs: u64, motions: &Motions) -> Result<(), Failure> {
+    let runs = runs.next_multiple_of(GENERATION);
     let only = args.class.as_deref().and_then(Class::named);
     let wanted = CLASSES.iter().skip(1).filter(|class| only.is_none_or(|only| only.id == class.id));
     // A shard takes every so manyeth class.

@@ -47,7 +47,7 @@ impl Kept {
     fn limits(&self) -> Result<(Limits, Found), Failure> {
         let described = described::found(self.table.as_deref())?;
         let twin = crate::cli::table(described.path.as_deref())?;
-        let velocity = self.velocity.unwrap_or_else(|| twin.velocity_limit());
+        let velocity = crate::cli::velocity_limit(self.velocity, &twin, described.path.as_deref())?;
         let stroke = self.stroke.or(described.table.stroke).unwrap_or(described::STROKE);
         within("--velocity", velocity, 1e-3, 20.0, "m/s")?;
         within("--stroke", stroke, 1e-4, 5.0, "m")?;

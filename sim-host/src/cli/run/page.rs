@@ -136,12 +136,14 @@ pub(super) fn figures_section(outcome: &Outcome, setup: &Setup) -> Section {
 fn motion_text(outcome: &Outcome, setup: &Setup) -> String {
     let peaks = |(x, v, a): (f64, f64, f64)| format!("{:.3} g, {v:.3} m/s, {x:.3} m", a / GRAVITY);
     let original = peaks(outcome.played.original.peaks());
-    let mut text = format!(
-        "{}, {:.1} s: peaks {original}. The table's limit is {:.3} m/s.",
-        outcome.played.name,
-        outcome.played.original.duration(),
-        setup.table.velocity_limit()
-    );
+    let limit = setup.table.velocity_limit();
+    let limit = if limit.is_finite() {
+        format!("The table's limit is {limit:.3} m/s.")
+    } else {
+        "The table's file states no velocity_limit: it is as fast as it is asked to be.".to_owned()
+    };
+    let mut text =
+        format!("{}, {:.1} s: peaks {original}. {limit}", outcome.played.name, outcome.played.original.duration());
     text += &format!(" Conditioning: {}.", outcome.played.conditioning);
     if outcome.played.fitted != outcome.played.original {
         text += &format!(" Fitted beforehand to {}.", peaks(outcome.played.fitted.peaks()));

@@ -20,6 +20,9 @@ pub(crate) struct Coherence {
     pub power: Vec<f64>,
     /// Windows averaged; with one alone the coherence is 1 everywhere and says nothing.
     pub windows: usize,
+    /// Windows that the reference's power is spread over at each frequency, `(sum p)^2 / sum p^2`: where one holds nearly all of it the
+    /// coherence is near 1 whatever the response does.
+    pub spread: Vec<f64>,
 }
 
 /// The coherence of two signals sampled every `dt` s, over windows of `window` samples (2 at least).
@@ -27,7 +30,7 @@ pub(crate) fn coherence(reference: &[f64], response: &[f64], dt: f64, window: us
     let count = reference.len().min(response.len());
     let size = window.clamp(2, count.max(2)) / 2 * 2;
     let bins = size / 2 + 1;
-    let (mut pxx, mut pyy) = (vec![0.0; bins], vec![0.0; bins]);
+    let (mut pxx, mut pyy, mut squares) = (vec![0.0; bins], vec![0.0; bins], vec![0.0; bins]);
     let mut pxy = vec![Complex::new(0.0, 0.0); bins];
     let mut transform = transformer(size);
     let mut windows = 0;
@@ -36,6 +39,7 @@ pub(crate) fn coherence(reference: &[f64], response: &[f64], dt: f64, window: us
         let (x, y) = (transform(&reference[at..at + size]), transform(&response[at..at + size]));
         for (i, (x, y)) in x.iter().zip(&y).enumerate() {
             pxx[i] += x.norm_sqr();
+            squares[i] += x.norm_sqr().powi(2);
             pyy[i] += y.norm_sqr();
             pxy[i] += x.conj() * y;
         }
@@ -50,6 +54,7 @@ pub(crate) fn coherence(reference: &[f64], response: &[f64], dt: f64, window: us
         value: (0..bins).map(value).collect(),
         gain: (0..bins).map(|i| if pxx[i] > 0.0 { pxy[i].norm() / pxx[i] } else { 0.0 }).collect(),
         phase: pxy.iter().map(|c| c.arg()).collect(),
+        spread: pxx.iter().zip(&squares).map(|(p, s)| if *s > 0.0 { p * p / s } else { 0.0 }).collect(),
         power: pxx,
         windows,
     }
@@ -88,6 +93,18 @@ mod tests {
         let mean = other.value.iter().sum::<f64>() / other.value.len() as f64;
         assert!(mean < 0.05, "{mean}");
         assert_eq!(same.frequency.last().copied(), Some(50.0));
+    }
+
+    /// Of two signals that know nothing of each other, one a burst, the coherence is near 1, and the spread says why.
+    #[test]
+    fn a_burst_is_spread_over_few_windows() {
+        let all = coherence(&noise(1), &noise(2), 0.01, 256);
+        assert!(all.spread.iter().skip(1).all(|&n| n > 20.0), "{:?}", all.spread);
+        let burst: Vec<f64> =
+            noise(1).iter().enumerate().map(|(k, x)| if (4000..4100).contains(&k) { *x } else { 1e-3 * x }).collect();
+        let few = coherence(&burst, &noise(2), 0.01, 256);
+        assert!(few.spread.iter().skip(1).all(|&n| n < 2.5), "{:?}", few.spread);
+        assert!(few.value.iter().filter(|&&c| c > 0.8).count() > 10);
     }
 
     #[test]

@@ -83,6 +83,9 @@ impl Indices {
 const BAND: (f64, f64) = (0.5, 15.0);
 /// Coherence below which a transfer says nothing.
 const TRUSTED: f64 = 0.8;
+/// Windows that the reference's power must be spread over: of two signals that know nothing of each other three have a coherence beyond
+/// [`TRUSTED`] in one of twenty frequencies (`1 - 0.05^(1/2)`), two in one of five.
+const SPREAD: f64 = 3.0;
 /// Windows to average at least.
 const WINDOWS: usize = 8;
 /// Longest window, s.
@@ -156,9 +159,11 @@ fn weighted(found: &Coherence) -> (f64, f64) {
     (mean(&mut inside().filter(|&i| found.value[i] >= TRUSTED), &found.gain), mean(&mut inside(), &found.value))
 }
 
+/// What is told of the transfer at a frequency; nothing of gain and phase where the coherence is low, or rests on a burst.
 fn at(found: &Coherence, frequency: f64) -> Option<At> {
     let i = found.frequency.iter().position(|f| *f >= frequency * (1.0 - 1e-9))?;
-    let trusted = |x: f64| if found.value[i] >= TRUSTED { x } else { f64::NAN };
+    let told = found.value[i] >= TRUSTED && found.spread[i] >= SPREAD;
+    let trusted = |x: f64| if told { x } else { f64::NAN };
     Some(At {
         frequency: found.frequency[i],
         gain: trusted(found.gain[i]),

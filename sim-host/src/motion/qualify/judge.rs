@@ -58,6 +58,8 @@ pub struct ScoredModel {
     pub margin: f64,
     /// Where that is, Hz.
     pub worst_hz: f64,
+    /// Axes of the test: of those beyond the first nothing was judged but how independent each two are.
+    pub axes: usize,
     /// Largest acceleration of the motion, m/s2.
     pub zero_period: f64,
     /// Strength of the motion.
@@ -107,7 +109,8 @@ pub enum QualifyError {
 /// Offsets of the grid that are tried.
 const OFFSETS: usize = 12;
 
-/// Holds an acceleration (m/s2, every `dt` s) against what a standard asks; `axes` are the other axes of the same test.
+/// Holds an acceleration (m/s2, every `dt` s) against what a standard asks; `axes` are the other axes of the same test, of which each two are
+/// held against each other, and nothing else: a vertical axis has a spectrum of its own.
 pub fn judge(
     acceleration: &[f64],
     dt: f64,
@@ -141,25 +144,27 @@ pub fn judge(
         let (found, place) = unsteadiness(strong, dt, (lowest, highest));
         Rule { place, ..judge.most("stationarity", found, most, "") }
     }));
-    for (i, axis) in axes.iter().enumerate() {
-        if axis.len() != acceleration.len() {
-            return Err(QualifyError::Axes { first: acceleration.len(), other: axis.len() });
+    if let Some(other) = axes.iter().map(Vec::len).find(|&length| length != acceleration.len()) {
+        return Err(QualifyError::Axes { first: acceleration.len(), other });
+    }
+    let strong_parts: Vec<&[f64]> =
+        std::iter::once(strong).chain(axes.iter().map(|axis| part(axis, dt, &strength))).collect();
+    for (j, other) in strong_parts.iter().enumerate() {
+        for (i, one) in strong_parts.iter().enumerate().take(j) {
+            rules.extend(judge.independence(
+                [one, other],
+                dt,
+                (lowest, highest),
+                &format!("axes {} and {}", i + 1, j + 1),
+            ));
         }
-        let other = part(axis, dt, &strength);
-        let of = |rule: Rule| Rule { place: format!("first axis and axis {}", i + 2), ..rule };
-        rules.extend(
-            standard.correlation.map(|most| of(judge.most("correlation", correlation(strong, other, dt), most, ""))),
-        );
-        let shared = coherence(strong, other, dt, (1.0 / dt) as usize);
-        let inside = shared.frequency.iter().zip(&shared.value).filter(|(f, _)| (lowest..=highest).contains(*f));
-        let worst = inside.fold(0.0, |most: f64, (_, c)| most.max(*c));
-        rules.extend(standard.coherence.map(|most| of(judge.most("coherence", worst, most, ""))));
     }
     Ok(ScoredModel {
         rules,
         margin: worst.map_or(f64::NAN, |o| o.ratio()),
         worst_hz: worst.map_or(f64::NAN, |o| o.frequency),
         ordinates,
+        axes: 1 + axes.len(),
         zero_period: peak(acceleration),
         intensity: strength,
         offset: offset as f64 / OFFSETS as f64,
@@ -236,6 +241,19 @@ impl Judge<'_> {
         let worst = inside.copied().max_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
         let place = format!("highest at {:.2} Hz", worst.frequency);
         Some(Rule { advised: true, place, ..self.most("ceiling", worst.ratio(), most, "") })
+    }
+
+    /// How independent the strong parts of two axes, named by `place`, are within a band (Hz).
+    fn independence(&self, [one, other]: [&[f64]; 2], dt: f64, (low, high): (f64, f64), place: &str) -> Vec<Rule> {
+        let Standard { correlation: alike, coherence: shared, .. } = self.standard;
+        let of = |rule: Rule| Rule { place: place.to_owned(), ..rule };
+        let alike = alike.map(|most| of(self.most("correlation", correlation(one, other, dt), most, "")));
+        let shared = shared.map(|most| {
+            let found = coherence(one, other, dt, (1.0 / dt) as usize);
+            let inside = found.frequency.iter().zip(&found.value).filter(|(f, _)| (low..=high).contains(*f));
+            of(self.most("coherence", inside.fold(0.0, |most: f64, (_, c)| most.max(*c)), most, ""))
+        });
+        alike.into_iter().chain(shared).collect()
     }
 
     fn zero_period(&self, found: f64, required: f64) -> Rule {

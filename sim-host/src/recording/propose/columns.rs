@@ -35,19 +35,54 @@ pub struct Choice {
     pub doubtful: bool,
 }
 
-/// Words of a heading that speak for a channel, the telling ones first; a heading takes the first that fits.
+/// Words of a heading that speak for a channel, the telling ones first, those of other languages last; a heading takes the first that fits.
 const WORDS: [(Channel, &[&str]); 9] = [
     (Channel::SupplyPressure, &["supply"]),
-    (Channel::PressureDifference, &["delta p", "deltap", "dp", "pressure", "pl"]),
+    (Channel::PressureDifference, &["delta p", "deltap", "dp", "pressure", "pl", "differenzdruck", "druckdifferenz"]),
     (Channel::SpecimenAcceleration, &["specimen", "roof", "rf", "floor", "2f", "storey"]),
     (
         Channel::Reference,
-        &["reference", "ref", "setpoint", "target", "desired", "dis command", "disp command", "position command", "qg"],
+        &[
+            "reference",
+            "ref",
+            "setpoint",
+            "target",
+            "desired",
+            "dis command",
+            "disp command",
+            "position command",
+            "qg",
+            "soll",
+            "consigne",
+            "consigna",
+        ],
     ),
-    (Channel::Acceleration, &["acceleration", "accel", "acc", "1f", "acc table"]),
-    (Channel::Velocity, &["velocity", "vel", "speed"]),
-    (Channel::Command, &["command", "cmd", "voltage", "valve", "servo", "drive", "vir", "u", "force"]),
-    (Channel::Displacement, &["displacement", "disp", "dis", "position", "pos", "lvdt", "stroke", "qm", "x"]),
+    (Channel::Acceleration, &["acceleration", "accel", "acc", "1f", "acc table", "beschleunigung", "acel"]),
+    (Channel::Velocity, &["velocity", "vel", "speed", "geschwindigkeit", "vitesse"]),
+    (
+        Channel::Command,
+        &["command", "cmd", "voltage", "valve", "servo", "drive", "vir", "u", "force", "stell", "ventil", "commande"],
+    ),
+    (
+        Channel::Displacement,
+        &[
+            "displacement",
+            "disp",
+            "dis",
+            "position",
+            "pos",
+            "lvdt",
+            "stroke",
+            "qm",
+            "x",
+            "ist",
+            "weg",
+            "kolbenweg",
+            "déplacement",
+            "deplacement",
+            "desplazamiento",
+        ],
+    ),
     (Channel::Time, &["time", "t", "seconds"]),
 ];
 
@@ -93,6 +128,27 @@ pub(super) fn choose(facts: &[Facts]) -> Vec<Choice> {
     }
     choices.sort_by_key(|c| c.channel);
     choices
+}
+
+/// Columns that are named as a channel that no column is, and cannot be it: what keeps each from it, in words.
+pub(super) fn misfits(facts: &[Facts], choices: &[Choice]) -> Vec<String> {
+    let free = |(column, _): &(usize, &Facts)| choices.iter().all(|c| c.column != *column);
+    let all = facts.iter().enumerate().filter(free).filter_map(|(_, fact)| {
+        let missing = |channel: &Channel| choices.iter().all(|c| c.channel != *channel);
+        let channel =
+            Channel::ALL.into_iter().filter(missing).find(|&channel| named(channel, &fact.heading.name) > 0)?;
+        let unit = fact.heading.unit.as_deref().and_then(Unit::in_header);
+        let why = match unit.filter(|unit| !channel.dimensions().contains(&unit.dimension)) {
+            Some(unit) => format!(
+                "is in {}, which is no unit of it: state what one {} is in [channels], or convert the column",
+                unit.symbol, unit.symbol
+            ),
+            None if deviation(&fact.samples) > 0.0 => return None,
+            None => "never changes, and is not used".to_owned(),
+        };
+        Some(format!("column `{}` is named as {channel} and {why}", fact.heading.text))
+    });
+    all.collect()
 }
 
 /// How well a column can be a channel; nothing where its samples or its unit cannot.

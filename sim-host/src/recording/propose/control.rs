@@ -48,12 +48,13 @@ pub(super) fn stated(found: &InnerLoop) -> Option<Loop> {
     }
     let [kp, ki, kvf, kv, kdp] =
         [Term::Error, Term::Integral, Term::ReferenceRate, Term::Velocity, Term::Pressure].map(|term| found.gain(term));
-    let more = |name: &str, value: f64| if value == 0.0 { String::new() } else { format!(", {name} = {value:.5}") };
+    let more =
+        |name: &str, value: f64| if value == 0.0 { String::new() } else { format!(", {name} = {}", written(value)) };
     let around = more("kvf", kvf) + &more("kdp", kdp);
     let text = if kv == 0.0 {
-        format!("{{ kp = {kp:.5}, ki = {ki:.5}{around} }}")
+        format!("{{ kp = {}, ki = {}{around} }}", written(kp), written(ki))
     } else if ki == 0.0 {
-        format!("{{ kind = \"cascade\", kp = {:.5}, kv = {kv:.5}{around} }}", kp / kv)
+        format!("{{ kind = \"cascade\", kp = {}, kv = {}{around} }}", written(kp / kv), written(kv))
     } else {
         return None;
     };
@@ -72,17 +73,25 @@ pub(super) fn find(choices: &[Choice], facts: &[Facts]) -> Option<Loop> {
     let time = choices.iter().find(|c| c.channel == Channel::Time)?;
     let dt = facts[time.column].step? * time.unit?.factor;
     let fits = fitted_gains(&reference, &displacement, &command, dt);
-    let candidates = [
-        fits.proportional_integral
-            .map(|(gains, error)| (format!("{{ kp = {:.5}, ki = {:.5} }}", gains[0], gains[1]), error)),
-        fits.cascade.filter(|(gains, _)| gains[1] != 0.0).map(|([both, kv], error)| {
-            (format!("{{ kind = \"cascade\", kp = {:.5}, kv = {kv:.5} }}", both / kv), error)
-        }),
-    ];
-    candidates
-        .into_iter()
-        .flatten()
-        .map(|(text, error)| Loop { text, error })
-        .filter(|l| l.error < BELIEVED)
-        .min_by(|a, b| a.error.total_cmp(&b.error))
+    let believed = |law: &Loop| law.error < BELIEVED;
+    let plain = fits
+        .proportional_integral
+        .map(|([kp, ki], error)| Loop { text: format!("{{ kp = {}, ki = {} }}", written(kp), written(ki)), error });
+    let cascade = fits.cascade.filter(|(gains, _)| gains[1] != 0.0).map(|([both, kv], error)| Loop {
+        text: format!("{{ kind = \"cascade\", kp = {}, kv = {} }}", written(both / kv), written(kv)),
+        error,
+    });
+    // One velocity more always misses less, if only the rounding of what was recorded.
+    let better = |law: &Loop| plain.as_ref().is_none_or(|p| p.error > EXACT && law.error < FAR_BETTER * p.error);
+    cascade.filter(|law| believed(law) && better(law)).or_else(|| plain.clone().filter(believed))
+}
+
+/// What a law may miss that reproduces a command but for the rounding of what was recorded.
+const EXACT: f64 = 1e-3;
+/// Share of what the plain law misses that one with an inner velocity loop may miss to be what ran.
+const FAR_BETTER: f64 = 0.5;
+
+/// A gain as an experiment states it.
+fn written(gain: f64) -> String {
+    if gain == 0.0 || gain.abs() >= 0.01 { format!("{gain:.5}") } else { format!("{gain:.4e}") }
 }

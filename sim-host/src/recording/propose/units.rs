@@ -104,7 +104,8 @@ fn derived(choices: &mut [Choice], facts: &[Facts], channel: Channel, order: u32
     match choices[i].unit {
         None if channel != Channel::SpecimenAcceleration || fits => {
             choices[i].unit = Some(*best);
-            choices[i].doubtful = !fits;
+            // What is derived from a unit that only a size speaks for is no better known.
+            choices[i].doubtful = !fits || choices[d].doubtful;
         }
         Some(unit) if unit != *best && channel != Channel::SpecimenAcceleration => choices[i].doubtful = true,
         _ => choices[i].doubtful |= !fits,

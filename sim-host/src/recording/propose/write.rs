@@ -9,13 +9,14 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// What the user must settle.
-pub(super) fn open_questions(choices: &[Choice], control: Option<&Loop>) -> Vec<String> {
+pub(super) fn open_questions(choices: &[Choice], control: Option<&Loop>, unusable: &[String]) -> Vec<String> {
     let has = |channel: Channel| choices.iter().any(|c| c.channel == channel);
     let mut open: Vec<String> = choices
         .iter()
         .filter(|c| c.doubtful)
         .map(|c| format!("confirm the column and the unit of {}", c.channel))
         .collect();
+    open.extend_from_slice(unusable);
     if !has(Channel::Time) {
         open.push("no column rises evenly: give the sampling step in [channels] time".to_owned());
     }
