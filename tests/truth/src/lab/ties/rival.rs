@@ -85,7 +85,9 @@ impl<'a> Fit<'a> {
             let columns = self.tangents(&at);
             let Some(step) = least_squares(&columns, &at.away) else { break };
             let promised = squares(&less(&at.away, &columns, &step));
-            if promised > HOPE * at.cost || promised > (0.5 * at.cost).max(FAR * enough) {
+            // A rival that is far from enough is given up early; what nothing leaves must be the least.
+            let far = self.form.is_some() && promised > (0.5 * at.cost).max(FAR * enough);
+            if far || promised > HOPE * at.cost {
                 break;
             }
             let Some(next) = self.moved(&at, &step) else { break };
