@@ -25,6 +25,7 @@ pub mod stated;
 #[cfg(test)]
 mod testing;
 mod tied;
+pub mod ties;
 pub mod unlisted;
 
 pub use case::{Case, DEVELOPMENT, case, cases, locked};

@@ -9,7 +9,7 @@ use shakedown_truth::lab::{case, locked, plan};
 use shakedown_truth::rng::Stream;
 
 fn scene(kind: Kind, perfect: bool, number: u64) -> Scene {
-    let wish = Wish { kind, saturating: false, accelerometer: true, damping_known: false, perfect };
+    let wish = Wish { kind, saturating: false, accelerometer: true, damping_known: false, perfect, test: None };
     (0..20)
         .find_map(|attempt| Scene::draw(wish, (5, number), &mut Stream::new(98, number, attempt)))
         .filter(|s| s.rows() < 60_000)

@@ -33,6 +33,17 @@ pub struct TrueEffect {
     pub sigma: f64,
 }
 
+/// How a tie came out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tie {
+    /// How often the case was dealt until it did.
+    pub deals: u64,
+    /// Root of the sum of squares that the refitted stated model leaves of the recordings (standard deviations).
+    pub seen: f64,
+    /// Rivals, each with the root of the sum of squares by which it stays apart (standard deviations); the fits end below two.
+    pub rivals: Vec<(&'static str, f64)>,
+}
+
 /// The clear answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
@@ -56,6 +67,8 @@ pub struct Answer {
     pub groups: Vec<Vec<String>>,
     /// Effects whose naming is no wrong name.
     pub tolerated: Vec<&'static str>,
+    /// How they came to be a tie; none where none was asked for.
+    pub tie: Option<Tie>,
     /// Whether everything is as stated but for the noise.
     pub perfect: bool,
     /// What is not as stated.
@@ -89,7 +102,7 @@ impl Answer {
         let ids: Vec<&str> = self.effects.iter().map(|p| p.id.as_str()).collect();
         let one_family = (1..ids.len()).any(|i| ids[..i].iter().any(|other| one_family(ids[i], other)));
         let fault = self.fault.as_ref().map(|f| json!({"problem": f.problem, "channel": f.channel, "run": f.run}));
-        json!({
+        let mut answer = json!({
             "examiner": 2, "lock": self.lock, "seed": self.case.0, "case": self.case.1, "stratum": self.stratum, "machine": self.machine,
             "model": map(&self.model), "strength": self.strength().map(Strength::name),
             "effects": self.effects.iter().map(|p| present(p, map(&p.parameters))).collect::<Vec<_>>(),
@@ -105,13 +118,22 @@ impl Answer {
                 "state": all.iter().filter_map(|p| state(p, &self.quantiles)).collect::<Vec<_>>(),
             },
             "alike": self.alike, "one_family": one_family, "baseline_chi2": self.baseline_chi2,
-        })
+        });
+        if let Some(tie) = &self.tie {
+            answer["tie"] = tied(tie);
+        }
+        answer
     }
 }
 
 fn present(p: &TrueEffect, parameters: serde_json::Map<String, Value>) -> Value {
     json!({"id": p.id, "form": p.form, "source": p.source, "parameters": parameters, "block": p.block,
         "excess": p.excess, "sigma": p.sigma, "everywhere": p.gate.is_none()})
+}
+
+fn tied(tie: &Tie) -> Value {
+    let rivals: Vec<_> = tie.rivals.iter().map(|(id, apart)| json!({"id": id, "apart": apart})).collect();
+    json!({"deals": tie.deals, "seen": tie.seen, "rivals": rivals})
 }
 
 fn misstated(m: &Misstated) -> Value {

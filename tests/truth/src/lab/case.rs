@@ -11,6 +11,7 @@ use super::plant::Plant;
 use super::region::quantiles;
 use super::scene::{Kind, Scene, Wish};
 use super::sheet::{Pressures, Rows, Sheets};
+use super::ties;
 use crate::answer::Fault;
 use crate::closed_loop::Traces;
 use crate::rng::Stream;
@@ -54,6 +55,13 @@ pub fn case(seed: u64, number: u64) -> Case {
 /// Case `number` of `seed` with the grammar's kinds of `lock`: always the same.
 pub fn locked(seed: u64, number: u64, lock: u64) -> Case {
     let what = stratum(seed, number);
+    let dealt = if what == Stratum::Confounded { ties::deal(seed, number) } else { flawed(seed, number, lock) };
+    let (scene, flawed) = dealt.unwrap_or_else(|| plain(seed, number));
+    finish((seed, number, lock), what, &scene, flawed)
+}
+
+/// An experiment with the flaws of its stratum, as near to what was asked for as a few attempts came.
+fn flawed(seed: u64, number: u64, lock: u64) -> Option<(Scene, Flawed)> {
     let mut nearest: Option<(Scene, Flawed)> = None;
     for attempt in 0..ATTEMPTS {
         let mut rng = Stream::new(seed, number, 0x6c61_6263_6173 + attempt);
@@ -62,20 +70,26 @@ pub fn locked(seed: u64, number: u64, lock: u64) -> Case {
         let frame = Frame::new(&scene);
         if let Some(flawed) = flaw(&scene, &frame, &chosen, &mut rng) {
             let each: Vec<f64> = flawed.effects.iter().chain(&flawed.unlisted).map(|p| p.excess).collect();
-            let met = chosen.suits(flawed.excess, &each) && (what != Stratum::Confounded || !flawed.groups.is_empty());
+            let met = chosen.suits(flawed.excess, &each);
             nearest = Some((scene, flawed));
             if met {
                 break;
             }
         }
     }
-    let (scene, flawed) = nearest.map_or_else(|| plain(seed, number), |(scene, flawed)| weighed(scene, flawed));
-    finish((seed, number, lock), what, &scene, flawed)
+    nearest.map(|(scene, flawed)| weighed(scene, flawed))
 }
 
 /// An experiment in which nothing is missing, when everything else failed.
 fn plain(seed: u64, number: u64) -> (Scene, Flawed) {
-    let wish = Wish { kind: Kind::Servo, saturating: false, accelerometer: true, damping_known: false, perfect: true };
+    let wish = Wish {
+        kind: Kind::Servo,
+        saturating: false,
+        accelerometer: true,
+        damping_known: false,
+        perfect: true,
+        test: None,
+    };
     let mut attempt = 0;
     loop {
         let mut rng = Stream::new(seed, number, 0x6c61_626e_756c + attempt);
@@ -165,6 +179,7 @@ fn answer((seed, number, lock): (u64, u64, u64), what: Stratum, scene: &Scene, f
         misstated: scene.misstated.clone(),
         noise: (scene.sigma.displacement, scene.sigma.acceleration),
         alike: flawed.alike,
+        tie: flawed.tie,
         baseline_chi2: 1.0 + flawed.excess,
     }
 }

@@ -75,8 +75,8 @@ impl Ingredient {
     }
 }
 
-/// Flaws of case `number` of `seed` that every attempt at it holds: all but those of pairs and triples, and the listed one
-/// beside an unlisted one.
+/// Flaws of case `number` of `seed` that every attempt at it holds: all but those of pairs, triples and ties, and the listed
+/// one beside an unlisted one.
 pub fn kinds(seed: u64, number: u64, lock: u64) -> Vec<String> {
     let what = stratum(seed, number);
     if matches!(what, Stratum::Pair | Stratum::Triple) {
@@ -121,18 +121,6 @@ const FAMILIES: [&[&str]; 7] = [
     &["acceleration_bias", "tilt_coupling", "mains_hum", "acceleration_gain", "acceleration_lag"],
 ];
 
-/// Listed effects that have rivals.
-const ALIKE: [&str; 8] = [
-    "command_delay",
-    "coulomb_friction",
-    "valve_lag",
-    "valve_deadband",
-    "displacement_lag",
-    "leakage",
-    "stribeck_friction",
-    "viscous_friction",
-];
-
 /// Listed effects that make sense in a part of a run or in a region of state.
 const LOCATED: [&str; 10] = [
     "coulomb_friction",
@@ -160,9 +148,8 @@ impl Chosen {
         let turn = turn(seed, number);
         let visible = |rng: &mut Stream| rng.log_uniform(4.0, 300.0);
         let list = match what {
-            Stratum::Null { .. } | Stratum::BadData => Vec::new(),
-            // By how much it leaves on all rows: enough to be seen, and too little to be told apart.
-            Stratum::Confounded => vec![(form(ALIKE[turn % ALIKE.len()], rng), rng.log_uniform(6.0, 30.0))],
+            // What a tie holds is drawn with its test.
+            Stratum::Null { .. } | Stratum::BadData | Stratum::Confounded => Vec::new(),
             Stratum::Single(effect, strength) => vec![(form(ids[effect % ids.len()], rng), target(strength, rng))],
             Stratum::Located => vec![(form(LOCATED[turn % LOCATED.len()], rng), visible(rng))],
             Stratum::Pair => pair(&ids, rng),
@@ -203,14 +190,14 @@ impl Chosen {
                 Stratum::BadData => true,
                 _ => rng.chance(0.1),
             },
+            test: None,
         }
     }
 
     /// Whether the flaws came out as visible as was asked for: chi2 added in all, and by each beside the others.
     pub fn suits(&self, excess: f64, each: &[f64]) -> bool {
         match self.what {
-            Stratum::Null { .. } | Stratum::BadData => true,
-            Stratum::Confounded => each.iter().all(|e| *e > 0.0),
+            Stratum::Null { .. } | Stratum::BadData | Stratum::Confounded => true,
             Stratum::Single(_, strength) => Strength::of(1.0 + excess) == strength && excess > 5e-3,
             _ => excess > 1.0 && each.iter().all(|e| *e > 0.05),
         }

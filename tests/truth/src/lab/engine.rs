@@ -17,6 +17,22 @@ const STEPS: f64 = 2.5;
 
 /// Simulates one run. Without `sensor` the traces are those of perfect sensors. None where the loop runs away.
 pub fn simulate(plant: &Plant, run: &Run, sensor: Option<&Sensor>) -> Option<Traces> {
+    let mut control = Loop::new(run.controller, run.dt);
+    course(plant, run, sensor, |k, measured| control.step(run.reference[k], measured))
+}
+
+/// What perfect sensors give of a plant that is sent `commands` whatever it does, one a sample. None where it runs away.
+pub fn replay(plant: &Plant, run: &Run, commands: &[f64]) -> Option<Traces> {
+    course(plant, run, None, |k, _| commands.get(k).copied().unwrap_or_default())
+}
+
+/// One run under the commands that `command` gives from the sample's number and the displacement as measured (m).
+fn course(
+    plant: &Plant,
+    run: &Run,
+    sensor: Option<&Sensor>,
+    mut command: impl FnMut(usize, f64) -> f64,
+) -> Option<Traces> {
     let mut sim = Simulation::new(plant, run);
     let mut sensing = sensor.map(|s| Sensing::start(s, run.number, run.dt));
     let runaway = 4.0 * run.reference.iter().fold(0.05_f64, |m, x| m.max(x.abs()));
@@ -28,7 +44,7 @@ pub fn simulate(plant: &Plant, run: &Run, sensor: Option<&Sensor>) -> Option<Tra
         sim.now.reference = reference;
         let clean = plant.displacement(&sim.now, &sim.y, &sim.m);
         let measured = sensing.as_mut().map_or(clean, |s| s.displacement(clean, sim.now.v));
-        let command = sim.control.step(reference, measured);
+        let command = command(k, measured);
         sim.send(t, command);
         let moving = sim.motion();
         let supply = plant.supply(&sim.y);
@@ -54,7 +70,6 @@ pub fn simulate(plant: &Plant, run: &Run, sensor: Option<&Sensor>) -> Option<Tra
 
 struct Simulation<'a> {
     plant: &'a Plant,
-    control: Loop,
     now: Now,
     y: State,
     m: State,
@@ -69,7 +84,6 @@ impl<'a> Simulation<'a> {
         let (y, m) = plant.at_rest(start);
         Self {
             plant,
-            control: Loop::new(run.controller, run.dt),
             now: Now { run: run.number, x: start, reference: start, ..Now::default() },
             y,
             m,

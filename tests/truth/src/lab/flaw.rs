@@ -1,11 +1,10 @@
 //! Flaws in a plant: each at the strength asked for, then all together, measured by what each adds to the others.
 
-use super::answer::TrueEffect;
+use super::answer::{Tie, TrueEffect};
 use super::choose::{Chosen, Ingredient};
 use super::forms::Dial;
 use super::law::Gate;
 use super::measure::{Frame, Visible, cosine, seek};
-use super::plan::Stratum;
 use super::plant::Plant;
 use super::scene::Scene;
 use super::setup::noise::in_loop_of;
@@ -22,6 +21,7 @@ pub(super) struct Flawed {
     pub(super) alike: Option<f64>,
     pub(super) excess: f64,
     pub(super) groups: Vec<Vec<String>>,
+    pub(super) tie: Option<Tie>,
     sets: Vec<Set>,
 }
 
@@ -29,7 +29,7 @@ impl Flawed {
     /// The plant as it is.
     pub(super) fn none(plant: Plant) -> Self {
         let (effects, unlisted, groups, sets) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { plant, effects, unlisted, alike: None, excess: 0.0, groups, sets }
+        Self { plant, effects, unlisted, alike: None, excess: 0.0, groups, tie: None, sets }
     }
 }
 
@@ -68,8 +68,7 @@ pub(super) fn flaw(scene: &Scene, frame: &Frame, chosen: &Chosen, rng: &mut Stre
             Set { dial: Dial { s, ..set.dial }, ..set }.add(&mut plant);
             plant
         };
-        let target = if chosen.what == Stratum::Confounded { frame.excess_of(*target) } else { *target };
-        (set.dial.s, _) = seek(frame, target, &build)?;
+        (set.dial.s, _) = seek(frame, *target, &build)?;
         sets.push(set);
     }
     if sets.is_empty() {

@@ -152,11 +152,6 @@ impl Frame {
         Visible { excess: self.mean_held_out(&foreseen), sigma }
     }
 
-    /// What a flaw that leaves `sigma` standard deviations on all rows adds to chi2, where it acts on all alike.
-    pub fn excess_of(&self, sigma: f64) -> f64 {
-        sigma * sigma / (self.held_out.len() * self.stride).max(1) as f64
-    }
-
     fn mean_held_out(&self, r: &[f64]) -> f64 {
         let those = r.iter().zip(&self.held_out).filter(|(_, held)| **held).map(|(x, _)| x * x);
         those.sum::<f64>() / self.held_out.iter().filter(|held| **held).count().max(1) as f64

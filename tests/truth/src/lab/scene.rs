@@ -1,6 +1,7 @@
 //! An experiment before any flaw: machine, loop, references, rate and length, and the sizes of its motion.
 
 mod draw;
+pub mod test;
 
 pub use draw::{Kind, Wish, rounded};
 

@@ -1,5 +1,6 @@
 //! Draws the experiment.
 
+use super::test::{self, Extent, Test};
 use super::{Says, Scene};
 use crate::excitation::{Excitation, Shape, reference};
 use crate::lab::forms::Scales;
@@ -34,6 +35,8 @@ pub struct Wish {
     pub damping_known: bool,
     /// Everything is as stated, but for the noise, which is always an estimate.
     pub perfect: bool,
+    /// A test that shows little; any other without.
+    pub test: Option<Test>,
 }
 
 pub use crate::scene::rounded;
@@ -42,16 +45,22 @@ impl Scene {
     /// Draws an experiment; `number` keeps its noise apart from that of other cases. None where the loop drawn is unstable.
     pub fn draw(wish: Wish, seed: (u64, u64), rng: &mut Stream) -> Option<Self> {
         let truth = machine(wish.kind, rng);
-        let extent = Extent::draw(wish.kind, rng);
+        let extent = match wish.test {
+            Some(test) => test::extent(test.motion, rng),
+            None => Extent::draw(wish.kind, rng),
+        };
         let controller = controller(wish.kind, &truth, extent.rate, rng);
-        let (runs, top) = runs(wish, &truth, controller, &extent, rng);
+        let (runs, top) = match wish.test {
+            Some(test) => test::runs(test.motion, &truth, controller, &extent, rng),
+            None => runs(wish, &truth, controller, &extent, rng),
+        };
         let predictions: Vec<_> = runs.iter().map(|run| predict(&truth, run, None)).collect();
         if !sound(&runs, &predictions) {
             return None;
         }
         let saturated = predictions.iter().take(runs.len() - 1).any(|p| p.saturated > 0.01);
         let scales = scales(&truth, &runs, &predictions, top);
-        let fit = free_parameters(wish, saturated, rng);
+        let fit = wish.test.map_or_else(|| free_parameters(wish, saturated, rng), |test| test.free.to_vec());
         let mut stated = truth;
         for parameter in &fit {
             if let Some(value) = parameter.of(&mut stated) {
@@ -77,13 +86,6 @@ impl Scene {
         crate::lab::setup::visible::measure(&mut scene);
         Some(scene)
     }
-}
-
-/// Rate and length.
-struct Extent {
-    rate: f64,
-    seconds: f64,
-    count: usize,
 }
 
 impl Extent {
@@ -204,10 +206,10 @@ fn runs(wish: Wish, truth: &Machine, controller: Controller, extent: &Extent, rn
         let shape = Shape { dt, count, velocity: level * limit, displacement: stroke, top };
         let start = if rng.chance(0.15) { rng.uniform(-0.2, 0.2) * stroke } else { 0.0 };
         let mut x = reference(kinds[i % kinds.len()], &shape, rng);
-        // The file holds tenths of a micrometre, and the controller saw what the file holds.
         for v in &mut x {
-            *v = ((*v + start) * 1e7).round() / 1e7;
+            *v += start;
         }
+        test::as_filed(&mut x);
         Run { reference: x, dt, controller, number: i as u64 }
     });
     (list.collect(), top)

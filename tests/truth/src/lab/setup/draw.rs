@@ -10,8 +10,10 @@ pub fn setup(scene: &mut Scene, wish: Wish, rng: &mut Stream) {
     sensors(scene, rng);
     let servo = scene.kind == Kind::Servo;
     let accelerometer = wish.accelerometer || rng.chance(0.8);
+    let accelerometer = wish.test.map_or(accelerometer, |test| test.accelerometer);
     let command = rng.chance(0.85);
     let displacement = !accelerometer || wish.accelerometer || rng.chance(0.97);
+    let displacement = displacement || wish.test.is_some();
     scene.says.channels = [displacement, accelerometer, command];
     scene.says.pressures = (servo && rng.chance(0.3), servo && rng.chance(0.15));
     scene.says.laboratory_units = rng.chance(0.4);
