@@ -166,6 +166,28 @@ impl Controller {
         self.supervisor.changes()
     }
 
+    /// How a streamed reference goes on when nothing more comes of it and it moved by `step` (m) in the last of ticks of `dt` (s): its next step,
+    /// m. It goes no faster than the velocity limit and loses what the envelope plans for a table that stops, so that it goes no farther
+    /// than that; without a guard it stops at once.
+    ///
+    /// ```
+    /// use shakedown_core::settings::GuardSettings;
+    /// use shakedown_core::{Controller, Settings};
+    ///
+    /// let controller = Controller::new(&Settings { guard: Some(GuardSettings::default()), ..Settings::default() })?;
+    /// // From 0.2 m/s at 5 m/s2: 4 mm in 40 ms.
+    /// let (mut step, mut way) = (0.2e-3, 0.0);
+    /// for _ in 0..41 {
+    ///     step = controller.coast(step, 1e-3);
+    ///     way += step;
+    /// }
+    /// assert!(step.abs() < 1e-9 && (way - 0.004_f32).abs() < 2e-4);
+    /// # Ok::<(), shakedown_core::SettingsError>(())
+    /// ```
+    pub fn coast(&self, step: f32, dt: f32) -> f32 {
+        self.config.monitors.coast(step, dt)
+    }
+
     /// One tick: measure, decide, command.
     pub fn step(&mut self, sample: &Sample) -> Command {
         let missing = self.config.gate.take(sample, &mut self.readings);

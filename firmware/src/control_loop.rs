@@ -23,11 +23,10 @@ pub use prepared::Prepared;
 use crate::input_scaling::InputScaling;
 use crate::output::ZeroFlow;
 use crate::queues::{LoopEnd, TestStatus};
-use stream::{Braking, Stream};
 
 /// Most ticks after which the board is given something to do even when there is no news, to tell the others and to feed its
 /// watchdog: as many as a frame of telemetry has records. And the longest time, s, well within the watchdog's.
-const ROUND: u32 = MAX_BATCH as u32;
+const ROUND: u8 = MAX_BATCH as u8;
 const ROUND_TIME: f32 = 0.016;
 
 /// Everything that decides the output.
@@ -51,26 +50,29 @@ pub struct ControlLoop<'a> {
     record_at: u32,
     dropped: u32,
     news: Notifications,
-    /// Ticks of a round.
-    round: u32,
+    /// Whether points of a streamed reference are still taken, and whether those that are left are of a record that was broken off.
+    flows: bool,
+    broken_off: bool,
     probe: Option<u16>,
     /// Whether the proof of an open relay is lent: no order is carried out meanwhile.
     lent: bool,
+    /// Ticks of a round.
+    round: u8,
     /// A record of telemetry every so many ticks.
     every: u16,
+    /// By how much a streamed reference moved in the last tick, m.
+    step: f32,
     controller: Controller,
     /// Control rate, Hz.
     rate: f32,
     zero_flow: ZeroFlow,
-    stream: Stream,
-    braking: Braking,
     /// The table that a rehearsal moves.
     rehearsal: Rehearsal,
 }
 
 /// Ticks of a round at `rate`, Hz.
-fn round(rate: f32) -> u32 {
-    ((rate * ROUND_TIME) as u32).clamp(1, ROUND)
+fn round(rate: f32) -> u8 {
+    ((rate * ROUND_TIME) as u8).clamp(1, ROUND)
 }
 
 impl<'a> ControlLoop<'a> {
@@ -96,14 +98,15 @@ impl<'a> ControlLoop<'a> {
             record_at: 0,
             dropped: 0,
             news: Notifications::default(),
-            round: round(setup.control.rate),
+            flows: true,
+            broken_off: false,
             probe: None,
             lent: false,
+            round: round(setup.control.rate),
             every: setup.telemetry_every,
+            step: 0.0,
             rate: setup.control.rate,
             zero_flow: ZeroFlow::new(setup),
-            stream: Stream::RESTING,
-            braking: Braking::of(&setup.control),
             rehearsal: Rehearsal::new(setup.control.rate, Behind::of(&setup.control)),
         }
     }

@@ -13,6 +13,7 @@ use crate::guard::{
 use crate::math::Magnitude;
 use crate::modifier::Modifier;
 use crate::saturation::Detector;
+use crate::scalar::Scalar;
 use crate::settings::{Mode, Settings, SettingsError, VelocitySource};
 
 /// A mode with the parts that it has.
@@ -177,6 +178,15 @@ impl Config {
 }
 
 impl MonitorConfig {
+    /// The step (m) after `step` of a reference that nothing more comes of, at ticks of `dt` (s).
+    pub(super) fn coast(&self, step: f32, dt: f32) -> f32 {
+        let kept = step.bounded(self.velocity_limit * dt);
+        match &self.guard {
+            Some(guard) => kept - kept.bounded(guard.envelope.stopping_deceleration() * dt * dt),
+            None => 0.0,
+        }
+    }
+
     fn new(s: &Settings, dt: f32) -> Result<Self, SettingsError> {
         let turn = f32::from(TURNS) * dt;
         let observer = ObserverConfig {

@@ -172,6 +172,11 @@ impl Envelope {
         velocity * (self.latency + velocity.abs() * self.half_inverse_deceleration)
     }
 
+    /// How fast a table slows down that stops, m/s2.
+    pub(crate) fn stopping_deceleration(&self) -> f32 {
+        0.5 / self.half_inverse_deceleration
+    }
+
     /// Whether a table at `displacement` (m) with `velocity` (m/s) can no longer be stopped inside, or is too fast: why.
     pub fn left_by(&self, displacement: f32, velocity: f32) -> Option<Trip> {
         let rest = displacement + self.stopping_distance(velocity);

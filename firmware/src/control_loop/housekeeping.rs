@@ -20,14 +20,15 @@ impl ControlLoop<'_> {
         let changes = u16::from(self.controller.changes());
         let changed = changes != self.told;
         self.told = changes;
-        self.news = Notifications { new_setup, tell: changed || ticks % self.round == 0 };
+        self.news = Notifications { new_setup, tell: changed || ticks % u32::from(self.round) == 0 };
         self.schedule(ticks);
         Outcome { output, news: true }
     }
 
     /// Works out which tick is the next to attend to, after `ticks` of them.
     fn schedule(&mut self, ticks: u32) {
-        self.left = self.round - ticks % self.round;
+        let round = u32::from(self.round);
+        self.left = round - ticks % round;
         if self.every > 0 {
             self.left = self.left.min(self.record_at.wrapping_sub(ticks).wrapping_add(1));
         }

@@ -52,7 +52,7 @@ impl ControlLoop<'_> {
         } else if self.controller.exchange(&prepared.tuning).is_err() {
             Verdict::NotTaken
         } else {
-            (self.every, self.zero_flow, self.braking) = (prepared.every, prepared.zero_flow, prepared.braking);
+            (self.every, self.zero_flow) = (prepared.every, prepared.zero_flow);
             if let Some(open) = open {
                 self.rewire(wires, rate, &open);
             }

@@ -5,7 +5,6 @@ use shakedown_core::{SettingsError, Tuning};
 
 use shakedown_rehearsal::Behind;
 
-use super::stream::Braking;
 use crate::output::ZeroFlow;
 
 /// Everything that a tick needs of a [`Setup`], and nothing left to work out.
@@ -20,7 +19,6 @@ pub struct Prepared {
     pub(super) every: u16,
     /// What a rehearsal's table is wired to.
     pub(super) behind: Behind,
-    pub(super) braking: Braking,
 }
 
 impl Prepared {
@@ -34,7 +32,6 @@ impl Prepared {
             rate: setup.control.rate,
             every: setup.telemetry_every,
             behind: Behind::of(&setup.control),
-            braking: Braking::of(&setup.control),
         })
     }
 }

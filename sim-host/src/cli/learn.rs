@@ -1,5 +1,6 @@
 //! `shakedown learn`: iterative learning over repeated runs on the twin.
 
+mod origin;
 mod page;
 mod played;
 
@@ -9,7 +10,7 @@ use super::failure::within;
 use super::output::{Outputs, print};
 use super::places::place;
 use super::source::{Source, plausible};
-use super::written::{Plan, Shape, provenance};
+use super::written::{Plan, Shape};
 use super::{Failure, present, progress};
 use crate::closed_loop::learning::stale::check_motion;
 use crate::closed_loop::learning::{Learned, Learning, Limits, learn_from};
@@ -173,8 +174,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let settings = named::by_name(name, named::RATE)
         .ok_or_else(|| Failure::Input(format!("controller {name}: expected one of {}", named::names().join(" "))))?;
     let setup = Setup { settings, table, sensors: SensorModel::laboratory(1), steps: 10 };
-    let mut origin = origin(args, &record, &described, name, &setup)?;
-    let begin = args.from.as_deref().map(|path| begin(path, &origin, &setup)).transpose()?;
+    let mut origin = origin::origin(args, &record, &described, name, &setup)?;
+    let begin = args.from.as_deref().map(|path| origin::begin(path, &origin, &setup)).transpose()?;
     let how = Learning { band: args.band, runs: args.runs, ..Learning::default() };
     let inputs: Vec<PathBuf> = args
         .source
@@ -211,52 +212,6 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         )));
     }
     Ok(())
-}
-
-/// What a learnt drive is true for: of another motion, table or controller it is stale.
-const TRUE_FOR: [&str; 4] = ["source_sha256", "seed", "model_sha256", "controller"];
-
-/// Where a learnt drive comes from, as far as it is known before the work.
-fn origin(
-    args: &Args,
-    record: &Record,
-    described: &Found,
-    controller: &str,
-    setup: &Setup,
-) -> Result<Vec<(String, String)>, Failure> {
-    let made = format!("generated {}", record.name);
-    let mut facts = provenance::source(args.source.record.as_deref(), made, args.source.seed)?;
-    facts.extend(provenance::learnt_on(described.path.as_deref(), controller, setup.rate())?);
-    let mut put = |key: &str, value: String| facts.push((key.to_owned(), value));
-    put("fit", args.fit.clone());
-    put(
-        "conditioning",
-        "table1: 3 s of rest before and 5 s after, 4.7 Hz 6th-order low-pass, 0.05 Hz high-pass".into(),
-    );
-    Ok(facts)
-}
-
-/// A drive that was learnt before; refused where something that it is true for has changed since.
-fn begin(path: &Path, origin: &[(String, String)], setup: &Setup) -> Result<Drive, Failure> {
-    let refuse = |why: String| Failure::Input(format!("{}: {why}", path.display()));
-    let drive = Drive::read(path).map_err(|e| Failure::Input(e.to_string()))?;
-    let drive = drive.ok_or_else(|| refuse("is no drive: name one that `learn --out` wrote".into()))?;
-    if drive.quantity != Quantity::Displacement || (1.0 / drive.dt / setup.rate() - 1.0).abs() > 1e-6 {
-        return Err(refuse(format!("is no displacement at {} Hz: learn again without --from", setup.rate())));
-    }
-    for key in TRUE_FOR {
-        let now = origin.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str());
-        let then = drive.fact(key);
-        if now != then {
-            let short = |value: Option<&str>| value.map_or("none".to_owned(), |v| v.chars().take(20).collect());
-            return Err(refuse(format!(
-                "is stale: its {key} is {} and now it is {}; learn again without --from",
-                short(then),
-                short(now)
-            )));
-        }
-    }
-    Ok(drive)
 }
 
 /// The fact that says which run a drive is of, from 1.

@@ -89,19 +89,21 @@ fn a_streamed_reference_never_stops_dead() {
     }
 }
 
-/// The reference that is left alone brakes to a stand in what the envelope plans for it, and stays where it is believed.
+/// A record may leap, and end with the leap: what goes on from there goes no faster than the table.
 #[test]
-fn braking_ends_where_the_envelope_plans_it() {
-    let settings = setup().control;
-    let braking = Braking::of(&settings);
-    let deceleration = settings.guard.unwrap().envelope.stopping_deceleration;
-    for (from, speed) in [(0.0_f32, 0.24), (0.05, -0.1), (0.199, 0.24), (0.0, 100.0)] {
-        let (mut x, mut step) = (from, speed * 1e-3_f32);
-        (0..1000).for_each(|_| x = braking.next(x, &mut step));
-        let speed = speed.clamp(-settings.velocity_limit, settings.velocity_limit);
-        let way = speed * speed.abs() / (2.0 * deceleration);
-        assert!(step.abs() < 1e-9, "{step}");
-        let expected = (from + way).min(settings.ranges.reference);
-        assert!((x - expected).abs() < 2e-4, "{x} for {expected}");
+fn a_leap_is_not_gone_on_with() {
+    let mut queues = Queues::new();
+    let (loop_end, mut server) = queues.split();
+    let mut device = ControlLoop::new(&setup(), loop_end, false).unwrap();
+    let tick = |device: &mut ControlLoop<'_>| _ = device.tick_with(Codes::of(|_| 0), Events::default());
+    (0..5).for_each(|_| tick(&mut device));
+    order(&mut server, LoopCommand::Ask(OperatorRequest::Arm));
+    tick(&mut device);
+    for point in [0.0, 0.05] {
+        server.points.enqueue(Point::new(point).unwrap()).unwrap();
     }
+    order(&mut server, LoopCommand::Ask(OperatorRequest::Start));
+    (0..1000).for_each(|_| tick(&mut device));
+    let way = setup().control.velocity_limit.powi(2) / (2.0 * 5.0);
+    assert!((0.0501..0.0502 + way).contains(&device.reference), "{}", device.reference);
 }

@@ -101,6 +101,9 @@ fn one_broken_rule_is_named_and_no_other() {
         x.iter().enumerate().map(|(k, a)| a + hum(k)).collect()
     };
     assert_eq!(broken(&tone(&whole), &[tone(&other)]), ["coherence"]);
+    // A third axis that is the second once more.
+    let weaker: Vec<f64> = other.iter().map(|a| 0.9 * a).collect();
+    assert_eq!(broken(&whole, &[other, weaker]), ["correlation", "coherence"]);
 }
 
 /// Strong oscillators shake a weak table long enough: the spectrum is reached, the table's own acceleration is not.

@@ -91,6 +91,9 @@ const EXACT: f64 = 1e-3;
 /// Share of what the plain law misses that one with an inner velocity loop may miss to be what ran.
 const FAR_BETTER: f64 = 0.5;
 
+/// Integral gain (1/s) per proportional one below which there is none: it would take hours to matter.
+const NO_GAIN: f64 = 1e-4;
+
 /// A gain as an experiment states it.
 fn written(gain: f64) -> String {
     if gain == 0.0 || gain.abs() >= 0.01 { format!("{gain:.5}") } else { format!("{gain:.4e}") }
