@@ -74,9 +74,11 @@ pub(super) fn find(choices: &[Choice], facts: &[Facts]) -> Option<Loop> {
     let dt = facts[time.column].step? * time.unit?.factor;
     let fits = fitted_gains(&reference, &displacement, &command, dt);
     let believed = |law: &Loop| law.error < BELIEVED;
-    let plain = fits
-        .proportional_integral
-        .map(|([kp, ki], error)| Loop { text: format!("{{ kp = {}, ki = {} }}", written(kp), written(ki)), error });
+    let plain = fits.proportional_integral.map(|([kp, ki], error)| {
+        // What the rounding of the command leaves of an integral gain that is none.
+        let ki = if ki.abs() < NO_GAIN * kp.abs() { 0.0 } else { ki };
+        Loop { text: format!("{{ kp = {}, ki = {} }}", written(kp), written(ki)), error }
+    });
     let cascade = fits.cascade.filter(|(gains, _)| gains[1] != 0.0).map(|([both, kv], error)| Loop {
         text: format!("{{ kind = \"cascade\", kp = {}, kv = {} }}", written(both / kv), written(kv)),
         error,
