@@ -11,6 +11,7 @@
 //! guard, if there is one, goes on with the sensors that remain, and trips when it lasts.
 
 mod blend;
+mod coast;
 mod config;
 mod law;
 mod monitors;
@@ -164,28 +165,6 @@ impl Controller {
     /// How often [`Controller::state`] or [`Controller::trip`] have changed, modulo 256.
     pub const fn changes(&self) -> u8 {
         self.supervisor.changes()
-    }
-
-    /// How a streamed reference goes on when nothing more comes of it and it moved by `step` (m) in the last of ticks of `dt` (s): its next step,
-    /// m. It goes no faster than the velocity limit and loses what the envelope plans for a table that stops, so that it goes no farther
-    /// than that; without a guard it stops at once.
-    ///
-    /// ```
-    /// use shakedown_core::settings::GuardSettings;
-    /// use shakedown_core::{Controller, Settings};
-    ///
-    /// let controller = Controller::new(&Settings { guard: Some(GuardSettings::default()), ..Settings::default() })?;
-    /// // From 0.2 m/s at 5 m/s2: 4 mm in 40 ms.
-    /// let (mut step, mut way) = (0.2e-3, 0.0);
-    /// for _ in 0..41 {
-    ///     step = controller.coast(step, 1e-3);
-    ///     way += step;
-    /// }
-    /// assert!(step.abs() < 1e-9 && (way - 0.004_f32).abs() < 2e-4);
-    /// # Ok::<(), shakedown_core::SettingsError>(())
-    /// ```
-    pub fn coast(&self, step: f32, dt: f32) -> f32 {
-        self.config.monitors.coast(step, dt)
     }
 
     /// One tick: measure, decide, command.

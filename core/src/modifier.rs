@@ -123,9 +123,12 @@ impl Modifier {
         )
     }
 
-    /// Ticks by which what it lets through is late.
-    pub(crate) fn delay(&self) -> u32 {
-        if let Self::Preview(config) = self { config.delay() } else { 0 }
+    /// Whether it is of the same kind as another, and as late.
+    pub(crate) fn is_of_kind(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Preview(one), Self::Preview(other)) => one.delay() == other.delay(),
+            _ => core::mem::discriminant(self) == core::mem::discriminant(other),
+        }
     }
 
     /// One tick: reference (m) and the velocity limit now in force (m/s) in, modified reference (m) out.

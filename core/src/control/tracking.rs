@@ -132,13 +132,6 @@ impl TrackingState {
             relief_step: 0.0,
         }
     }
-
-    /// A table at rest at `displacement` (m) whose `reference` (m) stands elsewhere: the law sees no step of the reference, and what lies
-    /// between them is left alone until [`Tracking::adapt_state`] takes it up.
-    pub(crate) fn held(reference: f32, displacement: f32) -> Self {
-        let history = History::at(reference);
-        Self { history, relief: (reference - displacement).bounded(MOST_RELIEF), ..Self::at(displacement) }
-    }
 }
 
 /// What the law is told at one tick.

@@ -3,7 +3,6 @@
 use super::{Config, Controller};
 use crate::control::TrackingState;
 use crate::guard::{State, Supervisor};
-use crate::modifier::Modifier;
 use crate::sample::Relay;
 use crate::settings::{Settings, SettingsError};
 
@@ -38,9 +37,9 @@ impl Controller {
     /// what it would jump by is taken up and let go over [`Settings::blend`].
     ///
     /// Settings with a guard put a controller that had none off; the guard is not taken away from a test that is not off. Under a guard
-    /// mode and inner loop, which say what the output is wired to, change only while the relay is open. The law and the delay of a
-    /// preview, whose state means nothing to another, change only while no test is under way; without a guard one is from the
-    /// first tick on.
+    /// mode and inner loop, which say what the output is wired to, change only while the relay is open, and so do the kind of the law, the kind
+    /// of the modifier and a preview's delay, whose state means nothing to another. Without a guard these three change only before the
+    /// first tick.
     pub fn exchange(&mut self, tuning: &Tuning) -> Result<(), SettingsError> {
         let Tuning(config) = tuning;
         self.check_exchange(config)?;
@@ -54,15 +53,12 @@ impl Controller {
         }
         let displacement = self.readings.displacement;
         self.monitors.retune(&config.monitors, &self.config.monitors, displacement);
-        if self.config.mode.tracking().is_none() {
-            self.tracking = TrackingState::held(self.reference, displacement);
-        }
-        if let Some(law) = config.mode.tracking() {
-            law.adapt_state(&mut self.tracking);
+        match (self.config.mode.tracking(), config.mode.tracking()) {
+            (Some(_), Some(law)) => law.adapt_state(&mut self.tracking),
+            _ => self.tracking = TrackingState::at(displacement),
         }
         self.three_variable.take_over(self.config.mode.three_variable());
-        let late = delay(&self.config);
-        if let Some(modifier) = config.mode.modifier().filter(|new| !new.owns(&self.modifier) || new.delay() != late) {
+        if let Some(modifier) = config.mode.modifier().filter(|modifier| !modifier.owns(&self.modifier)) {
             modifier.restart(&mut self.modifier, self.reference);
         }
         self.blend.pending = self.begun;
@@ -76,15 +72,14 @@ impl Controller {
         let state = self.supervisor.state();
         let guarded = old.ramps.is_some();
         let live = guarded && self.supervisor.relay() == Relay::Closed;
-        let under_way = self.begun && matches!(state, State::Running | State::Hold | State::RampDown);
-        let wired = "a relay that is closed";
-        let running = "a test under way";
+        let moves = live || (!guarded && self.begun);
+        let closed = if guarded { "a relay that is closed" } else { "a law that runs without a guard" };
         let refused = [
             (guarded && config.ramps.is_none() && state != State::Off, "guard", "a test that is not off"),
-            (live && !config.mode.is_of_kind(&old.mode), "mode", wired),
-            (live && config.cancellation != old.cancellation, "inner_loop", wired),
-            (under_way && config.mode.tracking().is_some() != old.mode.tracking().is_some(), "tracking", running),
-            (under_way && delay(config) != delay(old), "modification.preview.seconds", running),
+            (live && !config.mode.is_of_kind(&old.mode), "mode", closed),
+            (live && config.cancellation != old.cancellation, "inner_loop", closed),
+            (moves && config.mode.tracking().is_some() != old.mode.tracking().is_some(), "tracking", closed),
+            (moves && !goes_on(old, config), "modification", closed),
         ];
         match refused.into_iter().find(|(refused, ..)| *refused) {
             Some((_, field, with)) => Err(SettingsError::Contradiction { field, with }),
@@ -93,7 +88,11 @@ impl Controller {
     }
 }
 
-/// Ticks by which the modifier of `config` is late.
-fn delay(config: &Config) -> u32 {
-    config.mode.modifier().map_or(0, Modifier::delay)
+/// Whether what the modifier of `old` remembers means the same to that of `new`.
+fn goes_on(old: &Config, new: &Config) -> bool {
+    match (old.mode.modifier(), new.mode.modifier()) {
+        (Some(old), Some(new)) => old.is_of_kind(new),
+        // The mode is another.
+        _ => true,
+    }
 }

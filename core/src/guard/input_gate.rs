@@ -73,6 +73,11 @@ impl InputGate {
         Self { ranges: Within::new(&settings.ranges), read }
     }
 
+    /// Whether a `reference` (m) is believable.
+    pub(crate) fn believes(&self, reference: f32) -> bool {
+        self.ranges.reference.holds(reference)
+    }
+
     /// Takes what is believable of `sample` over into `readings`; gives the needed channels that were not.
     pub fn take(&self, sample: &Sample, readings: &mut Sample) -> Channels {
         let (r, s, to) = (&self.ranges, sample, &mut *readings);

@@ -26,8 +26,8 @@ pub enum HostRequest {
     Identify,
     /// Answered by [`Report::Setup`](super::Report::Setup).
     ReadSetup,
-    /// Takes effect whole, between two ticks, without a bump. The wiring, the rate and what says what the output is wired to, the mode and the
-    /// inner loop, change only while the relay is open; the law and a preview's delay only while no test is under way.
+    /// Takes effect whole, between two ticks, without a bump. Only while the relay is open change the wiring, the rate, the mode and the inner
+    /// loop, and the kinds of law and modifier.
     WriteSetup(Setup),
     /// Keeps the setup now in force over a reset. Only while off or tripped: the ticks stop for a second or two.
     Save,

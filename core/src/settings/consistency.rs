@@ -93,24 +93,7 @@ impl Settings {
             remedy: "set it a little above velocity_limit",
         }
         .check()?;
-        Rule {
-            field: "guard.envelope.acceleration",
-            value: e.acceleration,
-            low: 0.0,
-            high: self.ranges.acceleration,
-            because: "a reading beyond ranges.acceleration is not used, so the limit cannot trip",
-            remedy: "set it to what specimen and table may feel",
-        }
-        .check()?;
-        Rule {
-            field: "guard.envelope.jerk",
-            value: e.jerk,
-            low: 0.0,
-            high: 2.0 * self.ranges.acceleration * self.rate,
-            because: "a reading within ranges.acceleration never changes faster, so the limit cannot trip",
-            remedy: "set it to what specimen and table may feel",
-        }
-        .check()?;
+        self.check_roughness(guard)?;
         if self.mode != Mode::Guard {
             Rule {
                 field: "guard.envelope.tracking",
@@ -129,6 +112,29 @@ impl Settings {
             high: self.blind_time(),
             because: "the table covers more than a tenth of its stroke meanwhile",
             remedy: "shorten it",
+        }
+        .check()
+    }
+
+    /// Acceleration and jerk, which are judged by readings of the accelerometer.
+    fn check_roughness(&self, guard: &GuardSettings) -> Result<(), SettingsError> {
+        let e = &guard.envelope;
+        Rule {
+            field: "guard.envelope.acceleration",
+            value: e.acceleration,
+            low: 0.0,
+            high: self.ranges.acceleration,
+            because: "a reading beyond ranges.acceleration is not used, so the limit cannot trip",
+            remedy: "set it to what specimen and table may feel",
+        }
+        .check()?;
+        Rule {
+            field: "guard.envelope.jerk",
+            value: e.jerk,
+            low: 0.0,
+            high: 2.0 * self.ranges.acceleration * self.rate,
+            because: "a reading within ranges.acceleration never changes faster, so the limit cannot trip",
+            remedy: "set it to what specimen and table may feel",
         }
         .check()
     }

@@ -50,7 +50,8 @@ impl ControlLoop<'_> {
         let verdict = if !same_board && open.is_none() {
             Verdict::Refused(self.controller.state())
         } else if self.controller.exchange(&prepared.tuning).is_err() {
-            Verdict::NotTaken
+            // It was worked out, and so holds by itself: what is refused with oil behind the valve may be taken without.
+            if open.is_some() { Verdict::NotTaken } else { Verdict::Refused(self.controller.state()) }
         } else {
             (self.every, self.zero_flow) = (prepared.every, prepared.zero_flow);
             if let Some(open) = open {

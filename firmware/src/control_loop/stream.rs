@@ -24,7 +24,7 @@ impl ControlLoop<'_> {
                 None => self.end_of_stream(Some(StopCause::Underrun)),
             }
         }
-        self.step = self.controller.coast(self.step, 1.0 / self.rate);
+        self.step = self.controller.coast(self.reference, self.step, 1.0 / self.rate);
         self.reference + self.step
     }
 

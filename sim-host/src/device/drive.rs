@@ -136,7 +136,7 @@ impl TestRunner {
                 self.go(Step::Stop);
             }
             Step::Stream | Step::Attend(_) if self.operator.hold => self.go(Step::Stop),
-            Step::Held if self.ending => self.go(Step::Disarm),
+            Step::Held | Step::Release if self.ending => self.go(Step::Disarm),
             _ => {}
         }
     }
@@ -180,7 +180,7 @@ impl TestRunner {
             Step::Arm(answer) => HostRequest::Arm(answer),
             Step::Start => HostRequest::Start,
             Step::Stop => HostRequest::Stop,
-            Step::Disarm => HostRequest::Disarm,
+            Step::Release | Step::Disarm => HostRequest::Disarm,
             Step::Fill | Step::Stream => self.points(),
             Step::Done => return None,
         })
@@ -204,8 +204,13 @@ impl TestRunner {
     }
 
     /// Started: what the test is kept going by.
-    const fn started(&self) -> Step {
-        if let Play::Streamed(_) = self.play { Step::Stream } else { Step::Attend(self.now) }
+    fn started(&self) -> Step {
+        match &self.play {
+            // The end of a short record was sent before the start, and is not sent twice.
+            Play::Streamed(record) if self.wanted as usize >= record.len() => Step::Stand,
+            Play::Streamed(_) => Step::Stream,
+            Play::Attended(_) => Step::Attend(self.now),
+        }
     }
 
     fn go(&mut self, step: Step) {
@@ -221,7 +226,7 @@ impl TestRunner {
             (step, Report::Vitals(vitals)) => self.vitals(step, vitals),
             (Step::Identify, Report::Identity(_)) => self.go(Step::Setup),
             (Step::Setup, Report::Setup(_) | Report::Done) => self.go(Step::Vitals),
-            (Step::ClearTrip, Report::Done) => self.go(Step::Vitals),
+            (Step::ClearTrip | Step::Release, Report::Done) => self.go(Step::Vitals),
             (Step::Challenge, Report::Challenge(challenge)) => self.go(Step::Arm(answer(challenge))),
             // Before the operator's start it answers something earlier.
             (Step::Start, Report::Done) if self.waits() => {}
@@ -231,7 +236,9 @@ impl TestRunner {
             (Step::Disarm, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Done),
             (Step::Fill | Step::Stream, Report::Credit { next, room }) => self.credit(next, u32::from(room)),
             // The answer to an earlier asking was lost on the way.
-            (Step::ClearTrip, Report::Refused(RefusedBecause::State(State::Off))) => self.go(Step::Vitals),
+            (Step::ClearTrip | Step::Release, Report::Refused(RefusedBecause::State(State::Off))) => {
+                self.go(Step::Vitals);
+            }
             (Step::Challenge | Step::Arm(_), Report::Refused(RefusedBecause::State(State::Ready))) => {
                 self.go(self.armed());
             }
@@ -263,6 +270,7 @@ impl TestRunner {
         match (step, vitals.state) {
             (Step::Vitals, State::Tripped) => self.go(Step::ClearTrip),
             (Step::Vitals, State::Off) => self.go(Challenge),
+            (Step::Vitals, State::Ready) if !self.record().is_empty() => self.go(Step::Release),
             (Step::Vitals | Challenge | Arm(_), State::Ready) => self.go(self.armed()),
             (Arm(_), State::Off) if vitals.cause.is_some() => self.failed = Some(stopped(vitals.cause)),
             (Start, State::Running) => self.go(self.started()),

@@ -105,6 +105,7 @@ impl Run {
         match (&self.file, self.seconds, setup.wiring.source) {
             (Some(file), _, Source::Streamed | Source::Rehearsal) => {
                 let record = resampled(file, &self.column, f64::from(setup.control.rate))?;
+                believed(file, &record, setup)?;
                 let total = record.len() as u64;
                 Ok(Planned { drive: TestRunner::new(new, record), what: "points", total })
             }
@@ -153,6 +154,19 @@ impl Run {
         }
         Ok(())
     }
+}
+
+/// Refuses a record that the device would refuse in the middle of its test.
+fn believed(file: &Path, record: &[f32], setup: &Setup) -> Result<(), Failure> {
+    let (rate, farthest) = (setup.control.rate, setup.control.ranges.reference);
+    let Some(k) = record.iter().position(|x| x.is_nan() || x.abs() > farthest) else { return Ok(()) };
+    Err(Failure::Input(format!(
+        "{}: {} m at {:.3} s is beyond the {farthest} m that the device believes of a reference: widen control.ranges.reference in its \
+         setup, or fit the record to the stroke with `modify`",
+        file.display(),
+        record[k],
+        k as f32 / rate
+    )))
 }
 
 /// What keeps a recording from being kept: a place that the command line named.

@@ -9,6 +9,8 @@ pub(super) enum Step {
     Setup,
     Vitals,
     ClearTrip,
+    /// Disarmed first: a device counts the points of a reference from its arming.
+    Release,
     Challenge,
     /// With the answer to the challenge.
     Arm(u64),
@@ -37,7 +39,7 @@ impl Step {
             Self::Fill | Self::Stream => "the reference",
             Self::Start => "the start",
             Self::Stop => "the stop",
-            Self::Disarm => "disarming",
+            Self::Release | Self::Disarm => "disarming",
             Self::Done => "nothing",
         }
     }

@@ -84,8 +84,9 @@ pub(super) fn find(choices: &[Choice], facts: &[Facts]) -> Option<Loop> {
         error,
     });
     // One velocity more always misses less, if only the rounding of what was recorded.
+    let plain = plain.filter(believed);
     let better = |law: &Loop| plain.as_ref().is_none_or(|p| p.error > EXACT && law.error < FAR_BETTER * p.error);
-    cascade.filter(|law| believed(law) && better(law)).or_else(|| plain.clone().filter(believed))
+    cascade.filter(|law| believed(law) && better(law)).or_else(|| plain.clone())
 }
 
 /// What a law may miss that reproduces a command but for the rounding of what was recorded.
