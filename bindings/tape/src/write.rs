@@ -35,6 +35,9 @@ const ACTS: &[(u32, OperatorRequest)] = &[
     (2320, OperatorRequest::Reset),
     (2330, OperatorRequest::Arm),
     (2340, OperatorRequest::Start),
+    // Off, for what the next passage's settings exchange.
+    (2400, OperatorRequest::Trip),
+    (2470, OperatorRequest::Reset),
 ];
 
 /// Adds a record.
