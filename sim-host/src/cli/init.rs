@@ -48,6 +48,11 @@ const MODEL: &str = "[model]                      # the paper's table (Eq. 7), N
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let to_terminal = args.out == "-";
     let path = args.folder.join(&args.out);
+    if Path::new(&args.out).components().count() > 1 {
+        let message =
+            format!("--out {}: is a place; give a name in {}", Path::new(&args.out).display(), args.folder.display());
+        return Err(Failure::Input(message));
+    }
     if !to_terminal && path.exists() && !args.force {
         let message =
             format!("{}: is there already; name another with --out, or replace it with --force", path.display());

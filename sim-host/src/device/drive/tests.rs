@@ -1,7 +1,7 @@
 //! Answers that come later than the patience with them.
 
 use super::step::Step;
-use super::{DeviceHealth, RefusedBecause, Report, State, TestRunner};
+use super::{DeviceHealth, HostRequest, Points, RefusedBecause, Report, State, TestRunner};
 
 const fn refused(state: State) -> Report {
     Report::Refused(RefusedBecause::State(state))
@@ -52,4 +52,35 @@ fn a_device_that_lost_its_state_ends_the_run() {
     let mut run = started(TestRunner::attended(None, 10));
     run.take(refused(State::Off));
     assert!(run.failed.is_some());
+}
+
+/// The end of a record that was sent whole before the start is not sent again: it would end the next.
+#[test]
+fn a_short_record_has_one_end() {
+    let mut run = TestRunner::new(None, vec![0.0; 4]);
+    run.go(Step::Fill);
+    let last = |run: &TestRunner| match run.request() {
+        Some(HostRequest::Reference(Points { points, last, .. })) => (points.len(), last),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(last(&run), (4, true));
+    run.take(Report::Credit { next: 4, room: 100 });
+    run.take(Report::Done);
+    assert_eq!((run.step, last(&run)), (Step::Stream, (0, false)));
+}
+
+/// A device that is armed already counts its points from an arming that is not this run's.
+#[test]
+fn a_device_that_is_armed_is_disarmed_before_a_record() {
+    let health = |state| {
+        let (cause, ticks, dropped, garbled, stored, buffered) = (None, 1, 0, 0, true, 0);
+        Report::Vitals(DeviceHealth { state, cause, ticks, dropped, garbled, stored, buffered })
+    };
+    let mut run = TestRunner::new(None, vec![0.0; 4]);
+    run.go(Step::Vitals);
+    run.take(health(State::Ready));
+    assert_eq!((run.step, run.request()), (Step::Release, Some(HostRequest::Disarm)));
+    run.take(Report::Done);
+    run.take(health(State::Off));
+    assert_eq!(run.step, Step::Challenge);
 }
