@@ -59,6 +59,7 @@ fn a_device_that_lost_its_state_ends_the_run() {
 fn a_short_record_has_one_end() {
     let mut run = TestRunner::new(None, vec![0.0; 4]);
     run.go(Step::Fill);
+    run.take(Report::Credit { next: 0, room: 100 });
     let last = |run: &TestRunner| match run.request() {
         Some(HostRequest::Reference(Points { points, last, .. })) => (points.len(), last),
         other => panic!("{other:?}"),
