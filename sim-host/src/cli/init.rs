@@ -49,8 +49,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let to_terminal = args.out == "-";
     let path = args.folder.join(&args.out);
     if Path::new(&args.out).components().count() > 1 {
+        let (out, folder) = (Path::new(&args.out).display(), args.folder.display());
         let message =
-            format!("--out {}: is a place; give a name in {}", Path::new(&args.out).display(), args.folder.display());
+            format!("--out {out}: names a file in {folder}, beside the recordings; give a name without a folder");
         return Err(Failure::Input(message));
     }
     if !to_terminal && path.exists() && !args.force {
@@ -180,9 +181,7 @@ fn summary(proposal: &Proposal, path: &Path) -> String {
         let mark = if choice.doubtful { "  CONFIRM" } else { "" };
         let _ = writeln!(text, "  {:<22} [{unit}]  {}{mark}", choice.channel.name(), choice.evidence.join("; "));
     }
-    let free = |column: usize| proposal.choices.iter().all(|choice| choice.column != column);
-    let unused = proposal.facts.iter().enumerate().filter(|(column, _)| free(*column));
-    let unused: Vec<&str> = unused.map(|(_, fact)| fact.heading.text.as_str()).collect();
+    let unused: Vec<&str> = proposal.unused().map(|fact| fact.heading.text.as_str()).collect();
     if !unused.is_empty() {
         let _ = writeln!(text, "Columns that are not used: {}", unused.join(", "));
     }

@@ -42,6 +42,13 @@ pub struct Proposal {
     pub open: Vec<String>,
 }
 
+impl Proposal {
+    /// The columns that are no channel.
+    pub fn unused(&self) -> impl Iterator<Item = &Facts> {
+        columns::unused(&self.facts, &self.choices)
+    }
+}
+
 /// Why nothing could be proposed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

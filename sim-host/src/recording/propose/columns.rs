@@ -146,19 +146,23 @@ pub(super) fn choose(facts: &[Facts]) -> Vec<Choice> {
     choices
 }
 
+/// Columns that are no channel.
+pub(super) fn unused<'a>(facts: &'a [Facts], choices: &'a [Choice]) -> impl Iterator<Item = &'a Facts> {
+    let free = |(column, _): &(usize, &Facts)| choices.iter().all(|c| c.column != *column);
+    facts.iter().enumerate().filter(free).map(|(_, fact)| fact)
+}
+
 /// Columns that are named as a channel that no column is, and cannot be it: what keeps each from it, in words.
 pub(super) fn misfits(facts: &[Facts], choices: &[Choice]) -> Vec<String> {
-    let free = |(column, _): &(usize, &Facts)| choices.iter().all(|c| c.column != *column);
-    let all = facts.iter().enumerate().filter(free).filter_map(|(_, fact)| {
-        let missing = |channel: &Channel| choices.iter().all(|c| c.channel != *channel);
+    let missing = |channel: &Channel| choices.iter().all(|c| c.channel != *channel);
+    let all = unused(facts, choices).filter_map(|fact| {
         let channel =
             Channel::ALL.into_iter().filter(missing).find(|&channel| named(channel, &fact.heading.name) > 0)?;
         let unit = fact.heading.unit.as_deref().and_then(Unit::in_header);
         let why = match unit.filter(|unit| !channel.dimensions().contains(&unit.dimension)) {
-            Some(unit) => format!(
-                "is in {}, which is no unit of it: state what one {} is in [channels], or convert the column",
-                unit.symbol, unit.symbol
-            ),
+            Some(unit) => {
+                format!("is in {}, which is no unit of it: convert it by the sensor's calibration", unit.symbol)
+            }
             None if deviation(&fact.samples) > 0.0 => return None,
             None => "never changes, and is not used".to_owned(),
         };

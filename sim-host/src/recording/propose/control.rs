@@ -83,10 +83,11 @@ pub(super) fn find(choices: &[Choice], facts: &[Facts]) -> Option<Loop> {
         text: format!("{{ kind = \"cascade\", kp = {}, kv = {} }}", written(both / kv), written(kv)),
         error,
     });
-    // One velocity more always misses less, if only the rounding of what was recorded.
     let plain = plain.filter(believed);
+    // One velocity more always misses less, if only by the rounding of what was recorded.
     let better = |law: &Loop| plain.as_ref().is_none_or(|p| p.error > EXACT && law.error < FAR_BETTER * p.error);
-    cascade.filter(|law| believed(law) && better(law)).or_else(|| plain.clone())
+    let cascade = cascade.filter(|law| believed(law) && better(law));
+    cascade.or(plain)
 }
 
 /// What a law may miss that reproduces a command but for the rounding of what was recorded.

@@ -1,6 +1,6 @@
 //! The proposal as a commented experiment.
 
-use super::columns::{Choice, Facts};
+use super::columns::{Choice, Facts, unused};
 use super::control::Loop;
 use crate::files::layout::Stated;
 use crate::recording::channel::Channel;
@@ -141,8 +141,7 @@ fn channels(text: &mut String, facts: &[Facts], choices: &[Choice]) {
     if !choices.iter().any(|c| c.channel == Channel::Time) {
         text.push_str("# No column rises evenly. Give the sampling step:\n# time = { step = 0.001, unit = \"s\" }\n");
     }
-    let unused: Vec<&Facts> =
-        facts.iter().enumerate().filter(|(i, _)| choices.iter().all(|c| c.column != *i)).map(|(_, f)| f).collect();
+    let unused: Vec<&Facts> = unused(facts, choices).collect();
     if !unused.is_empty() {
         text.push_str("# Columns that are not used:\n");
     }
