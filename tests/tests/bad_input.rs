@@ -183,10 +183,46 @@ fn options_that_cannot_be_are_refused() {
         (&["sweep", "bode", "--gains", "3.7"], "Kp,Ki"),
         (&["sweep", "slew-rate", "--area", "0"], "--area"),
         (&["sweep", "everything"], "everything"),
+        (&["learn", "--from", "none.csv"], "no such file"),
+        (&["learn", "--check", "check.csv"], "--check"),
+        (&["init", ".", "--out", "a/b.toml"], "beside the recordings"),
     ] {
         let message = refusal(&folder, arguments);
         assert!(message.contains(part), "{arguments:?}: {message}");
     }
+}
+
+/// A table whose file states no speed is told so, not that an option which nobody gave is infinite.
+#[test]
+fn a_table_without_a_limit_is_told_what_it_lacks() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "slow.toml", "[model]\nkind = \"servo\"\nb1 = 0.69\nb0 = 138.0\na1 = 57.65\n");
+    let message = refusal(&folder, &["learn", "--table", "slow.toml"]);
+    assert!(message.contains("slow.toml: [model] states no velocity_limit"), "{message}");
+}
+
+#[test]
+fn an_effect_that_is_stated_twice_is_found() {
+    let folder = TempDir::new().unwrap();
+    let effect = include_str!("../../examples/effects/accelerometer_curvature.toml");
+    write(&folder, "once.toml", effect);
+    write(&folder, "twice.toml", &format!("{effect}\n{effect}"));
+    assert!(run(&folder, &["effects", "--check", "once.toml"]).status.success());
+    let output = run(&folder, &["effects", "--check", "twice.toml"]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && message.contains("stated twice"), "{message}");
+}
+
+/// What somebody wrote is not written over by recordings that can be made again.
+#[test]
+fn an_experiment_is_not_written_over() {
+    let folder = TempDir::new().unwrap();
+    let made = || shakedown().current_dir(folder.path()).args(["sweep", "--write", "made"]).output().unwrap();
+    write(&folder, "experiment.toml", "# mine");
+    let output = shakedown().current_dir(folder.path()).args(["sweep", "--write", "."]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(fs::read_to_string(folder.path().join("experiment.toml")).unwrap(), "# mine");
+    assert_eq!([made(), made()].map(|output| output.status.code()), [Some(0), Some(2)]);
 }
 
 /// A place that takes no file is refused before the work, whatever option names it.

@@ -76,8 +76,8 @@ fn lead(answer: &Answer) -> String {
         format!("The motion does not satisfy {}: {}.", answer.standard.title, broken.join(", "))
     };
     let alone = if answer.judged.axes > 1 {
-        " Spectrum, peak and duration are the first axis's alone, and of the others only how independent each two are: judge each of them in \
-         a run of its own, against its own spectrum."
+        " Spectrum, peak and duration are judged of the first axis alone; of the others only how independent each two are. Judge each other \
+         axis in a run of its own, against its own spectrum."
     } else {
         ""
     };

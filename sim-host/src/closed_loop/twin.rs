@@ -179,6 +179,13 @@ mod tests {
         assert!(lagging > 1.05 * exact, "{lagging} {exact}");
     }
 
+    /// `identify` states of a hum its frequency alone: phases and their size are each run's own.
+    #[test]
+    fn a_size_that_sums_up_runs_need_not_be_stated() {
+        let hum = format!("{SERVO}effects = [\"mains_hum\"]\n[effects.mains_hum]\nfrequency = 50.0\n");
+        assert_eq!(twin(&hum).unwrap().effects[0].parameters, [50.0, 0.0, 0.0, 0.0]);
+    }
+
     #[test]
     fn what_is_no_table_is_refused_by_name() {
         let missing = twin(&format!("{SERVO}effects = [\"leakage\"]\n")).unwrap_err();

@@ -26,7 +26,7 @@ pub fn load(path: &Path) -> Result<(Vec<&'static effects::Entry>, Vec<RecordingE
     let (mut entries, mut errors) = (Vec::new(), Vec::new());
     for item in &list {
         match one(item) {
-            Ok(entry) if is_there(&entries, entry) => errors.push(item.place().refuse(twice(entry))),
+            Ok(entry) if is_stated(&entries, entry) => errors.push(item.place().refuse(twice(entry))),
             Ok(entry) => entries.push(entry),
             Err(error) => errors.push(error),
         }
@@ -57,7 +57,7 @@ pub(super) fn read(
         entries.push(one(item)?);
     }
     for (i, entry) in entries.iter().enumerate() {
-        if is_there(&entries[..i], entry) {
+        if is_stated(&entries[..i], entry) {
             return Err(root.place().refuse(twice(entry)));
         }
     }
@@ -65,7 +65,7 @@ pub(super) fn read(
 }
 
 /// Whether an effect of this name was stated before.
-fn is_there(before: &[&'static effects::Entry], entry: &effects::Entry) -> bool {
+fn is_stated(before: &[&'static effects::Entry], entry: &effects::Entry) -> bool {
     before.iter().any(|other| other.id == entry.id)
 }
 
