@@ -2,7 +2,7 @@
 
 use crate::effect::{Draw, Effect};
 use crate::plant::Physics;
-use crate::refit::{Refit, least_squares, tangents};
+use crate::refit::{Refit, dot, least_squares, less, tangents};
 use crate::rng::Stream;
 use crate::scene::Scene;
 use crate::strength::{Sized, measure, paired};
@@ -47,10 +47,6 @@ pub fn find(scene: &Scene, draw: &Draw, rng: &mut Stream) -> Option<Group> {
     (members.len() > 1).then_some(Group { effect: truth, strength, members, sized })
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
 /// The strength at which the flaw leaves a sum of squares of `target` (in noise units), and what it leaves.
 fn at_misfit(scene: &Scene, effect: Effect, draw: &Draw, target: f64) -> Option<(f64, Sized, Vec<f64>)> {
     let mut strength = 0.02;
@@ -72,12 +68,7 @@ fn at_misfit(scene: &Scene, effect: Effect, draw: &Draw, target: f64) -> Option<
 fn projected(scene: &Scene, sized: &Sized) -> Option<Vec<f64>> {
     let runs = paired(&scene.runs, &sized.traces);
     let base = Refit { machine: scene.truth, offset: 0.0 };
-    let (mut r, columns) = tangents(&base, &scene.fit, &runs, &scene.sigma, 1);
+    let (r, columns) = tangents(&base, &scene.fit, &runs, &scene.sigma, 1);
     let x = least_squares(&columns, &r)?;
-    for (column, share) in columns.iter().zip(&x) {
-        for (value, slope) in r.iter_mut().zip(column) {
-            *value -= share * slope;
-        }
-    }
-    Some(r)
+    Some(less(&r, &columns, &x))
 }

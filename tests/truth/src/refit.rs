@@ -94,12 +94,12 @@ fn stacked(fit: &Refit, runs: &[(&Run, &Traces)], sigma: &Sigma, stride: usize) 
 /// Mean of (residual / noise)^2. On traces without noise this is what a flaw adds to chi2.
 pub fn chi2(fit: &Refit, runs: &[(&Run, &Traces)], sigma: &Sigma) -> f64 {
     let r = stacked(fit, runs, sigma, 1);
-    r.iter().map(|x| x * x).sum::<f64>() / r.len().max(1) as f64
+    squares(&r) / r.len().max(1) as f64
 }
 
 /// Sum of (residual / noise)^2 over every sample.
 pub fn misfit(fit: &Refit, runs: &[(&Run, &Traces)], sigma: &Sigma) -> f64 {
-    stacked(fit, runs, sigma, 1).iter().map(|x| x * x).sum()
+    squares(&stacked(fit, runs, sigma, 1))
 }
 
 /// Samples skipped while fitting: strengths need no more.
@@ -135,14 +135,14 @@ pub fn refit(start: Machine, free: &[Parameter], runs: &[(&Run, &Traces)], sigma
     let mut cost = f64::INFINITY;
     for _ in 0..8 {
         let (r, columns) = tangents(&best, free, runs, sigma, STRIDE);
-        let here: f64 = r.iter().map(|x| x * x).sum();
+        let here = squares(&r);
         cost = cost.min(here);
         let Some(step) = least_squares(&columns, &r) else { break };
         let mut gained = false;
         let mut share = 1.0;
         while share > 0.05 {
             let trial = moved(&best, free, &step, share, sigma);
-            let there: f64 = stacked(&trial, runs, sigma, STRIDE).iter().map(|x| x * x).sum();
+            let there = squares(&stacked(&trial, runs, sigma, STRIDE));
             if there < cost {
                 gained = there < cost * (1.0 - 1e-4);
                 (best, cost) = (trial, there);
@@ -169,7 +169,6 @@ fn moved(from: &Refit, free: &[Parameter], step: &[f64], share: f64, sigma: &Sig
 /// Solves the normal equations of `columns x = r` by elimination with pivots; none where they are singular.
 pub fn least_squares(columns: &[Vec<f64>], r: &[f64]) -> Option<Vec<f64>> {
     let n = columns.len();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let scale: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt().max(1e-12)).collect();
     let mut m: Vec<Vec<f64>> = (0..n)
         .map(|i| {
@@ -199,4 +198,25 @@ pub fn least_squares(columns: &[Vec<f64>], r: &[f64]) -> Option<Vec<f64>> {
         x[i] = (m[i][n] - known) / m[i][i];
     }
     Some(x.iter().zip(&scale).map(|(v, s)| v / s).collect())
+}
+
+/// `r` less the columns, each times its share, one after the other; in the unit of `r`.
+pub fn less(r: &[f64], columns: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
+    let mut out = r.to_vec();
+    for (column, share) in columns.iter().zip(shares) {
+        for (value, slope) in out.iter_mut().zip(column) {
+            *value -= share * slope;
+        }
+    }
+    out
+}
+
+/// Sum of the products of two vectors, first to last, in the product of their units.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Sum of squares, first to last, in the square of the unit of `r`.
+pub fn squares(r: &[f64]) -> f64 {
+    r.iter().map(|x| x * x).sum()
 }

@@ -7,7 +7,7 @@ use super::scene::Scene;
 use super::stated::{Prediction, Run, predict};
 use crate::closed_loop::Traces;
 use crate::plant::Machine;
-use crate::refit::{Parameter, Sigma, least_squares};
+use crate::refit::{Parameter, Sigma, dot, least_squares, less, squares};
 
 /// Rows simulated while a strength is sought.
 const PROBED: usize = 60_000;
@@ -146,7 +146,7 @@ impl Frame {
     /// How visible a deviation is.
     pub fn visible(&self, deviation: &[f64]) -> Visible {
         let left = self.left(deviation);
-        let sigma = (left.iter().map(|x| x * x).sum::<f64>() * self.stride as f64).sqrt();
+        let sigma = (squares(&left) * self.stride as f64).sqrt();
         let outside = |i: usize| !self.held_out[i];
         let foreseen = less(deviation, &self.columns, &fitted(&self.columns, deviation, outside));
         Visible { excess: self.mean_held_out(&foreseen), sigma }
@@ -220,19 +220,8 @@ fn fitted(columns: &[Vec<f64>], r: &[f64], counts: impl Fn(usize) -> bool) -> Ve
     least_squares(&columns, &kept(r)).unwrap_or_else(|| vec![0.0; columns.len()])
 }
 
-fn less(r: &[f64], columns: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
-    let mut out = r.to_vec();
-    for (column, share) in columns.iter().zip(shares) {
-        for (value, slope) in out.iter_mut().zip(column) {
-            *value -= share * slope;
-        }
-    }
-    out
-}
-
 /// Cosine between two vectors (1): how much alike two flaws are.
 pub fn cosine(a: &[f64], b: &[f64]) -> f64 {
-    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(p, q)| p * q).sum::<f64>();
     let sizes = (dot(a, a) * dot(b, b)).sqrt();
     if sizes > 0.0 { dot(a, b) / sizes } else { 0.0 }
 }

@@ -12,6 +12,7 @@ use super::unlisted::{BUILT, NAMED};
 use crate::closed_loop::Traces;
 use crate::effect::Draw;
 use crate::plant::Machine;
+use crate::refit::squares;
 use std::f64::consts::{PI, TAU};
 
 type Build = Box<dyn Fn(&mut Plant, &Dial)>;
@@ -132,7 +133,7 @@ fn moved(plant: &Plant, sign: f64) -> Option<Traces> {
 }
 
 fn root_mean_square(x: &[f64]) -> f64 {
-    (x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64).sqrt()
+    (squares(x) / x.len() as f64).sqrt()
 }
 
 /// Mean over the last five seconds against the size during the motion; its window leaves out what still rings.

@@ -42,6 +42,7 @@ mod tests {
     use crate::lab::plant::Plant;
     use crate::lab::stated::{Controller, Kind, Run};
     use crate::lab::testing::{dial, servo};
+    use crate::refit::squares;
     use std::f64::consts::TAU;
 
     /// Amplitude ratio of the accelerometer with and without the structure at a frequency (Hz).
@@ -54,7 +55,7 @@ mod tests {
             })
             .collect();
         let run = Run { reference, dt, controller: Controller::plain(Kind::Pi { kp: 5.0, ki: 0.0 }), number: 0 };
-        let size = |p: &Plant| simulate(p, &run, None).unwrap().acceleration[4000..].iter().map(|a| a * a).sum::<f64>();
+        let size = |p: &Plant| squares(&simulate(p, &run, None).unwrap().acceleration[4000..]);
         (size(plant) / size(&Plant::baseline(servo()))).sqrt()
     }
 

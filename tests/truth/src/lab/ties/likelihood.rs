@@ -103,8 +103,3 @@ fn whitened(signal: &[f64], channel: &Channel, out: &mut Vec<f64>) {
         before = Some(value);
     }
 }
-
-/// Sum of squares.
-pub fn squares(r: &[f64]) -> f64 {
-    r.iter().map(|x| x * x).sum()
-}

@@ -1,13 +1,13 @@
 //! The best that another effect can do with a case's recordings: its strength, the shape of its form, the free parameters of
 //! the stated model and the displacement sensor's offset are fitted by damped least squares.
 
-use super::likelihood::{Recordings, squares};
+use super::likelihood::Recordings;
 use crate::effect::Draw;
 use crate::lab::forms::{Dial, Form};
 use crate::lab::plant::Plant;
 use crate::lab::scene::Scene;
 use crate::plant::Machine;
-use crate::refit::least_squares;
+use crate::refit::{dot, least_squares, less, squares};
 
 /// Most steps of a fit.
 const STEPS: usize = 10;
@@ -203,18 +203,4 @@ const SHAPES: usize = 4;
 /// A step of a shape that stays within its range.
 fn inwards(u: f64) -> f64 {
     if u > 0.5 { -0.02 } else { 0.02 }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn less(r: &[f64], columns: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
-    let mut out = r.to_vec();
-    for (column, share) in columns.iter().zip(shares) {
-        for (value, slope) in out.iter_mut().zip(column) {
-            *value -= share * slope;
-        }
-    }
-    out
 }
