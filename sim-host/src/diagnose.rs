@@ -16,12 +16,14 @@
 //! the training and grows it by effects of the library; `decide` weighs every survivor on the validation, names what
 //! is accepted, says what it is mistaken for and what no effect explains; `verdict` fits what was selected to all that may be
 //! fitted, consumes the test and judges. `locate` looks at the residual without the library; `change` says what it means
-//! for who runs the table. `passes` goes through these in order; `few` lets it see the beginnings of long recordings first. Out comes a [`Diagnosis`].
+//! for who runs the table. `passes` goes through these in order; `few` lets it see the beginnings of long recordings first; `look`
+//! does so by one reading of the set-up, and `instead` asks whether another explains the recordings. Out comes a [`Diagnosis`].
 
 mod beside;
 mod calibration;
 pub(crate) mod change;
 mod clock;
+mod concluded;
 pub(crate) mod decide;
 mod departure;
 mod far;
@@ -33,6 +35,7 @@ mod left;
 mod leftover;
 mod line;
 pub(crate) mod locate;
+mod look;
 mod next_test;
 mod noise;
 mod onward;
@@ -42,6 +45,7 @@ mod overstated;
 mod passes;
 pub(crate) mod planned;
 mod ranking;
+mod reach;
 mod region;
 mod reject_for_curve;
 mod rejected;
@@ -58,17 +62,16 @@ pub(crate) mod verdict;
 
 use crate::identify::data::Run;
 use crate::identify::fit::Fit;
-use crate::identify::prepare::{PrepareError, Prepared, prepare};
+use crate::identify::prepare::{PrepareError, Prepared};
 use crate::identify::quantity::stated_with;
-use crate::identify::stated::{expect_near_stated, weigh_determined};
 use crate::plant::simulate::SimulateError;
-use crate::recording::check::{Finding, check, is_bad_data};
-use crate::recording::{self, Experiment, RecordingError, SetUpFinding, doubt, excerpt};
-use calibration::CALIBRATION;
-use few::conclude_by_few;
-use instead::Instead;
+use crate::recording::check::Finding;
+use crate::recording::{self, Experiment, RecordingError, SetUpFinding};
+use concluded::Concluded;
+use instead::{Instead, Other};
+use look::{Look, Looked, Pass, examine};
 pub use options::{Options, Progress};
-use passes::{Concluded, End, Reopening};
+use reach::Reach;
 pub use result::{Diagnosis, Verdict};
 use split::{Split, split};
 use std::path::Path;
@@ -109,11 +112,6 @@ impl Examined {
         &self.conclusion.judging
     }
 
-    /// What the model that came out leaves beyond the noise on the runs that judge, as an excess of chi2; what noise leaves at least.
-    fn left(&self) -> f64 {
-        (self.conclusion.accepted.hold.chi2 - 1.0).max(CALIBRATION.negligible)
-    }
-
     /// True where the model that came out is not the stated one refitted.
     pub fn changed(&self) -> bool {
         self.conclusion.accepted.fit.model.ids() != self.conclusion.stated.fit.model.ids()
@@ -134,104 +132,70 @@ pub fn diagnose_file(path: &Path, options: &Options) -> Result<Diagnosis, Diagno
 /// Diagnoses an experiment; once more by another reading of its set-up where that explains the recordings, and nothing that was found
 /// does.
 pub fn diagnose(experiment: &Experiment, options: &Options) -> Result<Examined, DiagnoseError> {
-    let (mut examined, clock) = examine(experiment, options, Reopening::Allowed, None)?;
-    if examined.diagnosis.verdict == Verdict::BadData {
-        return Ok(examined);
-    }
-    match instead::instead(experiment, &examined)? {
-        Instead::Nothing => {}
-        Instead::AsWell(values) => examined.diagnosis.stated_values_instead = values,
-        Instead::Better(read, finding) => {
-            options.say("another reading of the set-up explains it", 0.0);
-            let (mut again, _) = examine(&read, options, Reopening::Never, clock)?;
-            let open = |examined: &Examined| examined.conclusion.unlisted || examined.conclusion.more_missing;
-            if again.left() > examined.left() || (open(&examined) && open(&again)) {
-                examined.diagnosis.seconds += again.diagnosis.seconds;
-                return Ok(examined);
-            }
-            let found: Vec<SetUpFinding> =
-                instead::others(experiment, &again.conclusion.accepted.fit).into_iter().chain(finding).collect();
-            again.diagnosis.set_up.retain(|said| {
-                !found.iter().any(|f| (f.what, &f.parameter, f.channel) == (said.what, &said.parameter, said.channel))
-            });
-            again.diagnosis.set_up.extend(found);
-            again.diagnosis.seconds += examined.diagnosis.seconds;
-            examined = again;
-        }
-    }
+    let begun = std::time::Instant::now();
+    let mut examined = match examine(experiment, options, Look::First, None)? {
+        Looked::Unfit(prepared, findings, set_up) => unfit(*prepared, &findings, set_up)?,
+        Looked::Concluded(first) => said_or_read_otherwise(experiment, *first, options)?,
+        Looked::Otherwise(first, other) => match by_another_reading(experiment, &first, other, options)? {
+            Some(examined) => examined,
+            None => match examine(experiment, options, Look::All, first.clock)? {
+                Looked::Unfit(prepared, findings, set_up) => unfit(*prepared, &findings, set_up)?,
+                Looked::Concluded(all) | Looked::Otherwise(all, _) => {
+                    said_or_read_otherwise(experiment, *all, options)?
+                }
+            },
+        },
+    };
+    examined.diagnosis.seconds = begun.elapsed().as_secs_f64();
     Ok(examined)
 }
 
-/// Diagnoses an experiment as its set-up was stated; anew by another clock, where that is found, and says by which.
-fn examine(
-    experiment: &Experiment,
-    options: &Options,
-    reopening: Reopening,
-    mut clock: Option<SetUpFinding>,
-) -> Result<(Examined, Option<SetUpFinding>), DiagnoseError> {
-    let begun = std::time::Instant::now();
-    loop {
-        let read = clock.as_ref().map(|finding| clock::corrected(experiment, finding));
-        match once(read.as_ref().unwrap_or(experiment), options, reopening, clock.as_ref())? {
-            Once::Examined(mut examined) => {
-                examined.diagnosis.seconds = begun.elapsed().as_secs_f64();
-                return Ok((*examined, clock));
-            }
-            Once::Clock(finding) => clock = Some(finding),
+/// Says what was concluded, or what is by another reading of the set-up.
+fn said_or_read_otherwise(experiment: &Experiment, first: Pass, options: &Options) -> Result<Examined, DiagnoseError> {
+    options.say("asking whether the set-up was stated wrong", 0.95);
+    match instead::instead(experiment, &first.concluded)? {
+        Instead::Nothing => said(first, options),
+        Instead::AsWell(values) => {
+            let mut examined = said(first, options)?;
+            examined.diagnosis.stated_values_instead = values;
+            Ok(examined)
         }
-        options.say("reading everything by another sampling period", 0.0);
+        Instead::Better(other) => match by_another_reading(experiment, &first, other, options)? {
+            Some(examined) => Ok(examined),
+            None => said(first, options),
+        },
     }
 }
 
-/// What comes of going through everything once.
-enum Once {
-    Examined(Box<Examined>),
-    /// The clock runs at another rate: everything is to be read anew.
-    Clock(SetUpFinding),
-}
-
-/// Goes through everything once, by the clock as stated or by one that was found, and then no other is.
-fn once(
+/// The diagnosis by another reading of the set-up; none where it leaves more than was left before, or as much unnamed.
+fn by_another_reading(
     experiment: &Experiment,
+    first: &Pass,
+    other: Other,
     options: &Options,
-    reopening: Reopening,
-    clock: Option<&SetUpFinding>,
-) -> Result<Once, DiagnoseError> {
-    options.say("checking the recordings", 0.0);
-    let mut set_up = doubt(experiment);
-    let findings = check(&set_up.experiment);
-    let shortened = excerpt(&set_up.experiment, FITTED);
-    let mut whole = prepare(shortened.as_ref().unwrap_or(&set_up.experiment))?;
-    if is_bad_data(&findings) {
-        expect_near_stated(&mut whole.model);
-        return Ok(Once::Examined(Box::new(unfit(whole, &findings, set_up.findings)?)));
-    }
-    weigh_determined(&mut whole)?;
-    expect_near_stated(&mut whole.model);
-    let searched = excerpt(&set_up.experiment, SEARCHED).as_ref().map(prepare).transpose()?;
-    let mut seen = searched.map_or_else(|| whole.clone(), |seen| Prepared { model: whole.model.clone(), ..seen });
-    set_up.findings.extend(noise::rescale(&mut seen, &mut whole)?);
-    if clock.is_none() {
-        let told = clock::told(experiment, &set_up.experiment);
-        for prepared in [&mut whole, &mut seen] {
-            clock::doubt(prepared, told);
-        }
-    }
-    let concluded = match conclude_by_few(whole, seen, options, reopening)? {
-        End::Concluded(concluded) => *concluded,
-        End::Clock(finding) => return Ok(Once::Clock(finding)),
+) -> Result<Option<Examined>, DiagnoseError> {
+    options.say("another reading of the set-up explains it", 0.0);
+    let Looked::Concluded(again) = examine(&other.experiment, options, Look::Again, first.clock.clone())? else {
+        return Ok(None);
     };
-    set_up.findings.extend(clock.cloned());
-    Ok(Once::Examined(Box::new(said(experiment, concluded, (set_up.findings, findings), options)?)))
+    let (before, after) = (&first.concluded.conclusion, &again.concluded.conclusion);
+    let open = |conclusion: &Conclusion| conclusion.unlisted || conclusion.more_missing;
+    if after.left_beyond_noise() > before.left_beyond_noise() || (open(before) && open(after)) {
+        return Ok(None);
+    }
+    let found: Vec<SetUpFinding> =
+        instead::others(experiment, &after.accepted.fit).into_iter().chain(other.finding).collect();
+    let mut examined = said(*again, options)?;
+    examined.diagnosis.set_up.retain(|said| {
+        !found.iter().any(|f| (f.what, &f.parameter, f.channel) == (said.what, &said.parameter, said.channel))
+    });
+    examined.diagnosis.set_up.extend(found);
+    Ok(Some(examined))
 }
 
 /// What is said of what was concluded.
-fn said(
-    experiment: &Experiment,
-    concluded: Concluded,
-    (set_up, findings): (Vec<SetUpFinding>, Vec<Finding>),
-    options: &Options,
-) -> Result<Examined, DiagnoseError> {
+fn said(pass: Pass, options: &Options) -> Result<Examined, DiagnoseError> {
+    let Pass { experiment, concluded, set_up, findings, .. } = pass;
     let Concluded { whole, conclusion, modelled, held_out_shared } = concluded;
     options.say("looking for the test that would settle what is open", 0.96);
     let (next_test, no_test) = next_test::next_test(&whole, &conclusion, modelled.as_ref())?.parts();
@@ -246,13 +210,13 @@ fn said(
         diagnosis.location.block = Some(term.place);
     }
     diagnosis.set_up = set_up;
-    diagnosis.set_up.extend(far::far_from_stated(experiment, &whole, &conclusion)?);
-    diagnosis.set_up.extend(far::moved_effects(experiment, &conclusion));
+    diagnosis.set_up.extend(far::far_from_stated(&experiment, &whole, &conclusion)?);
+    diagnosis.set_up.extend(far::moved_effects(&experiment, &conclusion));
     for noise in &conclusion.decision.noise {
         diagnosis.set_up.retain(|f| f.what != noise.what || f.channel != noise.channel);
         diagnosis.set_up.push(noise.clone());
     }
-    left::report(experiment, &whole, &conclusion, &mut diagnosis.set_up)?;
+    left::report(&experiment, &whole, &conclusion, &mut diagnosis.set_up)?;
     Ok(Examined { diagnosis, prepared: whole, conclusion })
 }
 
@@ -262,7 +226,7 @@ fn unfit(prepared: Prepared, findings: &[Finding], set_up: Vec<SetUpFinding>) ->
     let baseline = Fit::begin(weighing.model().clone(), weighing.fitted())?;
     let signal_scales = weighing.signal_scales();
     let stated = search::Search { baseline, grown: Vec::new(), signal_scales };
-    let decision = decide::decide(&weighing, &stated)?;
+    let decision = decide::decide(&weighing, &stated, Reach::Fitted)?;
     let conclusion = verdict::as_stated(&whole, decision, test)?;
     let location = locate::Location::default();
     let mut diagnosis = result::assemble(&whole, &conclusion, location, result::Open::default(), findings);

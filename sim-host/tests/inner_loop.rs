@@ -3,6 +3,7 @@
 //! `CASES=500 cargo test -p shakedown --test inner_loop -- --nocapture`.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "the lint knows test functions, not helpers")]
 
+use rayon::prelude::*;
 use shakedown::blocks::recording::{Closure, InnerLoop, Log, Term, identify};
 use shakedown::fit::Recipe;
 use shakedown::fit::generate::{FAR_FIELD, NEAR_FIELD_MODERATE, NEAR_FIELD_STRONG};
@@ -227,16 +228,25 @@ fn quantile(sorted: &[f64], q: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * q).round() as usize]
 }
 
+/// Cases of these seeds and what is found in their logs, in their order.
+fn identified(seeds: impl Iterator<Item = u64>, thinned: bool) -> Vec<(Case, InnerLoop)> {
+    let seeds: Vec<u64> = seeds.collect();
+    let one = |seed: u64| {
+        let case = case(seed + 1000, thinned);
+        let found = identify(std::slice::from_ref(&case.log)).unwrap();
+        (case, found)
+    };
+    seeds.into_par_iter().map(one).collect()
+}
+
 #[test]
 fn concealed_inner_loops_are_found() {
     let cases: u64 = std::env::var("CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(50);
     let (mut all, mut delays, mut spurious, mut misjudged) = (Vec::new(), Vec::new(), 0, 0);
     let mut of: Vec<(Kind, Term, f64)> = Vec::new();
     let mut far = Vec::new();
-    for seed in 0..cases {
-        // Seeds below 1000 were looked at while the method was made.
-        let case = case(seed + 1000, false);
-        let found = identify(std::slice::from_ref(&case.log)).unwrap();
+    // Seeds below 1000 were looked at while the method was made.
+    for (seed, (case, found)) in identified(0..cases, false).into_iter().enumerate() {
         let errors = errors(&case, &found);
         far.extend(off(&case, &found));
         let expected = if case.kind == Kind::Hardwired { Closure::Hardwired } else { Closure::Command };
@@ -308,9 +318,7 @@ fn concealed_inner_loops_are_found() {
 /// and held to nothing.
 fn thinned(cases: u64) {
     let (mut all, mut main, mut far) = (Vec::new(), Vec::new(), Vec::new());
-    for seed in (0..cases).filter(|seed| (seed + 1000) % 3 != 2) {
-        let case = case(seed + 1000, true);
-        let found = identify(std::slice::from_ref(&case.log)).unwrap();
+    for (case, found) in identified((0..cases).filter(|seed| (seed + 1000) % 3 != 2), true) {
         let errors = errors(&case, &found);
         far.extend(off(&case, &found));
         main.extend(errors.iter().filter(|(t, _)| *t == Term::Error).map(|(_, e)| *e));

@@ -18,6 +18,7 @@ const CHORES: &[Chore] = &[
     ("page", || hosts::page::run(&[]).and_then(|()| shown("web"))),
     ("pages", || shown("pages")),
     ("results", || shown("json_schema")),
+    ("commands", || shown("commands")),
     ("live", live),
     ("readers", readers),
 ];
@@ -37,7 +38,8 @@ pub(crate) fn run(words: &[String]) -> Result<(), Problem> {
     if failed.is_empty() { Ok(()) } else { Err(Problem::Failed(failed.join("\n"))) }
 }
 
-/// Tests that take minutes: of what the tool does in a page, the pages of every command as pictures, the results of all commands.
+/// Tests that take minutes: of what the tool does in a page, the pages of every command as pictures, the results of all commands,
+/// diagnoses of set-ups that are stated wrong.
 fn shown(test: &str) -> Result<(), Problem> {
     let line = format!("cargo test --locked --release --package shakedown-tests --test {test} -- --include-ignored");
     execute(&mut command(&line.split(' ').collect::<Vec<_>>()))

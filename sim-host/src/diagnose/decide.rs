@@ -9,6 +9,7 @@ use super::judged::{Decision, ScoredModel};
 use super::leftover::{follows, larger_noise, more_is_missing};
 use super::onward::onward;
 use super::ranking::Ranking;
+use super::reach::Reach;
 use super::rivals::rivals;
 use super::search::{CHANCE, Search};
 use super::split::Weighing;
@@ -30,7 +31,7 @@ pub(super) const EVEN: f64 = 0.5;
 const IRREGULAR: f64 = 0.05;
 
 /// Judges everything the search found.
-pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, SimulateError> {
+pub(super) fn decide(weighing: &Weighing, search: &Search, reach: Reach) -> Result<Decision, SimulateError> {
     let judged = |fit: &Fit| ScoredModel::of(fit.clone(), weighing);
     let before = judged(&search.baseline)?;
     let mut sizes = Vec::new();
@@ -47,7 +48,7 @@ pub(crate) fn decide(weighing: &Weighing, search: &Search) -> Result<Decision, S
     }
     let alone = Alone::of(search, &weighing.model().ids());
     let mut after = polished(choose(&before, &sizes, &alone), weighing)?;
-    if after.added.is_empty() {
+    if after.added.is_empty() || !reach.is_worth_weighing(&before, &after) {
         return weigh(weighing, before, after, sizes);
     }
     loop {

@@ -6,8 +6,11 @@
 
 use super::SEARCHED;
 use super::calibration::CALIBRATION;
+use super::concluded::Concluded;
+use super::instead::Other;
 use super::options::Options;
-use super::passes::{End, Reopening, conclude};
+use super::passes::{End, conclude};
+use super::reach::Reach;
 use super::search::{CHANCE, beginnings};
 use crate::identify::data::Run;
 use crate::identify::prepare::Prepared;
@@ -19,22 +22,29 @@ const FEW: usize = SEARCHED / 5;
 /// Gains of squares, chance making one of them, that the beginnings must show of what is missing.
 const CLEAR: f64 = 60.0;
 
-/// Selects and judges, by the beginnings of what was seen where they are enough.
+/// Selects and judges, by the beginnings of what was seen where they are enough; where they are not, another reading of the set-up may
+/// explain what they show, and saves the search of everything by the wrong one.
 pub(super) fn conclude_by_few(
     whole: Prepared,
     seen: Prepared,
     options: &Options,
-    reopening: Reopening,
+    reach: Reach,
+    otherwise: impl Fn(&Concluded) -> Result<Option<Other>, SimulateError>,
 ) -> Result<End, SimulateError> {
     if let Some(few) = few(&seen, FEW)? {
         options.say("looking at the beginnings of long runs", 0.02);
-        let end = conclude(whole.clone(), few, options, Reopening::Never)?;
+        let end = conclude(whole.clone(), few, options, Reach::Beginnings)?;
         if settles(&end) {
             return Ok(end);
         }
+        if let End::Concluded(concluded) = end
+            && let Some(other) = otherwise(&concluded)?
+        {
+            return Ok(End::Otherwise(concluded, other));
+        }
         options.say("the beginnings do not settle it: looking at everything", 0.02);
     }
-    conclude(whole, seen, options, reopening)
+    conclude(whole, seen, options, reach)
 }
 
 /// The beginnings of the runs that are seen, of so many samples at least, where they are few of all and show what is missing beyond doubt.
@@ -61,7 +71,6 @@ fn settles(end: &End) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::decide::tests::viscous;
-    use super::super::passes::Concluded;
     use super::super::verdict::Conclusion;
     use super::super::verdict::tests::{concluded, with_viscous};
     use super::*;

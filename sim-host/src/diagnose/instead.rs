@@ -8,11 +8,11 @@
 mod reading;
 mod trial;
 
+use super::SEARCHED;
 use super::calibration::CALIBRATION;
+use super::concluded::{Concluded, FAR_LESS};
 use super::decide::{EVEN, one_story};
 use super::far::{ValueBesideStated, fitted_beside_stated};
-use super::passes::FAR_LESS;
-use super::{Examined, SEARCHED};
 use crate::identify::data::{Channel, Run};
 use crate::identify::fit::Fit;
 use crate::identify::model::ModelEffect;
@@ -44,60 +44,67 @@ pub(super) enum Instead {
     Nothing,
     /// Other values of the model explain the recordings to within their noise, as what was found does: the data do not tell which it is.
     AsWell(Vec<SetUpFinding>),
-    /// A reading explains them, and what was found does not, or is no likelier: the experiment by it, and what is said of it.
-    Better(Box<Experiment>, Option<SetUpFinding>),
+    /// A reading explains them, and what was found does not, or is no likelier.
+    Better(Other),
 }
 
-/// Asks that of a diagnosis of `experiment`.
-pub(super) fn instead(experiment: &Experiment, examined: &Examined) -> Result<Instead, SimulateError> {
-    let conclusion = &examined.conclusion;
-    let rows: usize = examined.prepared.fit.iter().map(Run::len).sum();
+/// An experiment by another reading of its set-up.
+pub(super) struct Other {
+    pub(super) experiment: Experiment,
+    /// What is said of it; values of the model say it by themselves.
+    pub(super) finding: Option<SetUpFinding>,
+}
+
+/// Asks that of what was concluded of `experiment`.
+pub(super) fn instead(experiment: &Experiment, concluded: &Concluded) -> Result<Instead, SimulateError> {
+    let conclusion = &concluded.conclusion;
+    let rows: usize = concluded.whole.fit.iter().map(Run::len).sum();
     if conclusion.consistent() || rows > MOST_ROWS {
         return Ok(Instead::Nothing);
     }
-    if let Some(reading) = sample_for_a_lag(examined)? {
+    if let Some(reading) = sample_for_a_lag(concluded)? {
         return Ok(better(experiment, &reading));
     }
-    if let Some(reading) = gain_for_one_of_several(examined)? {
+    if let Some(reading) = gain_for_one_of_several(concluded)? {
         return Ok(better(experiment, &reading));
     }
-    let all = all(&readings(experiment, examined), &Base::stated(examined), examined)?;
+    let all = all(&readings(experiment, concluded), &Base::stated(concluded), concluded)?;
     let (explaining, rest): (Vec<_>, Vec<_>) = all.into_iter().partition(|tried| tried.left < CALIBRATION.negligible);
     // Of readings that explain alike the one that takes least from the data.
     let cost = |tried: &Tried| tried.fit.squares + CALIBRATION.parameter_price * tried.reading.parameters() as f64;
     let Some(best) = explaining.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
-        if let Some(gain) = rest.iter().find(|tried| is_nearly_all(tried, examined)) {
+        if let Some(gain) = rest.iter().find(|tried| is_nearly_all(tried, concluded)) {
             return Ok(better(experiment, &gain.reading));
         }
-        let beside = beside(experiment, examined)?;
+        let beside = beside(experiment, concluded)?;
         return Ok(beside.map_or(Instead::Nothing, |reading| better(experiment, &reading)));
     };
     let found = conclusion.accepted.hold.chi2 - 1.0;
-    let doubtful = examined.diagnosis.effects.iter().all(|effect| effect.probability < EVEN);
+    let doubtful = conclusion.accepted.added.iter().all(|id| conclusion.decision.probability(id) < EVEN);
     let no_name = conclusion.unlisted || (doubtful && !one_story(&conclusion.decision));
     let as_well = found <= best.left.max(0.0) + CALIBRATION.negligible;
     let others = others(experiment, &best.fit);
-    let price = CALIBRATION.parameter_price * taken(examined) as f64;
+    let price = CALIBRATION.parameter_price * taken(concluded) as f64;
     let cheaper = best.fit.squares < conclusion.accepted.fit.squares + price;
     Ok(match best.reading {
         // Of two accounts that explain alike the one that takes less from the data; of two that take as much, the one that leaves alone
         // what was stated.
-        Reading::Values(_) if as_well && !no_name && taken(examined) <= others.len() => Instead::AsWell(others),
+        Reading::Values(_) if as_well && !no_name && taken(concluded) <= others.len() => Instead::AsWell(others),
         Reading::LateReference(_) | Reading::Late(..) if as_well && !no_name && !cheaper => Instead::Nothing,
         reading => better(experiment, &reading),
     })
 }
 
 /// Every reading tried on a model, that of a gain among them.
-fn all(readings: &[Reading], base: &Base<'_>, examined: &Examined) -> Result<Vec<Tried>, SimulateError> {
-    let mut all = readings.par_iter().map(|reading| tried(reading, base, examined)).collect::<Result<Vec<_>, _>>()?;
-    all.extend(gain(base, examined)?);
+fn all(readings: &[Reading], base: &Base<'_>, concluded: &Concluded) -> Result<Vec<Tried>, SimulateError> {
+    let mut all = readings.par_iter().map(|reading| tried(reading, base, concluded)).collect::<Result<Vec<_>, _>>()?;
+    all.extend(gain(base, concluded)?);
     Ok(all)
 }
 
 /// Whether a gain explains nearly all of a mismatch that no name explains, and more than a curve does: what it leaves is asked once more.
-fn is_nearly_all(tried: &Tried, examined: &Examined) -> bool {
-    let conclusion = &examined.conclusion;
+fn is_nearly_all(tried: &Tried, concluded: &Concluded) -> bool {
+    let conclusion = &concluded.conclusion;
     matches!(tried.reading, Reading::Gain(_))
         && conclusion.unlisted
         && tried.left < (1.0 - CALIBRATION.explained).powi(2) * (conclusion.stated.hold.chi2 - 1.0)
@@ -105,24 +112,24 @@ fn is_nearly_all(tried: &Tried, examined: &Examined) -> bool {
 }
 
 /// A reading beside the effects that explain a part: one by which they leave far less.
-fn beside(experiment: &Experiment, examined: &Examined) -> Result<Option<Reading>, SimulateError> {
-    let conclusion = &examined.conclusion;
+fn beside(experiment: &Experiment, concluded: &Concluded) -> Result<Option<Reading>, SimulateError> {
+    let conclusion = &concluded.conclusion;
     let part = match (conclusion.unlisted, conclusion.more_missing) {
         (true, _) => conclusion.partial.as_ref(),
         (false, true) => Some(&conclusion.accepted),
         (false, false) => None,
     };
     let Some(part) = part else { return Ok(None) };
-    let mut readings = readings(experiment, examined);
+    let mut readings = readings(experiment, concluded);
     readings.retain(|reading| reading.parameters() == 0);
-    let tried = all(&readings, &Base::fitted(part.fit.model.clone(), &part.fit), examined)?;
+    let tried = all(&readings, &Base::fitted(part.fit.model.clone(), &part.fit), concluded)?;
     let best = tried.into_iter().min_by(|a, b| a.left.total_cmp(&b.left));
     Ok(best.filter(|best| best.left < FAR_LESS * (part.hold.chi2 - 1.0)).map(|best| best.reading))
 }
 
 /// Numbers that the effects found take from the data.
-fn taken(examined: &Examined) -> usize {
-    let after = &examined.conclusion.accepted;
+fn taken(concluded: &Concluded) -> usize {
+    let after = &concluded.conclusion.accepted;
     taken_by(&after.fit, &after.added)
 }
 
@@ -133,11 +140,11 @@ fn taken_by(fit: &Fit, ids: &[&'static str]) -> usize {
 }
 
 fn better(experiment: &Experiment, reading: &Reading) -> Instead {
-    Instead::Better(Box::new(reading.put_into(experiment)), reading.finding(experiment))
+    Instead::Better(Other { experiment: reading.put_into(experiment), finding: reading.finding(experiment) })
 }
 
 /// Every reading but that of a gain.
-fn readings(experiment: &Experiment, examined: &Examined) -> Vec<Reading> {
+fn readings(experiment: &Experiment, concluded: &Concluded) -> Vec<Reading> {
     let given = experiment.model.baseline.parameters();
     let held: Vec<&'static str> =
         given.into_iter().map(|(name, _)| name).filter(|name| !experiment.model.fits(name)).collect();
@@ -145,7 +152,7 @@ fn readings(experiment: &Experiment, examined: &Examined) -> Vec<Reading> {
     if !held.is_empty() {
         readings.push(Reading::Values(held));
     }
-    let runs = &examined.prepared.fit;
+    let runs = &concluded.whole.fit;
     if unrecorded(runs) {
         readings.extend(SHIFTS.map(Reading::LateReference));
     }
@@ -169,9 +176,9 @@ fn unrecorded(runs: &[Run]) -> bool {
 
 /// A sensor that lags by a whole number of samples is one that was recorded so many samples late, where that explains as much without a
 /// number from the data.
-fn sample_for_a_lag(examined: &Examined) -> Result<Option<Reading>, SimulateError> {
-    let after = &examined.conclusion.accepted;
-    let runs = &examined.prepared.fit;
+fn sample_for_a_lag(concluded: &Concluded) -> Result<Option<Reading>, SimulateError> {
+    let after = &concluded.conclusion.accepted;
+    let runs = &concluded.whole.fit;
     let Some(dt) = runs.first().map(|run| run.dt) else { return Ok(None) };
     let quantities = quantities(&after.fit);
     for (lag, channel) in LAGS {
@@ -186,7 +193,7 @@ fn sample_for_a_lag(examined: &Examined) -> Result<Option<Reading>, SimulateErro
         }
         let reading = Reading::Late(channel, late as i32);
         let Tried { fit, left, .. } =
-            tried(&reading, &Base::fitted(after.fit.model.without(id), &after.fit), examined)?;
+            tried(&reading, &Base::fitted(after.fit.model.without(id), &after.fit), concluded)?;
         let price = CALIBRATION.parameter_price * (after.fit.model.values().filter(|v| v.free).count() as f64);
         if left < after.hold.chi2 - 1.0 + 0.5 * CALIBRATION.negligible && fit.squares < after.fit.squares + price {
             return Ok(Some(reading));
@@ -197,14 +204,14 @@ fn sample_for_a_lag(examined: &Examined) -> Result<Option<Reading>, SimulateErro
 
 /// A gain that was stated wrong, in the place of one of several effects that explain all: what looks like a weak spring beside a
 /// droop may be that, and is what a laboratory states wrong every week.
-fn gain_for_one_of_several(examined: &Examined) -> Result<Option<Reading>, SimulateError> {
-    let conclusion = &examined.conclusion;
+fn gain_for_one_of_several(concluded: &Concluded) -> Result<Option<Reading>, SimulateError> {
+    let conclusion = &concluded.conclusion;
     let after = &conclusion.accepted;
     if after.added.len() < 2 || conclusion.unlisted || conclusion.more_missing {
         return Ok(None);
     }
     let as_well = |id: &&'static str| -> Result<Option<Tried>, SimulateError> {
-        let tried = gain(&Base::fitted(after.fit.model.without(id), &after.fit), examined)?;
+        let tried = gain(&Base::fitted(after.fit.model.without(id), &after.fit), concluded)?;
         let price = CALIBRATION.parameter_price * taken_by(&after.fit, &[*id]) as f64;
         Ok(tried.filter(|tried| {
             tried.left < after.hold.chi2 - 1.0 + 0.5 * CALIBRATION.negligible

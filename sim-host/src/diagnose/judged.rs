@@ -98,6 +98,11 @@ pub struct Decision {
 }
 
 impl Decision {
+    /// How far an effect is believed: the probabilities of the candidates that hold it.
+    pub(super) fn probability(&self, id: &str) -> f64 {
+        self.candidates.iter().filter(|c| c.added.contains(&id)).map(|c| c.probability).sum()
+    }
+
     /// Gives back the names that were taken back because others stand as well.
     pub(super) fn give_one_of_many(&mut self) {
         let sum: f64 = self.candidates.iter().map(|c| c.probability).sum();

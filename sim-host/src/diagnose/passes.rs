@@ -2,8 +2,11 @@
 //! noise that was stated too large, or with half of what was held out opened.
 
 use super::calibration::CALIBRATION;
+use super::concluded::{Concluded, FAR_LESS};
+use super::instead::Other;
 use super::judged::Decision;
 use super::options::Options;
+use super::reach::Reach;
 use super::split::{Split, Weighing, reopened, split};
 use super::term::Modelled;
 use super::verdict::Conclusion;
@@ -14,32 +17,16 @@ use crate::identify::prepare::Prepared;
 use crate::plant::simulate::SimulateError;
 use crate::recording::SetUpFinding;
 
-/// Share of what was left below which a second look at the data is the better one.
-pub(super) const FAR_LESS: f64 = 0.3;
 /// Share of the excess on the runs held out beyond which names leave most of it.
 const MOST_LEFT: f64 = 0.5;
-
-/// What came out, and of which cut of the data.
-pub(super) struct Concluded {
-    pub(super) whole: Prepared,
-    pub(super) conclusion: Conclusion,
-    pub(super) modelled: Option<Modelled>,
-    pub(super) held_out_shared: bool,
-}
 
 /// How passes end.
 pub(super) enum End {
     Concluded(Box<Concluded>),
+    /// What was concluded settles nothing, and another reading of the set-up explains the recordings.
+    Otherwise(Box<Concluded>, Other),
     /// A clock of another rate is part of what was selected: everything is to be read anew by it, and what was judged before counts for nothing.
     Clock(SetUpFinding),
-}
-
-/// Whether half of the stretches held out may be opened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Reopening {
-    Allowed,
-    /// A set-up that is read otherwise explains the recordings at once, or is not what is wrong.
-    Never,
 }
 
 /// Selects and judges; once more with half of the stretches held out opened where they alone show what is missing.
@@ -47,30 +34,30 @@ pub(super) fn conclude(
     mut whole: Prepared,
     mut seen: Prepared,
     options: &Options,
-    reopening: Reopening,
+    reach: Reach,
 ) -> Result<End, SimulateError> {
-    let (split_up, selected) = with_noise_as_left(&mut whole, &mut seen, options)?;
+    let (split_up, selected) = with_noise_as_left(&mut whole, &mut seen, options, reach)?;
     if let Some(finding) = clock_in(&selected, &whole) {
         return Ok(End::Clock(finding));
     }
-    let mut first = judge(split_up, selected, options)?;
+    let mut first = judge(split_up, selected, options, reach)?;
     if !first.conclusion.unforeseen() {
         return Ok(ended(first));
     }
     let rows = |runs: &[Run]| runs.iter().map(Run::len).sum::<usize>();
     let too_many = rows(&seen.fit) + rows(&first.conclusion.judging) / 2 > 2 * SEARCHED;
-    if too_many || reopening == Reopening::Never {
+    if too_many || reach != Reach::Opened {
         first.conclusion.note_what_is_left_there();
         return Ok(ended(first));
     }
     options.say("the runs fitted do not show it: opening half of those held out", 0.9);
     let Conclusion { accepted, judging, .. } = &first.conclusion;
     let opened = reopened(&first.whole, seen, judging, &accepted.hold.predicted);
-    let selected = select(&opened.weighing, options)?;
+    let selected = select(&opened.weighing, options, reach)?;
     if let Some(finding) = clock_in(&selected, &opened.whole) {
         return Ok(End::Clock(finding));
     }
-    let second = judge(opened, selected, options)?;
+    let second = judge(opened, selected, options, reach)?;
     if is_better(&second.conclusion, &first.conclusion) {
         return Ok(ended(Concluded { held_out_shared: true, ..second }));
     }
@@ -108,10 +95,11 @@ pub(super) fn with_noise_as_left(
     whole: &mut Prepared,
     seen: &mut Prepared,
     options: &Options,
+    reach: Reach,
 ) -> Result<(Split, Selected), SimulateError> {
     let cut = |whole: &Prepared, seen: &Prepared| split(whole.clone(), Some(seen.clone()));
     let first = cut(whole, seen);
-    let selected = select(&first.weighing, options)?;
+    let selected = select(&first.weighing, options, reach)?;
     let Some(left) = overstated::by_names(&first.weighing, &selected.decision) else { return Ok((first, selected)) };
     options.say("looking beneath a noise that was stated too large", 0.1);
     let mut lowered = [seen.clone(), whole.clone()];
@@ -131,7 +119,7 @@ pub(super) fn with_noise_as_left(
     }
     [*seen, *whole] = lowered;
     let second = cut(whole, seen);
-    let selected = select(&second.weighing, options)?;
+    let selected = select(&second.weighing, options, reach)?;
     Ok((second, selected))
 }
 
@@ -142,10 +130,13 @@ pub(super) struct Selected {
 }
 
 /// Fits hypotheses to the training and weighs them on the validation.
-pub(super) fn select(weighing: &Weighing, options: &Options) -> Result<Selected, SimulateError> {
+pub(super) fn select(weighing: &Weighing, options: &Options, reach: Reach) -> Result<Selected, SimulateError> {
     let search = search::search(weighing, options)?;
     options.say("weighing what was found", 0.9);
-    let decision = decide::decide(weighing, &search)?;
+    let decision = decide::decide(weighing, &search, reach)?;
+    if !reach.goes_on(&decision) {
+        return Ok(Selected { decision, modelled: None });
+    }
     options.say("looking for effects that act in a part of time or state", 0.92);
     let mut decision = region::region(weighing, &search, decision)?;
     let mut modelled = reject_for_curve::reject_for_curve(weighing, &mut decision)?;
@@ -156,17 +147,16 @@ pub(super) fn select(weighing: &Weighing, options: &Options) -> Result<Selected,
 }
 
 /// Models what is unlisted and judges all on the test.
-fn judge(split: Split, selected: Selected, options: &Options) -> Result<Concluded, SimulateError> {
+fn judge(split: Split, selected: Selected, options: &Options, reach: Reach) -> Result<Concluded, SimulateError> {
     let Split { weighing, whole, test } = split;
     let Selected { mut decision, mut modelled } = selected;
-    if modelled.is_none() && decision.unlisted {
+    let unlisted = decision.unlisted && reach.goes_on(&decision);
+    if modelled.is_none() && unlisted {
         options.say("modelling what the library does not hold", 0.93);
         let beside = decision.partial.as_ref().unwrap_or(&decision.stated);
         modelled = term::unlisted(&weighing, &decision.stated, beside)?;
     }
-    if decision.unlisted
-        && let Some(unnamed) = modelled.as_ref().filter(|m| !m.names_needed)
-    {
+    if unlisted && let Some(unnamed) = modelled.as_ref().filter(|m| !m.names_needed) {
         options.say("looking for effects beside it", 0.94);
         modelled = beside::name_beside(&weighing, &mut decision, unnamed)?.or(modelled);
     }

@@ -250,12 +250,11 @@ fn named(
     placed
         .map(|placed| {
             let id = placed.entry.id;
-            let with = |c: &&ScoredModel| c.added.contains(&id);
             let keys =
                 placed.entry.parameters.iter().filter(|p| p.role != Role::PerRun && !is_code(p.key)).map(|p| p.key);
             NamedEffect {
                 id,
-                probability: decision.candidates.iter().filter(with).map(|c| c.probability).sum(),
+                probability: decision.probability(id),
                 equation: placed.entry.equation.to_owned(),
                 parameters: keys
                     .filter_map(|key| Some((key.to_owned(), quantities.get(&format!("{id}.{key}"))?.clone())))

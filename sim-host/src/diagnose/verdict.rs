@@ -58,6 +58,11 @@ impl Conclusion {
         (self.accepted.hold.chi2 - 1.0).max(0.0) / (self.stated.hold.chi2 - 1.0).max(1e-9)
     }
 
+    /// What the model handed on leaves beyond the noise on the runs that judge, as an excess of chi2; what noise leaves at least.
+    pub(super) fn left_beyond_noise(&self) -> f64 {
+        (self.accepted.hold.chi2 - 1.0).max(CALIBRATION.negligible)
+    }
+
     /// True where the model handed on leaves no more than noise of the runs that judge.
     pub(super) fn explains_all(&self) -> bool {
         !rest_beyond_noise(&self.accepted)

@@ -26,6 +26,7 @@ fn found(diagnosis: &Diagnosis, what: &str) -> Vec<(Option<&'static str>, f64)> 
 }
 
 #[test]
+#[ignore = "minutes of diagnosis: cargo xtask nightly"]
 fn a_channel_that_was_recorded_a_sample_late_is_no_lag() {
     let diagnosis = diagnosed(&paper(), &Stated { command: false, late: 1, ..Stated::default() });
     assert_eq!(diagnosis.verdict, Verdict::Consistent, "{:?}", diagnosis.effects);
@@ -42,6 +43,7 @@ fn an_integral_gain_that_is_stated_wrong_is_no_physics() {
 
 /// Beside a gain that drifts as the oil warms it is no physics either.
 #[test]
+#[ignore = "minutes of diagnosis: cargo xtask nightly"]
 fn an_integral_gain_that_is_stated_wrong_is_no_second_effect() {
     let mut physics = paper();
     physics.command.warming = Some((-0.006, 1e4));

@@ -24,6 +24,7 @@ fn diagnosed(physics: &Physics) -> Diagnosis {
 }
 
 #[test]
+#[ignore = "minutes of diagnosis: cargo xtask nightly"]
 fn severe_saturation_is_told_as_spool_and_orifice() {
     let mut physics = paper();
     physics.valve.lag = Some(Lag { frequency: 14.0, damping: 0.8, motor: 10.0 });

@@ -1,8 +1,8 @@
 //! A reading of the set-up tried: a model fitted to the runs as it has them.
 
-use super::Examined;
 use super::reading::Reading;
 use crate::diagnose::calibration::CALIBRATION;
+use crate::diagnose::concluded::Concluded;
 use crate::identify::data::Run;
 use crate::identify::fit::{Effort, Fit};
 use crate::identify::judge::score_beside;
@@ -37,8 +37,8 @@ pub(super) struct Tried {
 impl<'a> Base<'a> {
     /// The stated model, from what was stated: without a reading the values that may be fitted have gone wherever they hide what is
     /// missing.
-    pub(super) fn stated(examined: &Examined) -> Self {
-        Self { model: examined.prepared.model.clone(), like: None }
+    pub(super) fn stated(concluded: &Concluded) -> Self {
+        Self { model: concluded.whole.model.clone(), like: None }
     }
 
     /// A model that was fitted, with these effects of it.
@@ -48,7 +48,7 @@ impl<'a> Base<'a> {
 }
 
 /// A model fitted by a reading, and what it leaves on the runs that judge.
-pub(super) fn tried(reading: &Reading, base: &Base<'_>, examined: &Examined) -> Result<Tried, SimulateError> {
+pub(super) fn tried(reading: &Reading, base: &Base<'_>, concluded: &Concluded) -> Result<Tried, SimulateError> {
     let mut model = base.model.clone();
     if let Reading::Values(names) = reading {
         for name in names {
@@ -58,13 +58,13 @@ pub(super) fn tried(reading: &Reading, base: &Base<'_>, examined: &Examined) -> 
         }
         expect_near_stated(&mut model);
     }
-    let mut best = fitted(reading, model.clone(), base.like, examined)?;
+    let mut best = fitted(reading, model.clone(), base.like, concluded)?;
     // A limit that is far too low is not left downhill.
     if matches!(reading, Reading::Values(_))
         && let Some(limit) = model.own_mut("velocity_limit").filter(|limit| limit.free)
     {
         limit.value *= FASTER;
-        let faster = fitted(reading, model, base.like, examined)?;
+        let faster = fitted(reading, model, base.like, concluded)?;
         best = if faster.0.squares + CALIBRATION.parameter_price < best.0.squares { faster } else { best };
     }
     let (fit, left) = best;
@@ -75,22 +75,22 @@ fn fitted(
     reading: &Reading,
     model: Model,
     like: Option<&Fit>,
-    examined: &Examined,
+    concluded: &Concluded,
 ) -> Result<(Fit, f64), SimulateError> {
-    let runs = reading.of(&examined.prepared.fit);
+    let runs = reading.of(&concluded.whole.fit);
     let mut fit = match like {
         Some(like) => Fit::resume(model, like.locals.clone(), &runs)?,
         None => Fit::begin(model, &runs)?,
     };
     fit.improve(&runs, Effort::FULL)?;
-    let left = score_beside(&fit, &runs, &reading.of(&examined.conclusion.judging))?.chi2 - 1.0;
+    let left = score_beside(&fit, &runs, &reading.of(&concluded.conclusion.judging))?.chi2 - 1.0;
     Ok((fit, left))
 }
 
 /// A model with the gain of the controller that fits best, of those that no value of the model takes up, where the command does not say
 /// what it was.
-pub(super) fn gain(base: &Base<'_>, examined: &Examined) -> Result<Option<Tried>, SimulateError> {
-    let runs = &examined.prepared.fit;
+pub(super) fn gain(base: &Base<'_>, concluded: &Concluded) -> Result<Option<Tried>, SimulateError> {
+    let runs = &concluded.whole.fit;
     let has_one = |run: &Run| match run.law {
         SimulatedLaw::Pi { ki: gain, .. } | SimulatedLaw::Cascade { kp: gain, .. } => gain != 0.0,
         SimulatedLaw::Recorded => false,
@@ -98,7 +98,7 @@ pub(super) fn gain(base: &Base<'_>, examined: &Examined) -> Result<Option<Tried>
     if !super::unrecorded(runs) || !runs.iter().all(has_one) {
         return Ok(None);
     }
-    let at = |share: f64| tried(&Reading::Gain(1.0 + share), base, examined);
+    let at = |share: f64| tried(&Reading::Gain(1.0 + share), base, concluded);
     let mut points = Vec::new();
     for share in [-TRIAL, 0.0, TRIAL] {
         points.push((share, at(share)?));

@@ -1,6 +1,7 @@
 use super::super::Options;
 use super::super::decide::tests::viscous;
 use super::super::passes::{select, with_noise_as_left};
+use super::super::reach::Reach;
 use super::super::split::split;
 use super::*;
 use crate::identify::data::Run;
@@ -30,11 +31,11 @@ fn what_hides_beneath_an_overstated_noise_is_found() {
     let prepared = prepared(&truth, 3.0);
     let options = Options::default();
     let weighing = split(prepared.clone(), None).weighing;
-    let first = select(&weighing, &options).unwrap();
+    let first = select(&weighing, &options, Reach::Fitted).unwrap();
     assert_eq!(first.decision.accepted.added, ["viscous_friction"]);
     let (mut whole, mut seen) = (prepared.clone(), prepared);
     let left = by_names(&weighing, &first.decision);
-    let (_, second) = with_noise_as_left(&mut whole, &mut seen, &options).unwrap();
+    let (_, second) = with_noise_as_left(&mut whole, &mut seen, &options, Reach::Fitted).unwrap();
     assert_eq!(second.decision.accepted.added, ["viscous_friction", "coulomb_friction"], "{left:?}");
     for (measured, made) in whole.fit[0].measured.iter().zip(&recorded(&truth, 1).measured) {
         assert!((measured.noise / made.noise - 1.0).abs() < 0.1, "{}", measured.noise / made.noise);
@@ -57,7 +58,7 @@ fn a_noise_as_it_was_stated_is_not_looked_beneath() {
 fn where_nothing_hides_nothing_changes() {
     let prepared = prepared(&model(TRUTH).with(viscous(2.5, 0.0, (-0.2, 2.0))), 3.0);
     let (mut whole, mut seen) = (prepared.clone(), prepared.clone());
-    let (_, selected) = with_noise_as_left(&mut whole, &mut seen, &Options::default()).unwrap();
+    let (_, selected) = with_noise_as_left(&mut whole, &mut seen, &Options::default(), Reach::Fitted).unwrap();
     assert_eq!(selected.decision.accepted.added, ["viscous_friction"]);
     assert_eq!(whole.fit[0].measured[0].noise, prepared.fit[0].measured[0].noise);
 }

@@ -1,5 +1,6 @@
 use super::super::clock;
 use super::super::decide::tests::viscous;
+use super::super::reach::Reach;
 use super::super::split::{Split, split};
 use super::super::{decide, search};
 use super::ends::{PARTS, in_region_of, window};
@@ -27,7 +28,7 @@ fn prepared(truth: &Model) -> Prepared {
 fn decided(prepared: Prepared) -> Decision {
     let Split { weighing, .. } = split(prepared, None);
     let search = search::search(&weighing, &Options::default()).unwrap();
-    let decision = decide::decide(&weighing, &search).unwrap();
+    let decision = decide::decide(&weighing, &search, Reach::Fitted).unwrap();
     region(&weighing, &search, decision).unwrap()
 }
 

@@ -8,7 +8,7 @@ use crate::identify::normal::{Block, Normal};
 use nalgebra::DMatrix;
 
 /// Most parameters that one simulation carries derivatives of.
-pub(super) const WIDEST: usize = 24;
+pub(super) const WIDEST: usize = if cfg!(debug_assertions) { 16 } else { 24 };
 
 /// Rows with all their columns.
 struct Wide {
