@@ -10,6 +10,9 @@ use crate::plant::simulate::SimulateError;
 
 /// chi2 above which a fit from the stated values may have missed the best.
 const POOR: f64 = 4.0;
+/// Sum of squares that a start must gain to be worth it: three standard deviations of one parameter.
+const GAINED: f64 = 9.0;
+const LIMIT: &str = "velocity_limit";
 /// Change of a value, as a share of what was stated, that makes one think of missing physics first.
 const FAR: f64 = 0.25;
 
@@ -54,23 +57,32 @@ pub(crate) fn weigh_determined(prepared: &mut Prepared) -> Result<(), SimulateEr
 /// Factor by which a positive value may differ from what was stated: a unit's worth.
 const WIDEST: f64 = 1e3;
 
-/// The stated model with the values it lists in `fit`, fitted: from the stated values and, where those leave a misfit,
-/// from a velocity limit at the largest speed seen, for a limit that is never reached has no slope to follow.
+/// The stated model with the values it lists in `fit`, fitted: from the stated values and, where those leave a misfit or a velocity
+/// limit that these runs do not reach, from a limit at the largest speed seen, for a limit that is never reached has no slope to follow.
 pub(crate) fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
     let runs = &prepared.fit;
     let mut fit = Fit::begin(prepared.model.clone(), runs)?;
     fit.improve(runs, Effort::FULL)?;
-    if fit.chi2() < POOR {
-        return Ok(fit);
-    }
-    if let Some(limited) = with_binding_limit(prepared, 1.0) {
-        let mut other = Fit::begin(limited, runs)?;
-        other.improve(runs, Effort::FULL)?;
-        if other.squares < fit.squares {
-            fit = other;
+    let Some(limited) = with_binding_limit(prepared, 1.0) else { return Ok(fit) };
+    let mut other = if fit.chi2() >= POOR {
+        Fit::begin(limited, runs)?
+    } else if limit(&fit.model) > limit(&limited) {
+        // What little the limit takes away bends no other value far: from the stated ones the limit would be bent instead.
+        let mut lowered = fit.model.clone();
+        if let (Some(value), Some(limit)) = (lowered.own_mut(LIMIT), limit(&limited)) {
+            value.value = limit;
         }
-    }
-    Ok(fit)
+        Fit::resume(lowered, fit.locals.clone(), runs)?
+    } else {
+        return Ok(fit);
+    };
+    other.improve(runs, Effort::FULL)?;
+    Ok(if other.squares < fit.squares - GAINED { other } else { fit })
+}
+
+fn limit(model: &Model) -> Option<f64> {
+    let place = model.kind.parameters().iter().position(|p| p.key == LIMIT)?;
+    model.own.get(place).map(|value| value.value)
 }
 
 /// A model fitted with no stated value further than a quarter from what was stated, and held there from now on; none where
@@ -110,4 +122,40 @@ fn with_bounds_of(model: &Model, other: &Model) -> Vec<super::model::Value> {
         ..*value
     };
     model.own.iter().zip(&other.own).map(bounded).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::fit::tests::{TRUTH, model, recorded};
+    use crate::identify::model::SignalScales;
+
+    /// A limit stated a fifth too high beside other values that are off, where what binds leaves little: nothing near the stated one binds.
+    #[test]
+    fn a_limit_that_is_stated_far_above_the_speeds_seen_is_found() {
+        let limited = |limit: f64| model([TRUTH[0], TRUTH[1], TRUTH[2], limit]);
+        let truth = FASTEST * fastest(&recorded(&limited(9.0), 1));
+        let run = recorded(&limited(truth), 1);
+        let signal_scales = SignalScales { speed: fastest(&run), ..SignalScales::TYPICAL };
+        let prepared = Prepared {
+            model: model([TRUTH[0], 1.05 * TRUTH[1], 1.18 * TRUTH[2], 1.22 * truth]),
+            fit: vec![run],
+            holdout: Vec::new(),
+            signal_scales,
+        };
+        let mut alone = Fit::begin(prepared.model.clone(), &prepared.fit).unwrap();
+        alone.improve(&prepared.fit, Effort::FULL).unwrap();
+        let found = fit_stated(&prepared).unwrap();
+        let off = |fit: &Fit| fit.model.own[3].value / truth - 1.0;
+        assert!((1.1..POOR).contains(&alone.chi2()) && off(&alone) > 0.2, "chi2 {}, {}", alone.chi2(), off(&alone));
+        assert!(found.chi2() < 1.05 && off(&found).abs() < 5e-3, "chi2 {}, {}", found.chi2(), off(&found));
+    }
+
+    /// Share of the largest speed of a run without a limit.
+    const FASTEST: f64 = 0.97;
+
+    fn fastest(run: &crate::identify::data::Run) -> f64 {
+        let moved = |w: &[f64]| (w[4] - w[0]).abs() / (4.0 * run.dt);
+        run.measured[0].values.windows(5).map(moved).fold(0.0, f64::max)
+    }
 }
