@@ -60,7 +60,7 @@ pub(super) fn examine(
 ) -> Result<Looked, DiagnoseError> {
     loop {
         let read = clock.as_ref().map_or_else(|| experiment.clone(), |finding| clock::corrected(experiment, finding));
-        match once(read, options, look, clock.as_ref())? {
+        match once(read, experiment, options, look, clock.as_ref())? {
             Once::Clock(finding) => clock = Some(finding),
             Once::Looked(looked) => return Ok(looked),
         }
@@ -68,9 +68,11 @@ pub(super) fn examine(
     }
 }
 
-/// Goes through everything once, by the clock as stated or by one that was found, and then no other is.
+/// Goes through everything once, by the clock as stated or by one that was found, and then no other is. Another reading is of the experiment
+/// as `stated`: whoever looks at it again corrects its clock.
 fn once(
     experiment: Experiment,
+    stated: &Experiment,
     options: &Options,
     look: Look,
     clock: Option<&SetUpFinding>,
@@ -99,7 +101,7 @@ fn once(
     let pass = |concluded: Concluded, set_up: Vec<SetUpFinding>| {
         Box::new(Pass { concluded, set_up, findings, clock: clock.cloned(), experiment: experiment.clone() })
     };
-    Ok(match concluded_as(look, (whole, seen), &experiment, options)? {
+    Ok(match concluded_as(look, (whole, seen), stated, options)? {
         End::Concluded(concluded) => Once::Looked(Looked::Concluded(pass(*concluded, set_up.findings))),
         End::Otherwise(concluded, other) => Once::Looked(Looked::Otherwise(pass(*concluded, set_up.findings), other)),
         End::Clock(finding) => Once::Clock(finding),
@@ -110,11 +112,11 @@ fn once(
 fn concluded_as(
     look: Look,
     (whole, seen): (Prepared, Prepared),
-    experiment: &Experiment,
+    stated: &Experiment,
     options: &Options,
 ) -> Result<End, SimulateError> {
     // What was weighed no further may yet be named where a reading takes as many values from the data as names do.
-    let explains = |concluded: &Concluded| match instead::instead(experiment, concluded)? {
+    let explains = |concluded: &Concluded| match instead::instead(stated, concluded)? {
         Instead::Better(other) => Ok(Some(other).filter(|other| other.finding.is_some())),
         Instead::Nothing | Instead::AsWell(_) => Ok(None),
     };
