@@ -65,7 +65,7 @@ fn others(prepared: &Prepared) -> Vec<Model> {
             all.push(model);
         }
     }
-    all.extend(with_binding_limit(prepared, TOP));
+    all.extend(with_binding_limit(stated, TOP * prepared.signal_scales.speed));
     all.extend(with_soft_contacts(stated));
     all.extend(stated.effects.iter().flat_map(|placed| with_other_values(prepared, placed)));
     all
@@ -106,12 +106,11 @@ fn with_soft_contacts(stated: &Model) -> Option<Model> {
     any.then_some(model)
 }
 
-/// The stated model with its velocity limit at this share of the largest speed seen, for a limit that is never reached has
-/// no slope to follow; none where it is not free.
-pub(super) fn with_binding_limit(prepared: &Prepared, share: f64) -> Option<Model> {
-    let mut model = prepared.model.clone();
+/// A model with its velocity limit at this speed, m/s, for a limit that is never reached has no slope to follow; none where it is not free.
+pub(super) fn with_binding_limit(model: &Model, speed: f64) -> Option<Model> {
+    let mut model = model.clone();
     let limit = model.own_mut("velocity_limit").filter(|limit| limit.free)?;
-    limit.value = (share * prepared.signal_scales.speed).clamp(limit.low, limit.high);
+    limit.value = speed.clamp(limit.low, limit.high);
     Some(model)
 }
 

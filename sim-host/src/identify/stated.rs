@@ -12,7 +12,6 @@ use crate::plant::simulate::SimulateError;
 const POOR: f64 = 4.0;
 /// Sum of squares that a start must gain to be worth it: three standard deviations of one parameter.
 const GAINED: f64 = 9.0;
-const LIMIT: &str = "velocity_limit";
 /// Change of a value, as a share of what was stated, that makes one think of missing physics first.
 const FAR: f64 = 0.25;
 
@@ -63,16 +62,14 @@ pub(crate) fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
     let runs = &prepared.fit;
     let mut fit = Fit::begin(prepared.model.clone(), runs)?;
     fit.improve(runs, Effort::FULL)?;
-    let Some(limited) = with_binding_limit(prepared, 1.0) else { return Ok(fit) };
-    let mut other = if fit.chi2() >= POOR {
+    let poor = fit.chi2() >= POOR;
+    // What little a limit takes away bends no other value far: from those stated the limit would be bent instead.
+    let from = if poor { &prepared.model } else { &fit.model };
+    let Some(limited) = with_binding_limit(from, prepared.signal_scales.speed) else { return Ok(fit) };
+    let mut other = if poor {
         Fit::begin(limited, runs)?
-    } else if limit(&fit.model) > limit(&limited) {
-        // What little the limit takes away bends no other value far: from the stated ones the limit would be bent instead.
-        let mut lowered = fit.model.clone();
-        if let (Some(value), Some(limit)) = (lowered.own_mut(LIMIT), limit(&limited)) {
-            value.value = limit;
-        }
-        Fit::resume(lowered, fit.locals.clone(), runs)?
+    } else if is_lower(&limited, from) {
+        Fit::resume(limited, fit.locals.clone(), runs)?
     } else {
         return Ok(fit);
     };
@@ -80,9 +77,9 @@ pub(crate) fn fit_stated(prepared: &Prepared) -> Result<Fit, SimulateError> {
     Ok(if other.squares < fit.squares - GAINED { other } else { fit })
 }
 
-fn limit(model: &Model) -> Option<f64> {
-    let place = model.kind.parameters().iter().position(|p| p.key == LIMIT)?;
-    model.own.get(place).map(|value| value.value)
+/// Whether a value of the model's own is lower than in another.
+fn is_lower(model: &Model, other: &Model) -> bool {
+    model.own.iter().zip(&other.own).any(|(value, other)| value.value < other.value)
 }
 
 /// A model fitted with no stated value further than a quarter from what was stated, and held there from now on; none where
